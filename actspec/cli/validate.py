@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from actspec.cli.options import add_format, add_packages, add_specs, add_variant, describe
@@ -38,7 +39,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "Check specs without a simulator: keys, units, sources, references, versions of targets, and the joints that "
         "the text of the robot names; every variant, unless one is named.",
         "actspec validate robots/a1.yaml",
-        "0 all are valid; 1 numbers that can hardly be right with --strict; 2 one is not valid",
+        "0 all are valid; 1 with --strict: numbers that can hardly be right, or a model that is not installed; "
+        "2 one is not valid",
     )
     add_specs(command)
     add_variant(command)
@@ -49,7 +51,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--strict",
         action="store_true",
-        help="exit 1 on a number that can hardly be right, unless the spec says that it is",
+        help="exit 1 on a number that can hardly be right, unless the spec says that it is, and on a model that is not "
+        "installed",
     )
     add_format(command)
 
@@ -61,6 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     failed = False
     doubtful: list[Diagnostic] = []
+    not_installed: list[Diagnostic] = []
     records = []
     for path in arguments.spec:
         if arguments.skip_other and _is_other(path):
@@ -74,7 +78,8 @@ def run(arguments: argparse.Namespace) -> int:
             )
             check_packages(spec)
             diagnostics = (*spec.diagnostics, *validate_variants(spec))
-            unchecked, found = _resolved(spec)
+            unchecked, lacking, found = _resolved(spec)
+            not_installed += lacking
             model = spec.model
             groups = len(model.actuators)
             summary = f"{one_line(path)}: valid: {model.robot.name}, {groups} group{'s' * (groups != 1)}"
@@ -103,9 +108,18 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"format": "actspec-validate/1", "files": records})
     else:
         print_lines(refusal(doubtful), sys.stderr)
+        print_lines(_not_checked(not_installed if arguments.strict else ()), sys.stderr)
     if failed:
         return EXIT_FAILED
-    return EXIT_FINDINGS if doubtful else EXIT_CLEAN
+    return EXIT_FINDINGS if arguments.strict and (doubtful or not_installed) else EXIT_CLEAN
+
+
+def _not_checked(lacking: Sequence[Diagnostic]) -> Iterator[str]:
+    """What `--strict` prints where a model is not installed."""
+    for item in dict.fromkeys(lacking):
+        yield f"--strict: not checked against the joints of a model: {one_line(item.message)}"
+        if item.help:
+            yield f"  help: {one_line(item.help)}"
 
 
 def _is_other(path: str) -> bool:
@@ -118,18 +132,26 @@ def _is_other(path: str) -> bool:
         return False
 
 
-def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
+def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
     """Resolve a spec against the text of its model; what only a compilation tells, inertia above all, is unknown there.
 
     Of its targets versions are checked, and joints that they name.
 
-    Returns: What could not be checked, for behind the summary, "" where the joints could be read; and warnings.
+    Returns: What could not be checked, for behind the summary, "" where the joints could be read; why the model is not
+        installed, if that is why; and warnings.
 
     Raises:
-        ResolveError: as for `compile`; the model's file is not there.
+        ResolveError: as for `compile`; the model's file is not there, or cannot be read.
     """
     from actspec.resolution import resolve
-    from actspec.robot.load import RobotNotInstalled, find_model, joints_of_text, listed_robot, placed
+    from actspec.robot.load import (
+        JointsNotNamed,
+        RobotNotInstalled,
+        find_model,
+        joints_of_text,
+        listed_robot,
+        placed,
+    )
     from actspec.targets.check import check_options
     from actspec.targets.choose import choose_targets
 
@@ -137,22 +159,23 @@ def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
     targets = choose_targets(spec, (), None, False, collector)
     model = spec.model.robot.model
     unread = ""
-    file = None
+    lacking: tuple[Diagnostic, ...] = ()
+    robot = None
     try:
         if model == "none":
             robot = listed_robot(spec)
         else:
-            file = find_model(model, os.path.dirname(spec.document.path))
-            robot = joints_of_text(file)
-    except RobotError as err:
-        if file is None and not isinstance(err, RobotNotInstalled):
-            for item in placed(spec, err):
-                collector.add(item)
+            robot = joints_of_text(find_model(model, os.path.dirname(spec.document.path)))
+    except (JointsNotNamed, RobotNotInstalled) as err:
         unread = (
             f" (not checked against the joints of {one_line(model)}: {one_line(err.diagnostics[0].message)})"
         )
+        lacking = err.diagnostics if isinstance(err, RobotNotInstalled) else ()
+    except RobotError as err:
+        for item in placed(spec, err):
+            collector.add(item)
     managed = None
-    if not unread:
+    if robot is not None:
         try:
             actuators = resolve(spec, robot)
             managed = [actuator.joint for actuator in actuators.joints]
@@ -165,4 +188,4 @@ def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
                 collector.add(item)
     check_options(targets, managed, collector)
     collector.raise_if_failed(ResolveError)
-    return unread, collector.sorted()
+    return unread, lacking, collector.sorted()

@@ -5,11 +5,11 @@ Patterns put a joint in a group, whose fields it has, with the overrides of the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
+from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed, nearest
 from actspec.fields import BY_SPEC, FRICTION, unit_of_kind
 from actspec.ir import Command, JointKind, Level, Origin, Quantity, tidy
 from actspec.patterns import PatternError, apart, match_names, suggest_pattern
@@ -246,7 +246,7 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
             pose.setdefault(joint, pattern)
     loose = [joint.name for joint in joints if joint.name not in owner and joint.name not in unmanaged]
     if loose and not matcher.failed:
-        _report_loose(spec, robot, loose, breaches.collector)
+        _report_loose(spec, robot, loose, {name: held[0] for name, held in owner.items()}, breaches.collector)
     managed = tuple(
         Binding(
             joint,
@@ -260,10 +260,19 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
     return Bindings(managed, tuple(joint.name for joint in joints if joint.name not in owner), pose)
 
 
-def _report_loose(spec: Spec, robot: RobotView, loose: Sequence[str], collector: Collector) -> None:
+def _report_loose(
+    spec: Spec, robot: RobotView, loose: Sequence[str], groups: Mapping[str, str], collector: Collector
+) -> None:
     """Joints in no group: an error where the file drives them, else said once.
 
     Only an MJCF with actuators can say that a joint has none; of another file the spec must.
+
+    Args:
+        spec: The spec.
+        robot: Its robot.
+        loose: The joints.
+        groups: Group of each other joint.
+        collector: Takes what is reported.
     """
     driven = {
         actuator.target for actuator in robot.actuators if actuator.transmission in ("joint", "jointinparent")
@@ -275,6 +284,10 @@ def _report_loose(spec: Spec, robot: RobotView, loose: Sequence[str], collector:
         if not names:
             continue
         error = severity is Severity.ERROR
+        like = {nearest(name, list(groups)) for name in names}
+        akin = sorted(name for name in like if name is not None)
+        one_group = len({groups[name] for name in akin}) == 1 and None not in like
+        hint = f" (`{groups[akin[0]]}` has {listed(akin)})" if one_group else ""
         collector.add(
             Diagnostic(
                 "BIND005" if error else "BIND007",
@@ -283,7 +296,9 @@ def _report_loose(spec: Spec, robot: RobotView, loose: Sequence[str], collector:
                 f"{'' if error else ' and without an actuator in the model: left as they are'}: {listed(names)}",
                 "actuators",
                 span,
-                "add them to a group, or to robot.unmanaged to leave them as they are" if error else None,
+                f"add them to a group{hint}, or to robot.unmanaged to leave them as they are"
+                if error
+                else None,
             )
         )
 

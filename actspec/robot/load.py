@@ -29,6 +29,10 @@ class RobotNotInstalled(RobotError):
     """The model is in a distribution that is not installed here; `validate` may skip it."""
 
 
+class JointsNotNamed(RobotError):
+    """Only a compilation tells the joints of the model; `validate` skips it."""
+
+
 def find_model(reference: str, base: str) -> str:
     """Turn a spec's `robot.model` into a path.
 
@@ -52,14 +56,14 @@ def find_model(reference: str, base: str) -> str:
     # A spec in the working directory has no folder in its name.
     folder = folder or os.curdir
     if os.path.isdir(path):
-        raise _error("ROBOT101", f"the model is a folder, got {reference!r}", _near("", _names(path)))
+        raise _error("ROBOT101", f"the model is a folder, got {reference!r}", _near("", names_in(path)))
     if not os.path.isdir(folder):
         raise _error(
             "ROBOT101",
             f"there is no model {reference!r}: its folder does not exist",
             "a path is relative to the spec's folder; a file of an installed distribution is package://DIST/path",
         )
-    raise _error("ROBOT101", f"there is no model {reference!r}", _near(name, _names(folder)))
+    raise _error("ROBOT101", f"there is no model {reference!r}", _near(name, names_in(folder)))
 
 
 def robot_of(spec: Spec) -> RobotView:
@@ -138,7 +142,9 @@ def joints_of_text(path: str) -> RobotView:
     Args:
         path: File on disk.
 
-    Raises: RobotError: the file cannot be read, or only a compilation tells its joints.
+    Raises:
+        JointsNotNamed: only a compilation tells its joints.
+        RobotError: the file cannot be read, as for `load_robot`.
     """
     from actspec.robot.xml import open_document
 
@@ -153,7 +159,9 @@ def joints_of_text(path: str) -> RobotView:
     pending = [document.root]
     for element in pending:
         if element.tag in _OPAQUE:
-            raise RobotError.of("ROBOT104", f"its <{element.tag}> makes joints that its text does not name")
+            raise JointsNotNamed.of(
+                "ROBOT104", f"its <{element.tag}> makes joints that its text does not name"
+            )
         pending += element.children
     from actspec.robot.read_mjcf_text import read_mjcf_text
 
@@ -201,7 +209,7 @@ def _find_installed(reference: str) -> str:
     folder = "/".join(parts[:-1])
     beside = {file.rpartition("/")[2] for file in listing if file.rpartition("/")[0] == folder}
     for root in roots:
-        beside.update(_names(os.path.join(root, *parts[:-1])))
+        beside.update(names_in(os.path.join(root, *parts[:-1])))
     raise _error("ROBOT101", f"the distribution {name!r} has no file {inner!r}", _near(parts[-1], beside))
 
 
@@ -225,7 +233,8 @@ def _editable_roots(distribution: Distribution) -> tuple[str, ...]:
     return (root, os.path.join(root, "src"))
 
 
-def _names(folder: str) -> list[str]:
+def names_in(folder: str) -> list[str]:
+    """What there is in a folder; nothing where it cannot be read."""
     try:
         return sorted(os.listdir(folder))
     except OSError:

@@ -353,6 +353,9 @@ def isolated(whole: Any, name: str, inertia: float, parts: int = 1) -> Any:
         _check_same(whole, model, prefix, index, places)
     if parts != 1:
         model = _build(whole, at, drives, inertia, parts).compile()
+    # A body fixed to the world with slides alone gets 1 / mass, without armature, by which its dry friction is softer:
+    # the body here is fixed to the world, the file's seldom is.
+    model.dof_invweight0[:] = 1.0 / model.dof_M0
     for field in SPRING:
         if hasattr(model, field):
             getattr(model, field)[:] = 0.0

@@ -31,6 +31,8 @@ _IN_A_VALUE = frozenset((*VALUE_KEYS, "derive", "nominal", "range", "sampling"))
 
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)", re.DOTALL)
 _NO_COLON = re.compile(r"([A-Za-z_][A-Za-z_0-9.-]*)\s+([\[{].*)", re.DOTALL)
+_NO_COLON_IN_BRACES = re.compile(r"([A-Za-z_][A-Za-z_0-9.-]*)\s+([-+.]?\d.*)", re.DOTALL)
+_NUMBER = re.compile(r"[-+.]?\d.*", re.DOTALL)
 _DIGITS = re.compile(r"[0-9]+(?:\s*[A-Za-z%°µ].*)?", re.DOTALL)
 
 
@@ -256,11 +258,19 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
         for key, value in node.items():
             space = _NO_SPACE.fullmatch(key) if value is None else None
             bracket = _NO_COLON.fullmatch(key)
+            lacks = _NO_COLON_IN_BRACES.fullmatch(key) if value is None else None
             if value is None and last is not None and _is_whole(last[1]) and _DIGITS.fullmatch(key):
                 yield _comma(f"{last[1]},{key}", f"{last[1]}.{key}", (*path, last[0]))
             elif bracket is not None:
                 rest = f"{bracket[1]}: {bracket[2]}: {value}"
                 yield Misplaced(f"`{bracket[1]}` has no `:`", (*path, key), f"write `{short(rest)}`")
+            elif lacks is not None:
+                help = f"write `{lacks[1]}: {short(lacks[2])}`"
+                yield Misplaced(f"`{lacks[1]}` has no `:`", (*path, key), help)
+            elif value is None and last is None and _NUMBER.fullmatch(key) and _is_value(node):
+                name = "nominal" if node.keys() & {"range", "sampling"} else "value"
+                message = f"`{short(key)}` stands where a key must"
+                yield Misplaced(message, (*path, key), f"write `{name}: {short(key)}`")
             elif space is not None:
                 message = f"`{short(key)}` has no space behind its colon, and is one word"
                 yield Misplaced(message, (*path, key), f"write `{space[1]}: {short(space[2])}`")
@@ -280,6 +290,11 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
         else:
             for index, item in enumerate(node):
                 yield from _cut_apart(item, (*path, index))
+
+
+def _is_value(node: Mapping[str, Any]) -> bool:
+    """Whether a mapping has a key of those that stand beside a number, and not the number's own."""
+    return bool(node.keys() & _IN_A_VALUE) and not node.keys() & {"value", "nominal"}
 
 
 def _is_whole(value: Any) -> bool:

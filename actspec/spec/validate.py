@@ -221,26 +221,34 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
         expected = str(context.get("expected", ""))
         options = [option.strip("' ") for option in expected.replace(" or ", ", ").split(",")]
         on_key = bool(item["loc"]) and item["loc"][-1] == "[key]"
+        word = given.get("value") if isinstance(given, Mapping) else given
+        help = did_you_mean(_OTHER_WORDS.get(str(word), str(word)), options)
+        if word is not given and word in options:
+            more = "; `sure: true` stands at a number that was judged with it" if "sure" in given else ""
+            help = f"write `{path[-1]}: {word}`{more}"
         breaches.error(
             "SPEC105",
             f"must be {'one of ' * (len(options) > 1)}{', '.join(options)}, got {_got(given)}",
             path,
-            did_you_mean(_OTHER_WORDS.get(str(given), str(given)), options),
+            help,
             key=on_key,
         )
     else:
-        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model_at(root, path))
+        of = (*path, 0) if kind in ("tuple_type", "list_type") else path
+        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model_at(root, of))
         breaches.error("SPEC106", message, path, help)
 
 
 def _in_yaml_words(
     kind: str, message: str, context: Mapping[str, Any], given: Any, model: type[BaseModel] | None
 ) -> tuple[str, str | None]:
-    """Message and help of a pydantic error about the shape of a value."""
+    """Message and help of a pydantic error about the shape of a value, or of a list of which `model` is an item."""
     got = f", got {_got(given)}"
     if kind in ("tuple_type", "list_type"):
         if isinstance(given, bool) or not isinstance(given, (str, int, float)):
-            return f"must be a list{got}", None
+            whole = short(given)
+            fits = isinstance(given, Mapping) and model is not None and not whole.endswith("...")
+            return f"must be a list{got}", f"write `[{whole}]`" if fits else None
         dashed = _DASHED.match(str(given))
         if dashed is not None:
             return f"must be a list, and `-{short(dashed[1])}` lacks a space", f"write `- {short(dashed[1])}`"

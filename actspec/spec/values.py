@@ -124,7 +124,11 @@ def parse_value(
             if text is not None and not isinstance(text, str):
                 raise fault(f"must be text, got {short(text)}", _in_quotes(text), (key,))
         if not isinstance(given.get("sure", True), bool):
-            raise fault(f"must be true or false, got {short(given['sure'])}", None, ("sure",))
+            raise fault(
+                f"must be true or false, got {short(given['sure'])}",
+                "write `sure: true`, or leave it out",
+                ("sure",),
+            )
     if isinstance(number, str) and number.strip() in (UNKNOWN, IDENTIFIED):
         word = number.strip()
         if word not in words:
@@ -407,8 +411,17 @@ def short(given: Any) -> str:
     """What was given, as YAML has it, cut to a length fit for a message."""
     if given is None or isinstance(given, bool):
         return "null" if given is None else str(given).lower()
-    text = given if isinstance(given, str) else repr(given)
+    text = given if isinstance(given, str) else _written(given)
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _written(given: Any) -> str:
+    """A value in the notation of YAML in which it needs one line."""
+    if isinstance(given, dict):
+        return "{" + ", ".join(f"{key}: {_written(value)}" for key, value in given.items()) + "}"
+    if isinstance(given, list):
+        return "[" + ", ".join(map(_written, given)) + "]"
+    return short(given) if given is None or isinstance(given, bool) else repr(given)
 
 
 def _in_quotes(given: Any) -> str | None:

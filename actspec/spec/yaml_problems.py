@@ -44,6 +44,9 @@ _BEHIND_QUOTE = re.compile(r"""("[^"]*"|'[^']*')\s+([^:\s].*)""")
 _ALONE = re.compile(rf"({_NAME})(?:\s+(.*))?")
 _COMMENT = re.compile(r"(?:^|\s+)#.*")
 _WORD = re.compile(r""""[^"]*"|'[^']*'|[^\s,:\[\]{}]+""")
+_IN_TEXT = re.compile(r"""[{,]\s*(note|title):\s+(?=[^\s"'\[\]{},])(?=[^\[\]{},]*$)""")
+"""A text in { } that stands open at the end."""
+_END_OF_TEXT = re.compile(rf"\s*(?:\}}|,\s*(?:{_NAME}):\s)")
 _OPENS, _CLOSES = {"[": "]", "{": "}"}, {"]": "list", "}": "mapping"}
 _KEY = re.compile(r"""(?:- +)?("[^"]*"|'[^']*'|[^\s#'"\[{][^#]*?):(?:\s|$)""")
 
@@ -229,13 +232,21 @@ def _closes_nothing(line: str, mark: _Mark, closed: bool) -> Problem:
         closed: Whether another that was open is closed on this line.
     """
     end = line[mark.column]
+    glued = _NO_SPACE.fullmatch(line.strip())
+    if glued is not None and glued[2][0] in _OPENS:
+        # `delay:{nominal: 4 ms}` begins no mapping.
+        return _no_colon(line.strip(), _Mark(mark.line, _indent(line))) or _end_without_begin(end, mark)
     key = _KEY.match(line.strip())
     if closed or key is None:
-        return Problem(f"this `{end}` closes nothing", "remove it", mark)
+        return _end_without_begin(end, mark)
     begin = next(char for char, other in _OPENS.items() if other == end)
     value = line[_indent(line) + key.end() : mark.column + 1].strip()
     help = f"write `{cut(f'{key[1]}: {begin}{value}')}`"
     return Problem(f"this {_CLOSES[end]} lacks its `{begin}`", help, _Mark(mark.line, line.index(value)))
+
+
+def _end_without_begin(end: str, mark: _Mark) -> Problem:
+    return Problem(f"this `{end}` closes nothing", "remove it", mark)
 
 
 def _no_comma(lines: list[str], mark: Any, kind: str, end: str) -> Problem | None:
@@ -250,6 +261,11 @@ def _no_comma(lines: list[str], mark: Any, kind: str, end: str) -> Problem | Non
         word = _WORD.match(line, mark.column)
     if word is None or word.start() == _indent(line):
         return None
+    text = _IN_TEXT.search(line, 0, word.start())
+    if at == ":" and text is not None:
+        rest = _END_OF_TEXT.split(line[text.end() :], maxsplit=1)[0].rstrip()
+        help = f'put it into quotes: {text[1]}: "{cut(rest)}"' if '"' not in rest else "quote the text"
+        return Problem("the `: ` inside this text begins a mapping", help, _Mark(mark.line, mark.column))
     return Problem(f"a `,` is missing before `{cut(word[0])}`", None, _Mark(mark.line, word.start()))
 
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 import sys
+from dataclasses import dataclass
 from typing import Any
 
-from actspec.diagnostics import Collector, Span, nearest
+from actspec.diagnostics import Collector, Span, listed, nearest
 from actspec.spec.yaml_problems import plain_problem, too_deep
 from actspec.spec.yaml_text import Stop, cut, got, place, text_of
 
@@ -70,14 +71,38 @@ def parse(data: bytes, path: str, collector: Collector, *, included: bool = Fals
     return root
 
 
+@dataclass(frozen=True, slots=True)
+class _Repeat:
+    """A key that its mapping has already.
+
+    Attributes:
+        key: The key.
+        span: Its place.
+        first: Place of the other.
+        where: Path of the mapping.
+        header: The last key with nothing behind it, where that stands between the two, and its place.
+        next: Whether it is the key below `header`.
+    """
+
+    key: str
+    span: Span
+    first: Span
+    where: str
+    header: tuple[str, Span] | None
+    next: bool
+
+
 class _Open:
     """A collection whose end has not come yet."""
 
-    __slots__ = ("anchor", "key", "node", "waiting")
+    __slots__ = ("anchor", "flow", "key", "node", "repeats", "waiting")
 
-    def __init__(self, node: Node, anchor: str | None) -> None:
+    def __init__(self, node: Node, anchor: str | None, flow: bool) -> None:
         self.node = node
         self.anchor = anchor
+        self.flow = flow
+        """Whether it stands in [ ] or { }."""
+        self.repeats: list[_Repeat] = []
         self.key: tuple[str, Span] | None = None
         """The key whose value comes next; None for one that was refused."""
         self.waiting = False
@@ -97,6 +122,11 @@ class _Builder:
         self.stack: list[_Open] = []
         self.root: Node | None = None
         self.end = Span(path)
+        self.keys = 0
+        self.empty: tuple[str, Span] | None = None
+        """The last key outside of { } with nothing behind it, and its place."""
+        self.empty_key = 0
+        """The how many-th of all keys it is."""
 
     def build(self, text: str) -> Node | None:
         """The root; None for a text without a document."""
@@ -139,14 +169,18 @@ class _Builder:
     def span(self, event: Any) -> Span:
         return self.at(event.start_mark)
 
-    def error(self, code: str, message: str, span: Span, help: str | None = None) -> None:
+    def error(
+        self, code: str, message: str, span: Span, help: str | None = None, *, where: str | None = None
+    ) -> None:
         self.errors += 1
         if self.errors > MAX_ERRORS:
             self.collector.error("SPEC019", f"more than {MAX_ERRORS} errors; reading stopped here", span=span)
             raise Stop
-        self.collector.error(code, message, where=self.where(), span=span, help=help)
+        where = self.where() if where is None else where
+        self.collector.error(code, message, where=where, span=span, help=help)
 
     def fatal(self, code: str, message: str, span: Span, help: str | None = None) -> None:
+        self.tell_repeats()
         self.error(code, message, span, help)
         raise Stop
 
@@ -177,9 +211,10 @@ class _Builder:
             self.anchors[event.anchor] = None
         node = Node(span, value)
         node.height = 1
-        self.stack.append(_Open(node, event.anchor))
+        self.stack.append(_Open(node, event.anchor, bool(event.flow_style)))
 
     def close(self) -> None:
+        self.repeated(len(self.stack) - 1)
         frame = self.stack.pop()
         if frame.anchor is not None:
             self.anchors[frame.anchor] = frame.node
@@ -285,6 +320,8 @@ class _Builder:
         elif isinstance(held, dict):
             if frame.key is not None:
                 held[frame.key[0]] = (frame.key[1], node)
+                if plain and node.value is None and not frame.flow:
+                    self.empty, self.empty_key = frame.key, self.keys
             frame.waiting = False
 
     def key(self, node: Node, held: dict[str, tuple[Span, Node]], plain: bool) -> tuple[str, Span] | None:
@@ -303,12 +340,46 @@ class _Builder:
             help = "use `overrides` for the joints that differ, or a motor by name for what is shared"
             self.error("SPEC007", "the merge key << is not allowed", node.span, help)
             return None
+        self.keys += 1
         if key in held:
-            message = f"the key '{cut(key)}' is repeated, first at {held[key][0]}"
-            more = "; what variants change stands under `variants`" if key == "variant" else ""
-            self.error("SPEC006", message, node.span, f"keep one of the two{more}")
+            first = held[key][0]
+            header = self.empty if self.empty is not None and first < self.empty[1] else None
+            repeat = _Repeat(key, node.span, first, self.where(), header, self.keys == self.empty_key + 1)
+            self.stack[-1].repeats.append(repeat)
             return None
         return key, node.span
+
+    def tell_repeats(self) -> None:
+        """Tell those of all mappings whose end has not come."""
+        for depth in range(len(self.stack)):
+            self.repeated(depth)
+
+    def repeated(self, depth: int) -> None:
+        """Tell the repeated keys of an open mapping: those below a header that is too far in at the header."""
+        frame = self.stack[depth]
+        repeats, frame.repeats = frame.repeats, []
+        owner = self.stack[depth - 1].key if depth else None
+        below: dict[tuple[str, Span], list[_Repeat]] = {}
+        for one in repeats:
+            if one.header is not None and owner is not None:
+                below.setdefault(one.header, []).append(one)
+        told: set[Span] = set()
+        for header, mine in below.items():
+            if owner is None or (len(mine) == 1 and not mine[0].next):
+                continue
+            name, names = cut(header[0]), listed(dict.fromkeys(f"`{cut(one.key)}`" for one in mine), 4)
+            message = f"`{name}` is empty in `{cut(owner[0])}`, and what follows is repeated there: {names}"
+            help = (
+                f"indent `{name}:` by {owner[1].column - 1} spaces as `{cut(owner[0])}:`, if that is its own"
+            )
+            self.error("SPEC006", message, header[1], help, where=mine[0].where)
+            told.update(one.span for one in mine)
+        for one in repeats:
+            if one.span in told:
+                continue
+            message = f"the key '{cut(one.key)}' is repeated, first at {one.first}"
+            more = "; what variants change stands under `variants`" if one.key == "variant" else ""
+            self.error("SPEC006", message, one.span, f"keep one of the two{more}", where=one.where)
 
     def syntax(self, err: Any, text: str) -> None:
         """Say in plain words what PyYAML found."""
@@ -320,6 +391,7 @@ class _Builder:
             mark = start
         found = plain_problem(problem, context, text, mark, start)
         span = Span(self.path) if found.mark is None else self.at(found.mark)
+        self.tell_repeats()
         self.stack.clear()
         if too_deep(problem):
             self.fatal("SPEC011", f"nested more than {MAX_DEPTH} levels deep", span)

@@ -139,7 +139,6 @@ def test_listed_joints(folder: Path, capsys: pytest.CaptureFixture[str]) -> None
             "the model 'package://no-such-distribution/a.xml' is not installed",
         ),
         ("herd.xml", "its <replicate> makes joints that its text does not name"),
-        ("broken.xml", "the file ends before <mujoco>"),
     ],
 )
 def test_what_it_could_not_read(
@@ -151,6 +150,51 @@ def test_what_it_could_not_read(
     out, err = capsys.readouterr()
     start = f"leg.yaml: valid: leg, 1 group (not checked against the joints of {model}: "
     assert out.startswith(start) and why in out and err == ""
+
+
+@pytest.mark.parametrize(
+    ("model", "code", "said"),
+    [
+        pytest.param(
+            "package://no-such-distribution/a.xml",
+            1,
+            "--strict: not checked against the joints of a model: the model 'package://no-such-distribution/a.xml' is "
+            "not installed: there is no distribution 'no-such-distribution' here\n"
+            "  help: pip install no-such-distribution\n",
+            id="not installed",
+        ),
+        pytest.param("herd.xml", 0, "", id="only a compilation tells"),
+    ],
+)
+def test_what_strict_makes_of_it(
+    folder: Path, model: str, code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A check that did not run for want of a package is a finding; what this command never reads is none."""
+    (folder / "leg.yaml").write_text(spec(model, "no_such_joint"), encoding="utf-8")
+    assert main(["validate", "--strict", "leg.yaml"]) == code
+    assert capsys.readouterr().err == said
+
+
+@pytest.mark.parametrize(
+    ("model", "said"),
+    [
+        ("broken.xml", "broken.xml:1:9: ROBOT004: the file ends before <mujoco>"),
+        ("leg.usd", "leg.usd:1:1: ROBOT004: this is not XML"),
+        ("page.xml", "page.xml:1:1: ROBOT104: the root element is <html>"),
+    ],
+)
+def test_a_model_that_is_no_model(
+    folder: Path, model: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An error as for `compile`, at its place in the model, without --strict too."""
+    (folder / "leg.usd").write_text("#usda 1.0\n", encoding="utf-8")
+    (folder / "page.xml").write_text("<html/>", encoding="utf-8")
+    (folder / "leg.yaml").write_text(spec(model, "no_such_joint"), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err.startswith(said) and err.count("ROBOT") == 1
+    assert main(["compile", "leg.yaml"]) == 2
+    assert said in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from actspec.verify.response import SOFT
 from tests.frameworks.prepare import Frameworks
 from tests.verify.making import SPEC, Edit, both, replaced
-from tests.verify.responding import Bench
+from tests.verify.responding import SLIDE, SLIDE_MODEL, Bench
 
 NEWTONS = {"newton": "1.8", "newton4": "1.4"}
 pytestmark = pytest.mark.slow
@@ -36,6 +38,14 @@ def test_every_course_of_every_joint_agrees(bench: Bench, name: str) -> None:
     losses = {loss.key for loss in bench.built.targets[name].losses}
     assert marked <= {*losses, SOFT}
     assert bool(marked) == (name != "custom")
+
+
+def test_a_slide_with_dry_friction_agrees_in_mjlab(frameworks: Frameworks, tmp_path: Path) -> None:
+    """The body of its own is fixed to the world, which would make the friction of a slide softer than a robot's."""
+    bench = Bench.of(tmp_path, SLIDE + "targets: {mjlab: {}}\n", "mjlab", model=SLIDE_MODEL)
+    rows = bench.rows("mjlab")
+    assert [row.message for row in rows if not row.ok] == []
+    assert SOFT in {key for row in rows for key in row.approximations}
 
 
 def test_a_class_that_holds_the_whole_law_needs_no_approximation(bench: Bench) -> None:

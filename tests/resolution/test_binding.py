@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from actspec.diagnostics import Severity
+import pytest
+
+from actspec.diagnostics import ResolveError, Severity
 from tests.fitting import NONE, fit, joint, refused, spec_of
 
 PD = "level: ideal_pd, kp: 25, kd: 0.5"
@@ -51,6 +53,21 @@ def test_joints_left_out() -> None:
     ]
     found = fit(spec_of(f"a: {{joints: [hip], {PD}}}", robot=NONE + ', unmanaged: ["c.*", slide]'))
     assert found.unmanaged == ("calf", "slide")
+
+
+def test_the_group_of_the_nearest_joint_is_named() -> None:
+    """`l_ankle` is in `feet`; of two joints that are near to those of two groups none is named."""
+    listed = "name: leg, model: none, joints: [l_ankle, r_ankle, l_knee, r_knee]"
+    for joints, hint in (("l_knee, r_knee", " (`feet` has l_ankle)"), ("l_knee", "")):
+        with pytest.raises(ResolveError) as refusal:
+            fit(
+                spec_of(
+                    f"feet: {{joints: [l_ankle], {PD}}}, knees: {{joints: [{joints}], {PD}}}", robot=listed
+                )
+            )
+        (item,) = refusal.value.diagnostics
+        assert item.code == "BIND005"
+        assert item.help == f"add them to a group{hint}, or to robot.unmanaged to leave them as they are"
 
 
 def test_a_joint_without_actuator_may_be_left_out() -> None:

@@ -124,6 +124,25 @@ def test_a_joint_alone_has_every_row_of_the_file_s_model(joint: str) -> None:
     assert np.array_equal(alone.dof_solref[0], whole.dof_solref[whole.jnt_dofadr[at]])
 
 
+@pytest.mark.parametrize("kind", ["hinge", "slide"])
+def test_dry_friction_is_as_soft_as_for_the_whole_inertia(kind: str) -> None:
+    """0.25 kg and an armature of 0.75 are 1 kg, so R = (1 - d) / d = 1/9 at d = 0.9; by the body alone it is 4/9.
+
+    MuJoCo takes the body alone where a slide has the world as parent, as a joint that is alone has.
+    """
+    import mujoco
+
+    whole = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><worldbody><body><joint name="a" type="{kind}" armature="0.75" frictionloss="5"/>
+        <inertial pos="0 0 0" mass="0.25" diaginertia="0.25 0.25 0.25"/></body></worldbody>
+        <actuator><motor joint="a"/></actuator></mujoco>"""
+    )
+    alone = rollout.isolated(whole, "a", 0.25)
+    data = mujoco.MjData(alone)
+    mujoco.mj_forward(alone, data)
+    assert data.efc_R[0] == pytest.approx(1.0 / 9.0)
+
+
 def test_half_a_step_keeps_the_delay() -> None:
     """8 ms are 2 steps of 4 and 4 of 2: the buffer is twice as long."""
     import mujoco

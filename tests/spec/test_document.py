@@ -306,6 +306,46 @@ def test_a_repeated_key_is_refused_in_full() -> None:
     ]
 
 
+def test_a_header_too_far_in_is_told_once_at_its_own_line() -> None:
+    """Its keys are repeated in the mapping above: four of them, one twice; that of another mapping stays as it is."""
+    text = (
+        "m:\n  legs:\n    a: 1\n    b: 1\n    c: {d}\n    arms:\n    a: 2\n    x: 2\n    b: 2\n    b: 3\n"
+        "n: {y: 1, y: 2}\n"
+    )
+    assert [str(d) for d in errors(text)] == [
+        "s.yaml:6:5: SPEC006 m.legs: `arms` is empty in `legs`, and what follows is repeated there: `a`, `b`"
+        "\n  help: indent `arms:` by 2 spaces as `legs:`, if that is its own",
+        "s.yaml:11:11: SPEC006 n: the key 'y' is repeated, first at s.yaml:11:5\n  help: keep one of the two",
+    ]
+
+
+def test_a_header_two_levels_too_far_in_is_told_too() -> None:
+    """It ends up below the last field of the mapping above."""
+    text = "m:\n   legs:\n      a: 1\n      b:\n         c: 1\n         arms:\n      a: 2\n"
+    assert [str(d).splitlines() for d in errors(text)] == [
+        [
+            "s.yaml:6:10: SPEC006 m.legs: `arms` is empty in `legs`, and what follows is repeated there: `a`",
+            "  help: indent `arms:` by 3 spaces as `legs:`, if that is its own",
+        ]
+    ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param("m:\n  l:\n    a: 1\n    b:\n    c: 1\n    a: 2\n", id="one key, and not the next"),
+        pytest.param("m:\n  l:\n    b:\n    a: 1\n    a: 2\n", id="above both"),
+        pytest.param("m:\n  l:\n    a: 1\n    b: {c}\n    a: 2\n", id="in braces"),
+        pytest.param("a: 1\nb:\na: 2\n", id="at the left edge"),
+        pytest.param("m:\n  l:\n    a: 1\n    a: 2\n    b:\n", id="below both"),
+    ],
+)
+def test_an_empty_key_is_no_header_of_what_is_repeated_elsewhere(text: str) -> None:
+    """The repeated key is told."""
+    (only,) = said(text)
+    assert "the key 'a' is repeated" in only
+
+
 def test_a_merge_key_points_to_overrides() -> None:
     """The language has its own way to say `the same but`."""
     (error,) = errors("a: &a {k: 1}\nb:\n  <<: *a\n  l: 2\n")

@@ -23,6 +23,24 @@ from actspec.verify.response import (
 from actspec.verify.run import ENGINES
 from tests.verify.making import MODEL, Built, Edit, build
 
+SLIDE_MODEL = """<mujoco model="rich"><compiler angle="radian"/><option timestep="0.001" integrator="implicitfast"/>
+<worldbody><body><joint name="grip" type="slide" axis="0 1 0" range="0 0.08"/>
+<geom type="sphere" size="0.02" mass="0.08"/></body></worldbody></mujoco>"""
+SLIDE = """actspec: 1
+robot: {name: lone, model: rich.xml, default_pose: {grip: 40 mm}}
+timing: {physics_dt: 1 ms, decimation: 8}
+actuators:
+  g:
+    joints: [grip]
+    level: ideal_pd
+    effort_limit: 100 N
+    kp: 4000 N/m
+    kd: 60 N*s/m
+    armature: 1 kg
+    friction: {coulomb: 5 N, viscous: 10 N*s/m}
+"""
+"""A slide of 1.08 kg, 0.08 of them its body's, with dry friction of 5 of 100 N; without targets."""
+
 
 @dataclass(frozen=True)
 class Bench:

@@ -11,7 +11,7 @@ import pytest
 from actspec.simulate.experiment import COURSES
 from actspec.verify.response import SOFT
 from tests.verify.making import MODEL, SPEC, Edit, both, replaced
-from tests.verify.responding import Bench
+from tests.verify.responding import SLIDE, SLIDE_MODEL, Bench
 
 pytestmark = pytest.mark.slow
 
@@ -60,6 +60,14 @@ def test_what_the_spec_does_not_state_is_not_held_against_the_file(tmp_path: Pat
     rows = bench.rows("mujoco")
     assert {row.group for row in rows} == {"hips", "knees", "lift"}
     assert [row.message for row in rows if not row.ok] == []
+
+
+def test_a_slide_with_dry_friction_agrees(tmp_path: Path) -> None:
+    """Of 1.08 kg, 0.08 of them its body's, with 5 of 100 N: known to creep, as a hinge is, and no more than that."""
+    rows = Bench.of(tmp_path, SLIDE + ONLY, "mujoco", model=SLIDE_MODEL).rows("mujoco")
+    assert [row.quantity for row in rows] == list(COURSES)
+    assert [row.message for row in rows if not row.ok] == []
+    assert {key for row in rows for key in row.approximations} == {SOFT}
 
 
 def test_a_first_order_engine_is_off_by_twice_its_change(rich: Bench) -> None:

@@ -97,6 +97,7 @@ _RESERVED = re.compile(r"CON|PRN|AUX|NUL|CONIN|CONOUT|(?:COM|LPT)[0-9]", re.IGNO
 """Devices of Windows, whatever ending stands behind them."""
 
 
+_CHECK = re.compile(r"SPEC[0-9]+")
 SPEC_ITSELF = "spec"
 """What stands for a target in keys of `accept` about what the spec itself approximates, for every target."""
 
@@ -177,11 +178,14 @@ def check_accept(accept: Mapping[str, str], targets: Mapping[str, Target], breac
     for entry, reason in accept.items():
         target_name, dot, _ = entry.partition(".")
         if not dot or target_name not in (*names, SPEC_ITSELF):
+            check = _CHECK.fullmatch(entry)
             breaches.error(
                 "SPEC162",
                 f"'{entry}' names no target of this spec",
                 ("accept", entry),
-                f"write TARGET.FIELD; targets: {', '.join(names)}",
+                f"write `{SPEC_ITSELF}.{entry}`"
+                if check
+                else f"write TARGET.FIELD; targets: {', '.join(names)}",
                 key=True,
             )
         if not reason.strip():

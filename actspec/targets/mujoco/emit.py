@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, EmitError, RobotError, Span, listed
+from actspec.diagnostics import Collector, EmitError, Place, RobotError, Span, listed, nearest
 from actspec.ir import ActuatorSet
+from actspec.robot.load import names_in
 from actspec.robot.mjspec import compile_spec, open_spec
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
@@ -23,7 +24,7 @@ from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, tex
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.networks import runtime_files
-from actspec.targets.mujoco.paths import layout, unresolved, written_files
+from actspec.targets.mujoco.paths import layout, package_of, unresolved, written_files
 from actspec.targets.mujoco.plan import Plan, integrator_for, plan_model, unchanged_controls, with_keys
 
 if TYPE_CHECKING:
@@ -54,15 +55,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     if options.canonical or robot.format is ModelFormat.URDF:
         robot = canonical_files(robot, collector)
     document = parse_document(robot.files)
-    lacking = unresolved(document, packages)
-    if lacking:
-        collector.at("robot.model", Span(given)).warning(
-            "MJC029",
-            f"{len(lacking)} mesh file{'s' * (len(lacking) > 1)} of a package that is not around the model, and MuJoCo "
-            f"cannot open: {listed(lacking, 4)}",
-            "name its folder in `robot.packages: {NAME: folder}` or with --package NAME=FOLDER, or keep the URDF "
-            "inside the folder of its package, which has the package's name or its package.xml",
-        )
+    _say_lacking_meshes(document, packages, collector.at("robot.model", Span(given)))
     bare, lost = plan_model(actuators, robot, dialect, options.name, collector)
     collector.raise_if_failed(EmitError)
     bare = replace(bare, integrator=integrator_for(actuators, robot, document, collector))
@@ -126,6 +119,45 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     euler = robot.integrator == "Euler" and plan.integrator is None
     explicit = frozenset(drive.joint for drive in plan.drives) if euler else frozenset()
     return Emission(emitted, lost, collector.sorted(), explicit)
+
+
+def _say_lacking_meshes(document: XmlDocument, packages: Mapping[str, str], place: Place) -> None:
+    """Report meshes that are named by package and not found."""
+    strange, absent = unresolved(document, packages)
+    if strange:
+        near = {name: nearest(name, list(packages)) for name in dict.fromkeys(map(package_of, strange))}
+        meant = [f"`{name}` for `{key}`" for name, key in near.items() if key is not None]
+        help = f"did you mean {listed(meant, 4)} in `robot.packages`?"
+        if len(meant) != len(near):
+            help = (
+                "name its folder in `robot.packages: {NAME: folder}` or with --package NAME=FOLDER, or keep the URDF "
+                "inside the folder of its package, which has the package's name or its package.xml"
+            )
+        place.warning(
+            "MJC029",
+            f"{_meshes(strange)} of a package that is not around the model, and MuJoCo cannot open: "
+            f"{listed(strange, 4)}",
+            help,
+        )
+    if absent:
+        guesses = {
+            os.path.basename(name): nearest(os.path.basename(name), names_in(at))
+            for name, at in absent.items()
+        }
+        meant = [f"'{guess}' for '{name}'" for name, guess in guesses.items() if guess is not None]
+        one = len(absent) == 1
+        place.warning(
+            "MJC029",
+            f"{_meshes(absent)} {'is' if one else 'are'} not in the folder of {'its' if one else 'their'} package, and "
+            f"MuJoCo cannot open: {listed(absent, 4)}",
+            f"did you mean {listed(meant, 4)}?"
+            if meant
+            else f"looked in {listed(dict.fromkeys(absent.values()), 4)}",
+        )
+
+
+def _meshes(names: Collection[str]) -> str:
+    return f"{len(names)} mesh file{'s' * (len(names) > 1)}"
 
 
 def _say_which_loads(

@@ -150,13 +150,34 @@ def _packaged(document: XmlDocument, source: str, packages: Mapping[str, str]) -
     return edits
 
 
-def unresolved(document: XmlDocument, packages: Mapping[str, str]) -> tuple[str, ...]:
-    """Mesh files that are named by a package that is neither the spec's nor the one around the model."""
+def unresolved(
+    document: XmlDocument, packages: Mapping[str, str]
+) -> tuple[tuple[str, ...], Mapping[str, str]]:
+    """Mesh files that are named by package and are not found.
+
+    Returns: Those of a package that is neither the spec's nor the one around the model; and those that their package
+        does not have, with the folder where they would be.
+    """
     source = os.path.dirname(os.path.abspath(document.files[0].path))
-    named = [element.get("file") or "" for element in document.walk("mesh")]
-    return tuple(
-        name for name in named if name.startswith(_PACKAGE) and package_file(name, source, packages) is None
-    )
+    strange: list[str] = []
+    absent: dict[str, str] = {}
+    for element in document.walk("mesh"):
+        name = element.get("file") or ""
+        if not name.startswith(_PACKAGE) or package_file(name, source, packages) is not None:
+            continue
+        root = _package_folder(package_of(name), source, packages)
+        if root is None:
+            strange.append(name)
+        else:
+            inner = name.removeprefix(_PACKAGE).partition("/")[2]
+            folder = os.path.dirname(os.path.realpath(os.path.join(root, inner)))
+            absent[name] = folder if folder.startswith(root + os.sep) else root
+    return tuple(strange), absent
+
+
+def package_of(name: str) -> str:
+    """The package that `package://NAME/path` is of."""
+    return name.removeprefix(_PACKAGE).partition("/")[0]
 
 
 def package_file(name: str, source: str, packages: Mapping[str, str]) -> str | None:
@@ -173,14 +194,22 @@ def package_file(name: str, source: str, packages: Mapping[str, str]) -> str | N
     if not name.startswith(_PACKAGE):
         return None
     package, _, inner = name.removeprefix(_PACKAGE).partition("/")
+    root = _package_folder(package, source, packages)
+    if root is None:
+        return None
+    path = os.path.realpath(os.path.join(root, inner))
+    return path if path.startswith(root + os.sep) and os.path.isfile(path) else None
+
+
+def _package_folder(package: str, source: str, packages: Mapping[str, str]) -> str | None:
+    """The folder of a package; None: the spec names none, and none is around the file. See `package_file`."""
     root = os.path.realpath(packages.get(package, source))
     while package not in packages and not _is_package(root, package):
         above = os.path.dirname(root)
         if above == root:
             return None
         root = above
-    path = os.path.realpath(os.path.join(root, inner))
-    return path if path.startswith(root + os.sep) and os.path.isfile(path) else None
+    return root
 
 
 def _is_package(folder: str, name: str) -> bool:

@@ -94,6 +94,9 @@ class Simulated:
         self.robot, self.commands, self.dt, self.count = robot, commands, step, count
         self.entity = robot.entity()
         self.model = self.entity.compile()
+        if alone:
+            # As `isolated` does: a slide that is alone in the world would have softer dry friction than on a robot.
+            self.model.dof_invweight0[:] = 1.0 / self.model.dof_M0
         more: dict[str, Any] = (
             {"gravity": (0.0, 0.0, 0.0), "disableflags": ("contact", "limit")} if alone else {}
         )

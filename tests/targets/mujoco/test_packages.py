@@ -111,6 +111,40 @@ def test_another_package(tmp_path: Path) -> None:
     assert item.span is not None and item.span.path.endswith("r.urdf")
 
 
+def reported(done: Compilation) -> tuple[str, str | None]:
+    """Message and help of the one report of lacking meshes."""
+    (item,) = [item for item in done.diagnostics if item.code == "MJC029"]
+    return item.message, item.help
+
+
+def test_a_mesh_that_its_package_does_not_have(tmp_path: Path) -> None:
+    """The package is there: the file is named, with the nearest that there is, or where it was looked for."""
+    own = package(tmp_path, "my_desc")
+    (own / "urdf" / "r.urdf").write_text(URDF.replace("meshes/x.obj", "meshes/turet.obj"), encoding="utf-8")
+    said = "1 mesh file is not in the folder of its package, and MuJoCo cannot open: package://my_desc/meshes/turet.obj"
+    assert reported(compiled(own)) == (said, f"looked in {own / 'meshes'}")
+    (own / "meshes" / "turret.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    assert reported(compiled(own)) == (said, "did you mean 'turret.obj' for 'turet.obj'?")
+
+
+def test_nothing_outside_of_a_package_is_offered(tmp_path: Path) -> None:
+    """A path that leaves the package is looked for in the package alone."""
+    own = package(tmp_path, "my_desc")
+    (own / "urdf" / "r.urdf").write_text(URDF.replace("meshes/x.obj", "../secret.obj"), encoding="utf-8")
+    (tmp_path / "secrets.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    assert reported(compiled(own))[1] == f"looked in {own}"
+
+
+def test_a_misspelt_package_of_the_spec(tmp_path: Path) -> None:
+    """The URDF is in no package, and the spec has one of nearly the name."""
+    own = package(tmp_path, "clone")
+    spec = SPEC.replace("r.urdf}", "r.urdf, packages: {my_dsc: .}}")
+    (own / "s.yaml").write_text(spec, encoding="utf-8")
+    message, help = reported(compiled(own))
+    assert message.startswith("1 mesh file of a package that is not around the model")
+    assert help == "did you mean `my_desc` for `my_dsc` in `robot.packages`?"
+
+
 @pytest.mark.parametrize(
     "name, found",
     [
