@@ -54,7 +54,10 @@ def stage_relations(stages: Sequence[Stage], path: Path, what: str) -> Iterator[
         (1.0, 350.0),
         f"{format_quantity(product, '', 3)} {what}: it turns {format_quantity(1 / product, '', 3)} times as fast",
         stage_path(stages[index], (*path, index)),
-        f"did you mean {format_quantity(1 / least, '', 3)}? A stage has turns at its input in one turn at its output",
+        "are driving and driven swapped? Driving is the wheel on the motor's side"
+        if stages[index].teeth is not None
+        else f"did you mean {format_quantity(1 / least, '', 3)}? A stage has turns at its input in one turn at its "
+        "output",
         beyond=(NEVER_GEARED_UP, math.inf),
         about=f"{path}",
     )

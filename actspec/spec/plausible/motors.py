@@ -68,6 +68,9 @@ LEAST_EFFICIENCY = 0.1
 CURRENTS = (0.1, 200.0)
 VOLTAGES = (3.0, 120.0)
 """Of drives of robots [A, V]. Chosen: from hobby servos to humanoids."""
+ANY_CURRENT = (5e-3, 2000.0)
+ANY_VOLTAGE = (1.0, 1000.0)
+"""Of any motor [A, V]. Chosen: from micro motors to those of vehicles."""
 GEAR_INVERSE = "did you mean {}? gear_ratio is rotor turns in one output turn"
 
 
@@ -182,15 +185,24 @@ def _constant(name: str, motor: Motor) -> Iterator[Relation]:
             ((*path, "peak_current"),),
             about="currents",
         )
-    # No bounds: which of two factors is the wrong one is told by its own size.
-    for field, sizes in (
-        ("peak_current", CURRENTS),
-        ("nominal_current", CURRENTS),
-        ("nominal_voltage", VOLTAGES),
+    # Which of two factors is the wrong one is told by its own size.
+    for field, sizes, (low, high), unit in (
+        ("peak_current", CURRENTS, ANY_CURRENT, "A"),
+        ("nominal_current", CURRENTS, ANY_CURRENT, "A"),
+        ("nominal_voltage", VOLTAGES, ANY_VOLTAGE, "V"),
     ):
-        value = number(getattr(motor, field))
-        if value:
-            yield Relation("SPEC181", value, (0.0, math.inf), sizes, "", (*path, field), None)
+        given: SpecValue | None = getattr(motor, field)
+        value = number(given)
+        if value and given is not None:
+            yield Relation(
+                "SPEC181",
+                value,
+                (low, high),
+                sizes,
+                f"{field} {given.written}: motors of robots have {low:g} to {format_quantity(high, unit)}",
+                (*path, field),
+                None,
+            )
 
 
 def _gear(name: str, motor: Motor) -> Iterator[Relation]:

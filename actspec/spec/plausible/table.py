@@ -57,7 +57,8 @@ CHECKS = (
         "current above the peak current.",
         "N*m/A and V*s/rad are one unit. A warning outside of 0.4 to 2.5 times the torque: amplitudes for effective "
         "values, phases for lines, losses and saturation make up to 2. Outside of 0.2 to 3 times the voltage: field "
-        "weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it.",
+        "weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. Of any motor 1 to 1000 V and "
+        "5 mA to 2000 A (chosen: from micro motors to those of vehicles).",
     ),
     Check(
         "SPEC182",
@@ -175,7 +176,7 @@ CHECKS = (
         "kd over kp above 1 s (published: 0.0071 to 0.25 s); a natural frequency outside of 0.15 to 100 Hz or a "
         "damping ratio outside of 0.015 to 60 that a gain is derived from. Of joints with a motor also kd over kp "
         "below 0.5 ms (0.1 ms without friction), a kp that needs an error of more than 50 rad for the effort limit "
-        "(2.2 rad), or of less than 0.01 rad with kd over kp below 2 ms (an so101 with 998 N*m/rad); and, by the "
+        "(2.2 rad), or of less than 0.015 rad with kd over kp below 2 ms (an so101 with 998 N*m/rad); and, by the "
         "inertia of links and armature at the reference pose: below 6 rad/s where the limit needs an error of more "
         "than 10 rad, or below 1 rad/s (published: 6.2 rad/s and up; an error of 25 rad at most, at 16 rad/s); above "
         "150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or more (95 rad/s; 203 at 0.1 rad); a damping "

@@ -118,6 +118,12 @@ def codes(text: str, model: str | None = None) -> list[str]:
         ("side: joint, stall_torque: 10100, peak_torque: 160", ["SPEC183"]),
         ("side: joint, stall_torque: 10, peak_torque: 0.15", []),
         ("side: joint, stall_torque: 10, peak_torque: 0.149", ["SPEC180"]),
+        ("nominal_voltage: 1", []),
+        ("nominal_voltage: 0.9", ["SPEC181"]),
+        ("nominal_voltage: 1001", ["SPEC181"]),
+        ("nominal_current: 0.005, peak_current: 2000", []),
+        ("peak_current: 2001", ["SPEC181"]),
+        ("nominal_current: 4 mA", ["SPEC181"]),
         ("nominal_current: 10.2, peak_current: 10", []),
         ("nominal_current: 10.3, peak_current: 10", ["SPEC181"]),
         # 40 rad/s at the rotor, or 12 times the gear.
@@ -193,11 +199,11 @@ def test_motors(motor: str, expected: list[str]) -> None:
         # 0.1 ms of kd alone.
         ("motor: m, kp: 100, kd: 0.011, friction: {viscous: 0.05}", []),
         ("motor: m, kp: 100, kd: 0.009, friction: {viscous: 0.05}", ["SPEC192"]),
-        # 20 N*m at 0.01 rad, with a kd of 2 ms.
-        ("motor: m, kp: 1990, kd: 3.9", []),
-        ("motor: m, kp: 2010, kd: 4.1", []),
-        ("motor: m, kp: 2010, kd: 3.9", ["SPEC192"]),
-        ("kp: 2010, kd: 3.9, effort_limit: 20", []),
+        # 20 N*m at 0.015 rad, with a kd of 2 ms.
+        ("motor: m, kp: 1330, kd: 2.6", []),
+        ("motor: m, kp: 1340, kd: 2.7", []),
+        ("motor: m, kp: 1340, kd: 2.6", ["SPEC192"]),
+        ("kp: 1340, kd: 2.6, effort_limit: 20", []),
         # 20 N*m / 0.4 N*m/rad = 50 rad.
         ("motor: m, kp: 0.41, kd: 0.1", []),
         ("motor: m, kp: 0.39, kd: 0.1", ["SPEC192"]),
