@@ -267,3 +267,20 @@ def test_the_figure_that_is_wrong(wrong: dict[str, str], place: str, help: str) 
     motor = ", ".join(f"{key}: {value}" for key, value in {**sheet, **wrong}.items())
     ((_, where, found),) = gains("kp: 60, kd: 2", motor)
     assert where == f"motors.m.{place}" and (found or "").startswith(help)
+
+
+def test_a_heavy_rotor_does_not_hide_a_wrong_peak() -> None:
+    """0.65 N*m/A x 40 A = 26 N*m; 25 / 0.008 kg*m^2 = 3125 rad/s^2 is little for a rotor, and sound."""
+    hub = (
+        "side: joint, stall_torque: 60, peak_torque: {}, continuous_torque: 8, no_load_speed: 500 rpm, "
+        "torque_constant: 0.65, nominal_voltage: 36 V, peak_current: 40 A, gear_ratio: 1, rotor_inertia: 0.008"
+    )
+    assert gains("kp: 10, kd: 1", hub.format(25)) == []
+    ((_, where, help),) = gains("kp: 10, kd: 1", hub.format(0.25))
+    assert (where, help) == ("motors.m.peak_torque", "did you mean 25 N*m?")
+
+
+def test_friction_against_the_speed_of_a_motor_of_an_ideal_drive() -> None:
+    """5.7 x 10 rad/s = 57 of 20 N*m."""
+    ((code, where, _),) = gains("kp: 40, kd: 2, friction: {viscous: 5.7}")
+    assert (code, where) == ("FRC106", "actuators.legs.friction.viscous")
