@@ -68,8 +68,6 @@ HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
 
 _OF_SPEC = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)
-
-
 _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
 _TO_INERTIA = frozenset(("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction"))
@@ -112,7 +110,7 @@ def check_joints(
     reported = _sections(item for item in collector if item.code in BY_CODE)
     tell(file_doubts(joints, model, document.spans, reported), document, model.accept, collector)
     places = {item.span for item in collector if item.code in BY_CODE}
-    far = [doubt for doubt in limit_doubts(joints) if doubt.span not in places]
+    far = (doubt for doubt in limit_doubts(joints) if doubt.span not in places)
     tell(far, document, model.accept, collector)
     tell(_joint_doubts_of(joints, collector, mass), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
@@ -171,11 +169,8 @@ def _joint_doubts_of(
     told = [item for item in collector if item.code in BY_CODE]
     reported = _sections(told)
     gained = _sections(item for item in told if item.code == "SPEC192")
-    reduced = {
-        ".".join(parts[:2])
-        for item in told
-        if {"reduction", "transmission"}.intersection(parts := re.split(r"[.\[]", item.where))
-    }
+    parts = (re.split(r"[.\[]", item.where) for item in told)
+    reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
     places = {item.span for item in told}
     groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
@@ -303,29 +298,26 @@ def _command_range(joint: JointActuator) -> Iterator[_Found]:
     width = own[1] - own[0]
     if low is None or high is None or not 0.0 < width < math.inf or not low < high:
         return
-    size = max(abs(low), abs(high))
-    if -low == high and math.log10(size).is_integer():
+    if -low == high and math.log10(high).is_integer():
         return
     unit = clamp[0].unit
     slips = [(DEGREE, "degrees", "deg"), (1.0 / DEGREE, "rad", "rad")]
     if joint.kind is JointKind.SLIDE:
         slips = [(1e-3, "mm", "mm"), (1e3, "m", "m")]
-    alike = SAME_END * width
     help = next(
         (
             f"is it in {words}? Then write [{low:.5g} {short}, {high:.5g} {short}]"
             if factor < 1.0
             else f"did you mean [{low * factor:.4g} {short}, {high * factor:.4g} {short}]?"
             for factor, words, short in slips
-            if abs(low * factor - own[0]) <= alike and abs(high * factor - own[1]) <= alike
+            if max(abs(low * factor - own[0]), abs(high * factor - own[1])) <= SAME_END * width
         ),
         None,
     )
     ratio = (high - low) / width
-    if not (ratio > WIDE or (help is not None and ratio < 1.0)):
+    if ratio <= WIDE and (help is None or ratio >= 1.0):
         return
-    pair = [f"{format_quantity(end, unit, 4)}" for end in (low, high, *own)]
-    far = format_quantity(ratio, "", 3)
+    far, *pair = format_quantity(ratio, "", 3), *(format_quantity(end, unit, 4) for end in (low, high, *own))
     yield _found(
         joint,
         "SPEC190",
@@ -382,8 +374,8 @@ def _friction(joint: JointActuator) -> Iterator[_Found]:
 
 def _viscous(joint: JointActuator) -> Iterator[_Found]:
     """Viscous friction at the end of the torque-speed line; published: to 0.43 of the limit (ANYmal D)."""
-    viscous, limit, line = joint.friction_viscous, joint.effort_limit, joint.motor_line
-    speed = None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
+    viscous, limit = joint.friction_viscous, joint.effort_limit
+    speed = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
     if not _stated(viscous) or not viscous.value or not limit.value or speed is None or not speed.value:
         return
     torque = viscous.value * speed.value

@@ -278,9 +278,3 @@ def test_a_heavy_rotor_does_not_hide_a_wrong_peak() -> None:
     assert gains("kp: 10, kd: 1", hub.format(25)) == []
     ((_, where, help),) = gains("kp: 10, kd: 1", hub.format(0.25))
     assert (where, help) == ("motors.m.peak_torque", "did you mean 25 N*m?")
-
-
-def test_friction_against_the_speed_of_a_motor_of_an_ideal_drive() -> None:
-    """5.7 x 10 rad/s = 57 of 20 N*m."""
-    ((code, where, _),) = gains("kp: 40, kd: 2, friction: {viscous: 5.7}")
-    assert (code, where) == ("FRC106", "actuators.legs.friction.viscous")
