@@ -13,7 +13,7 @@ from actspec.resolution.quantities import Factor, in_words, scaled, written
 from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Stage
 from actspec.spec.models import Motor
-from actspec.spec.rules.motors import number, stage_ratio
+from actspec.spec.rules.motors import number, stage_ratio, stage_speed
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_number, format_quantity
@@ -195,9 +195,8 @@ def _ratio(stage: Stage, output: JointKind) -> tuple[float, str]:
         return plain, f"{format_number(plain)}"
     length = stage.lead or stage.radius or stage.lever_arm
     assert length is not None
-    if stage.lever_arm is not None or (stage.radius is not None and output is JointKind.HINGE):
-        return number(length), length.written
-    return 1.0 / number(length), f"1/({length.written})"
+    ratio = stage_speed(stage, output is JointKind.SLIDE)
+    return ratio, length.written if ratio == number(length) else f"1/({length.written})"
 
 
 def check_train(train: Train, end: str, breaches: Breaches) -> bool:

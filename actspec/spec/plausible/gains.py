@@ -9,13 +9,20 @@ from dataclasses import dataclass, replace
 from actspec.diagnostics import Path
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
-from actspec.spec.plausible.relations import DEGREE, Relation, Repair, explained
+from actspec.spec.plausible.relations import DEGREE, RARE, Relation, Repair, explained
 from actspec.spec.plausible.table import Doubt, at
 from actspec.units import format_quantity
 
 RETURN = (5e-4, 1.0)
 """kd over kp [s]: the time in which a joint without inertia returns."""
 USUAL_RETURN = (0.005, 0.25)
+LEAST_RETURN = 1e-4
+"""The same of kd alone, where it is not 0 [s]. Published: 7e-3."""
+LEAST_ERROR = 0.015
+"""Effort limit over kp [rad]: noticed where kd over kp is below `STIFF_RETURN`. Chosen: stiff arms have 0.006, at
+0.05 s."""
+STIFF_RETURN = 2e-3
+"""[s]. A joint that swings with 100 rad/s and a damping ratio of 0.1 has it."""
 LARGEST_ERROR = 50.0
 """Effort limit over kp [rad]: where the drive gives all that it has. Published: 0.21 to 2.2, without a motor to 25."""
 USUAL_ERROR = (0.06, 10.0)
@@ -66,10 +73,15 @@ def gain_words(gains: Gains) -> tuple[str, str, str | None] | None:
     if not best:
         return "kp", broken[0].message, None
     (place,) = best[0].paths[0]
-    help = best[0].help or ""
-    if gains.limit is None and "57.3" in help:
+    help = "; or ".join(repair.help for repair in best if repair.help is not None)
+    if gains.limit is None and best[0].help in _degrees(gains):
         # The effort limit would tell which of the two it is.
-        help = "is kp given per degree, or kd multiplied by 57.3?"
+        slow = broken[0].about == "slow"
+        help = (
+            "is kp given per degree, or kd multiplied by 57.3?"
+            if slow
+            else "is kp multiplied by 57.3, or kd given per degree?"
+        )
         place = "kp"
     return str(place), broken[0].message, help
 
@@ -99,6 +111,18 @@ def _relations(gains: Gains) -> Iterator[Relation]:
             None,
             about="undamped",
         )
+        if gains.driven:
+            yield Relation(
+                "SPEC192",
+                gains.kd / gains.kp,
+                (LEAST_RETURN, math.inf),
+                (0.0, math.inf),
+                f"{pair}: hardly any damping, kd/kp is "
+                f"{format_quantity(1000.0 * gains.kd / gains.kp, 'ms', 3)}",
+                ("kp",),
+                None,
+                about="undamped by kd",
+            )
     if gains.kp and gains.limit and gains.limit < math.inf:
         error = gains.limit / gains.kp
         yield Relation(
@@ -112,16 +136,36 @@ def _relations(gains: Gains) -> Iterator[Relation]:
             None,
             about="error",
         )
+        damped = (gains.kd + gains.viscous) / gains.kp
+        if gains.driven and damped:
+            yield Relation(
+                "SPEC192",
+                max(error / LEAST_ERROR, damped / STIFF_RETURN),
+                (1.0, math.inf),
+                (1.0, math.inf),
+                f"kp {gains.shown_kp} asks for the effort limit of {format_quantity(gains.limit, 'N*m', 4)} at an "
+                f"error of {format_quantity(error, 'rad', 3)}, with kd {gains.shown_kd}",
+                ("kp",),
+                None,
+                about="stiff",
+            )
 
 
 def _repairs(gains: Gains) -> Iterator[Repair]:
     kp, kd = gains.kp, gains.kd
+    exchanged = "are the two exchanged? kp is the stiffness, kd the velocity gain"
+    yield Repair(tuple(_relations(replace(gains, kp=kd, kd=kp))), (("kp",),), exchanged)
+    for field in ("kp", "kd"):
+        factors = [(10.0**power, "did you mean {}?", RARE) for power in (-3, -2, -1, 1, 2, 3)]
+        if gains.unit == "N":
+            factors.append((1e3, f"is {field} per mm? Per metre it is {{}}", 0.0))
+        for factor, words, rare in factors:
+            other = replace(gains, kp=factor * kp) if field == "kp" else replace(gains, kd=factor * kd)
+            meant = other.shown_kp if field == "kp" else other.shown_kd
+            yield Repair(tuple(_relations(other)), ((field,),), words.format(meant), rare)
+    if gains.unit == "N":
+        return
     for field, other, help in (
-        (
-            "kp",
-            replace(gains, kp=kd, kd=kp),
-            "are the two exchanged? kp is the stiffness, kd the velocity gain",
-        ),
         ("kp", replace(gains, kp=kp / DEGREE), "is kp per degree? Per radian it is {0.shown_kp}"),
         ("kp", replace(gains, kp=kp * DEGREE), "is kp multiplied by 57.3? Without that it is {0.shown_kp}"),
         ("kd", replace(gains, kd=kd * DEGREE), "is kd multiplied by 57.3? Without that it is {0.shown_kd}"),
@@ -133,6 +177,16 @@ def _repairs(gains: Gains) -> Iterator[Repair]:
         ),
     ):
         yield Repair(tuple(_relations(other)), ((field,),), help.format(other))
+
+
+def _degrees(gains: Gains) -> frozenset[str | None]:
+    """What is said of one gain per degree or times 57.3."""
+    return frozenset(
+        repair.help
+        for repair in _repairs(gains)
+        if repair.help is not None and ("per degree" in repair.help or "57.3" in repair.help)
+        if not repair.help.startswith("are")
+    )
 
 
 def derived_doubts(gain: DerivedGain, path: Path, spans: SourceMap) -> Iterator[Doubt]:

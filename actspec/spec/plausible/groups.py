@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any
 
 from actspec.diagnostics import Path, dotted
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain, SpecDelay
-from actspec.spec.models import Actuators, CommandFilter, Randomize, SpecModel, Tunable
+from actspec.spec.models import Actuators, CommandFilter, Motor, Randomize, SpecModel, Tunable
+from actspec.spec.plausible.drive import Drive, Limit, Train, is_one, output_of
+from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import Gains, derived_doubts, gain_words
-from actspec.spec.plausible.motors import NEVER_GEARED_UP, Drive, Limit
 from actspec.spec.plausible.table import Doubt, at
 from actspec.spec.rules.groups import range_of
+from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import Fault, SpecValue
 from actspec.units import format_quantity
 
@@ -64,7 +66,11 @@ def time_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
             ends = [] if delay.range is None else [(delay.range[1], (*path, "range", 1))]
             plain = _is_plain(path, spans)
             for value, place in [(delay.nominal, path if plain else (*path, "nominal")), *ends]:
-                yield from _time(value, place, DELAY, "a delay of the command", spans)
+                late = list(_time(value, place, DELAY, "a delay of the command", spans))
+                yield from late
+                if late:
+                    # The range is about it.
+                    break
         if isinstance(cutoff, CommandFilter):
             path = (*group_path, "command_filter", "cutoff")
             yield from _time(cutoff.cutoff, path, CUTOFF, "the cutoff of a command", spans)
@@ -113,24 +119,44 @@ def _layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
 def drives_of(model: SpecModel) -> Iterator[Drive]:
     """Every motor, with the limits of the joints that it drives.
 
-    Behind a transmission nothing is compared, nor by a reduction that is doubted itself.
+    By a reduction that is doubted itself nothing is compared, nor behind a gearbox whose output travels.
     """
     limits: dict[str, list[Limit]] = {}
+    trains: dict[str, dict[Path, Train]] = {}
     for path, fields, group in _layers(model):
         name = fields.motor or group.motor
-        if name is None or (fields.transmission or group.transmission) is not None:
+        if name is None:
             continue
-        reduction = fields.reduction or group.reduction
-        if reduction is not None and _is_geared_up(reduction):
+        reduction, count = (
+            fields.reduction or group.reduction,
+            fields.motors_per_joint or group.motors_per_joint or 1,
+        )
+        stages = fields.transmission or group.transmission
+        train: Path | None = None
+        if stages is not None:
+            motor = model.motors.get(name)
+            if motor is None or not _turns(motor) or not all(is_one(stage) for stage in stages):
+                continue
+            train = (*(path if fields.transmission is not None else path[:2]), "transmission")
+            trains.setdefault(name, {})[train] = Train(stages, count)
+        elif reduction is not None and _is_geared_up(reduction):
             continue
         for field in ("effort_limit", "velocity_limit"):
             value = getattr(fields, field)
             if isinstance(value, SpecValue):
                 factor = None if reduction is None else reduction.value
-                count = fields.motors_per_joint or group.motors_per_joint or 1
-                limits.setdefault(name, []).append(Limit(value, (*path, field), factor or 1.0, count))
+                limit = Limit(value, (*path, field), factor or 1.0, count, train)
+                limits.setdefault(name, []).append(limit)
     for name, motor in model.motors.items():
-        yield Drive(name, motor, tuple(limits.get(name, ())))
+        yield Drive(name, motor, tuple(limits.get(name, ())), trains=trains.get(name, {}))
+
+
+def _turns(motor: Motor) -> bool:
+    """Whether what a motor gives out turns, by its gearbox and the units of its figures."""
+    if any(stage_ratio(stage) is None for stage in motor.gearbox or ()):
+        return False
+    figures = (motor.stall_torque, motor.peak_torque, motor.continuous_torque, motor.no_load_speed)
+    return not any(value is not None and value.linear for value in figures)
 
 
 def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -> Iterator[Doubt]:
@@ -155,7 +181,9 @@ def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -
 
         limit, limit_path, own_limit = stated("effort_limit")
         friction, friction_path, own_friction = stated("friction")
-        if friction is not None and (own_limit or own_friction) and isinstance(limit, SpecValue):
+        # What is judged by a wrong limit says nothing.
+        told = dotted(limit_path) in doubted
+        if friction is not None and (own_limit or own_friction) and isinstance(limit, SpecValue) and not told:
             coulomb: SpecValue | None = friction.coulomb
             if coulomb is not None and coulomb.value is not None and limit.value is not None:
                 place = (*friction_path, "coulomb")
@@ -166,8 +194,7 @@ def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -
             if own and isinstance(gain, DerivedGain):
                 yield from derived_doubts(gain, place, spans)
         if (own_kp or own_kd) and isinstance(kp, SpecValue) and isinstance(kd, SpecValue):
-            sound = isinstance(limit, SpecValue) and not limit.linear and dotted(limit_path) not in doubted
-            known = limit.value if sound else None
+            known = None if kp.linear or kd.linear else _most_of(stated, model, doubted)
             viscous = 0.0 if friction is None or friction.viscous is None else friction.viscous.value or 0.0
             driven = stated("motor")[0] in model.motors
             force = "N" if kp.linear or kd.linear else "N*m"
@@ -182,9 +209,37 @@ def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -
         reduction = fields.reduction
         if reduction is not None and _is_geared_up(reduction):
             yield _geared_up(reduction, (*path, "reduction"), spans)
-    for name, group in model.actuators.items():
-        for field, entry in group.randomize.items():
-            yield from _drawn(entry, field, ("actuators", name, "randomize", field), spans)
+        if fields is group:
+            for field, entry in group.randomize.items():
+                place = (*path, "randomize", field)
+                drawn = list(_drawn(entry, field, place, spans))
+                yield from drawn or _replaced(
+                    entry, field, place, _most_of(stated, model, doubted), group, spans
+                )
+
+
+def _most_of(
+    stated: Callable[[str], tuple[Any, Path, bool]], model: SpecModel, doubted: Collection[str]
+) -> float | None:
+    """The effort limit of a hinge, or what its motor gives there [N*m]; None where it is unknown or doubted."""
+    limit, path, _ = stated("effort_limit")
+    if dotted(path) in doubted:
+        return None
+    if isinstance(limit, SpecValue):
+        return None if limit.linear else limit.value
+    name, reduction = stated("motor")[0], stated("reduction")[0]
+    motor = model.motors.get(name)
+    if motor is None or stated("transmission")[0] is not None or (reduction and _is_geared_up(reduction)):
+        return None
+    if any(place.startswith(f"motors.{name}.") for place in doubted) or not _turns(motor):
+        return None
+    if limit == "continuous":
+        motor = motor.model_copy(update={"peak_torque": None, "stall_torque": None, "curve": None})
+    torque = output_of(name, motor).torque
+    factor = 1.0 if reduction is None else reduction.value
+    if not torque or not factor:
+        return None
+    return float(torque * factor * (stated("motors_per_joint")[0] or 1))
 
 
 def _is_geared_up(reduction: SpecValue) -> bool:
@@ -232,6 +287,54 @@ def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterat
     meant = _all(f"{(end.value or 0.0) / (100.0 if percent else 10.0):g}" for end in far)
     help = f"is it in %? Then write {meant}" if percent else f"did you mean {meant}?"
     yield at(spans, "SPEC188", message, first, help, second)
+
+
+def _replaced(
+    entry: Randomize, field: str, path: Path, limit: float | None, group: Actuators, spans: SourceMap
+) -> Iterator[Doubt]:
+    """A range in place of a nominal value, all of it far from that, or of friction that takes the limit [N*m]."""
+    pair = None if entry.abs is None else range_of(entry, field)
+    if not isinstance(pair, tuple):
+        return
+    gaussian = entry.distribution == "gaussian"
+    low, high = (pair[0], pair[0]) if gaussian else pair
+    least, most = low.value, high.value
+    nominal: Any = group
+    for part in field.split("."):
+        nominal = None if nominal is None else getattr(nominal, part, None)
+    if not least or not most or not 0.0 < least <= most:
+        return
+    written = low.written if gaussian else f"{low.written} to {high.written}"
+    first, second = (*path, "abs", 0), (*path, "abs", 0 if gaussian else 1)
+    of_friction = field in ("friction.coulomb", "friction.static")
+    known = nominal.value if isinstance(nominal, SpecValue) else None
+    if of_friction and known and limit and known >= FRICTION_SHARE * limit:
+        # It is told itself, and may be the wrong one.
+        return
+    if isinstance(nominal, SpecValue) and known and known > 0.0:
+        factors = least / known, most / known
+        if factors[0] > FACTOR or factors[1] < 1.0 / FACTOR:
+            ten = 10.0 ** round(math.log10(math.sqrt(factors[0] * factors[1])))
+            meant = _all(format_quantity(end / ten, low.unit, 4) for end in (least, most)[: 2 - gaussian])
+            far = f"{format_quantity(factors[0], '', 3)} to {format_quantity(factors[1], '', 3)}"
+            message = f"{written} in place of the nominal {nominal.written} is {far} times as much"
+            yield at(
+                spans,
+                "SPEC188",
+                message,
+                first,
+                f"did you mean {meant}?",
+                second,
+                (*path[:-2], *field.split(".")),
+            )
+            return
+    if of_friction and limit and not low.linear and most >= limit:
+        message = (
+            f"a dry friction of {written} is not below the effort limit of {format_quantity(limit, 'N*m', 4)}: the "
+            "drive cannot move the joint"
+        )
+        meant = _all(format_quantity(end / 1000.0, low.unit, 4) for end in (least, most)[: 2 - gaussian])
+        yield at(spans, "SPEC188", message, first, f"is it in m{low.unit} ({meant})?", second)
 
 
 def _is_off(bias: SpecValue) -> bool:

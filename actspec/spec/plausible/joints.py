@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -15,13 +16,17 @@ from actspec.spec.plausible.gains import Gains, gain_words
 from actspec.spec.plausible.groups import friction_words
 from actspec.spec.plausible.relations import DEGREE
 from actspec.spec.plausible.table import BY_CODE, Doubt, tell
-from actspec.spec.plausible.witnesses import file_doubts
+from actspec.spec.plausible.witnesses import file_doubts, limit_doubts
 from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
 """Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
 POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """A default position may be this far beyond the range [rad or m]."""
+WIDE = 12.0
+"""Width of a clamp of position commands over the joint's range. Chosen: degrees are 57, mm 1000."""
+SAME_END = 0.15
+"""An end of a range in another unit is the joint's own if they differ by no more than this part of its width."""
 OF_MOTOR = (0.3, 3.0)
 """Armature over the inertia of the motor at the joint."""
 ARMATURE_RATE = (5.0, 3e5)
@@ -63,8 +68,6 @@ HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
 
 _OF_SPEC = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)
-
-
 _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
 _TO_INERTIA = frozenset(("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction"))
@@ -106,6 +109,9 @@ def check_joints(
     """
     reported = _sections(item for item in collector if item.code in BY_CODE)
     tell(file_doubts(joints, model, document.spans, reported), document, model.accept, collector)
+    places = {item.span for item in collector if item.code in BY_CODE}
+    far = (doubt for doubt in limit_doubts(joints) if doubt.span not in places)
+    tell(far, document, model.accept, collector)
     tell(_joint_doubts_of(joints, collector, mass), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
@@ -163,7 +169,8 @@ def _joint_doubts_of(
     told = [item for item in collector if item.code in BY_CODE]
     reported = _sections(told)
     gained = _sections(item for item in told if item.code == "SPEC192")
-    reduced = {".".join(item.where.split(".")[:2]) for item in told if item.where.endswith(".reduction")}
+    parts = (re.split(r"[.\[]", item.where) for item in told)
+    reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
     places = {item.span for item in told}
     groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
@@ -175,7 +182,7 @@ def _joint_doubts_of(
                 # What is judged by a wrong limit says nothing.
                 continue
             doubtful = f"motors.{joint.motor}" in reported or f"actuators.{joint.group}" in reduced
-            if (found.derived and doubtful) or not places.isdisjoint(doubt.judged):
+            if (found.derived and doubtful) or not places.isdisjoint((doubt.span, *doubt.judged)):
                 # It follows from a number that is reported itself.
                 continue
             if doubt.code == "SPEC192" and f"actuators.{joint.group}" in gained:
@@ -202,7 +209,7 @@ def _worst(members: list[_Found]) -> Doubt:
 
 
 def _joint_doubts(joint: JointActuator) -> Iterator[_Found]:
-    for check in (_pose, _friction, _viscous, _scale):
+    for check in (_pose, _command_range, _friction, _viscous, _scale):
         yield from check(joint)
     inertia = list(_armature(joint))
     # With a wrong inertia gains say nothing.
@@ -260,10 +267,16 @@ def _outside(
         return None
     help = None
     unit = "rad" if kind is JointKind.HINGE else "m"
-    if kind is JointKind.HINGE and low <= pose * DEGREE <= high:
-        help = f"is it in degrees? Then write {pose:g} deg, {format_quantity(pose * DEGREE, unit, 4)}"
-    elif low <= -pose <= high:
+    # No joint but a wheel turns further, so that it may be the sign.
+    turned = kind is JointKind.HINGE and abs(pose) > math.pi
+    if low <= -pose <= high and not turned:
         help = f"is the sign wrong? {format_quantity(-pose, unit)} is inside"
+        if kind is JointKind.HINGE:
+            help += f", {-pose / DEGREE:.4g} deg"
+    elif kind is JointKind.HINGE and low <= pose * DEGREE <= high:
+        help = f"is it in degrees? Then write {pose:g} deg, {format_quantity(pose * DEGREE, unit, 4)}"
+    elif kind is JointKind.SLIDE and low <= pose * 1e-3 <= high:
+        help = f"is it in mm? Then write {pose:g} mm"
     message = (
         f"the default position {format_quantity(pose, unit, 4)} is outside of the joint's range, "
         f"{format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)}"
@@ -271,6 +284,50 @@ def _outside(
     error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
     doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
     return _Found(doubt, joint, beyond, False)
+
+
+def _command_range(joint: JointActuator) -> Iterator[_Found]:
+    """A clamp of commands of position that is many times as wide as the joint's range, or that range in degrees.
+
+    A power of ten for both ends, as 100 rad, is a placeholder: some programs have to state one.
+    """
+    clamp, own = joint.command_range, joint.position_range
+    if clamp is None or own is None or joint.command is not Command.POSITION or not _stated(clamp[0]):
+        return
+    low, high = clamp[0].value, clamp[1].value
+    width = own[1] - own[0]
+    if low is None or high is None or not 0.0 < width < math.inf or not low < high:
+        return
+    if -low == high and math.log10(high).is_integer():
+        return
+    unit = clamp[0].unit
+    slips = [(DEGREE, "degrees", "deg"), (1.0 / DEGREE, "rad", "rad")]
+    if joint.kind is JointKind.SLIDE:
+        slips = [(1e-3, "mm", "mm"), (1e3, "m", "m")]
+    help = next(
+        (
+            f"is it in {words}? Then write [{low:.5g} {short}, {high:.5g} {short}]"
+            if factor < 1.0
+            else f"did you mean [{low * factor:.4g} {short}, {high * factor:.4g} {short}]?"
+            for factor, words, short in slips
+            if max(abs(low * factor - own[0]), abs(high * factor - own[1])) <= SAME_END * width
+        ),
+        None,
+    )
+    ratio = (high - low) / width
+    if ratio <= WIDE and (help is None or ratio >= 1.0):
+        return
+    far, *pair = format_quantity(ratio, "", 3), *(format_quantity(end, unit, 4) for end in (low, high, *own))
+    yield _found(
+        joint,
+        "SPEC190",
+        f"actuators.{joint.group}.command_range",
+        max(ratio, 1.0 / ratio),
+        f"a command range of {pair[0]} to {pair[1]} is {far} times as wide as the joint's range, {pair[2]} to "
+        f"{pair[3]}",
+        help or "write `command_range: joint` for the joint's own range",
+        clamp[0],
+    )
 
 
 def _lever(joint: JointActuator, mass: float | None) -> Iterator[_Found]:

@@ -21,7 +21,7 @@ RPM = math.pi / 30.0
 """[rad/s]"""
 RARE = 0.3
 """What a power of ten costs beside a slip that has a reason, as a distance from usual figures in powers of ten."""
-NEAR = 0.8
+NEAR = 1.0
 """A correction explains a doubt if no relation gets further from what is usual [powers of ten]."""
 ALIKE = 0.1
 """Two readings of one number are both told if they differ by no more than this [powers of ten]."""

@@ -8,15 +8,10 @@ from dataclasses import replace
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
+from actspec.spec.gears import Stage
 from actspec.spec.models import Motor
-from actspec.spec.plausible.motors import (
-    GEAR_INVERSE,
-    GEARED,
-    Drive,
-    gear_of,
-    number,
-    relations,
-)
+from actspec.spec.plausible.drive import GEARED, Drive, gear_of, number, stage_path
+from actspec.spec.plausible.motors import GEAR_INVERSE, relations
 from actspec.spec.plausible.relations import DEGREE, RARE, RPM, Relation, Repair, explained, explanation
 from actspec.spec.plausible.table import Doubt
 from actspec.spec.values import SpecValue
@@ -28,6 +23,10 @@ SERVO = 10.0
 """Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
 SWAPPED = 0.2
 """What an exchange of two torques costs beside a wrong unit, as `RARE`."""
+PROVED = 1.25
+"""A torque is what its current gives if they agree by this factor; then it was not exchanged for another."""
+PROVED_COST = 1.0
+"""What an exchange of such a torque costs, as `RARE`."""
 
 TORQUES: tuple[Path, ...] = (
     ("stall_torque",),
@@ -131,6 +130,11 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             yield from (moved([path], *slip) for slip in _slips(speed, speed=True))
             if across is not None:
                 yield sided(path, 1.0 / across)
+    yield from _stages(drive)
+    if number(motor.nominal_current) and number(motor.peak_current):
+        update = {"nominal_current": motor.peak_current, "peak_current": motor.nominal_current}
+        help = "are nominal_current and peak_current swapped? The thermal limit is the lower one"
+        yield changed(motor.model_copy(update=update), [("nominal_current",), ("peak_current",)], help)
     for field in ("torque_constant", "peak_current", "nominal_current", "nominal_voltage"):
         value: SpecValue | None = getattr(motor, field)
         if value is not None and number(value):
@@ -140,7 +144,9 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     plain = [path for path in torques if len(path) == 1]
     for one, two in itertools.combinations(plain, 2):
         result = _with(_with(motor, one, _at(motor, two)), two, _at(motor, one))
-        yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?", SWAPPED)
+        proved = any(_is_proved(motor, str(path[0])) for path in (one, two))
+        cost = SWAPPED + PROVED_COST * proved
+        yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?", cost)
     for path in torques:
         yield from (moved([path], *slip) for slip in _slips(_given(motor, path)))
     if torques:
@@ -167,6 +173,67 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             )
 
 
+def _is_proved(motor: Motor, field: str) -> bool:
+    """Whether a torque is what the motor's constant gives of the current that belongs to it."""
+    current = {"peak_torque": motor.peak_current, "continuous_torque": motor.nominal_current}.get(field)
+    torque, constant, ampere = number(_at(motor, (field,))), number(motor.torque_constant), number(current)
+    if not torque or not constant or not ampere:
+        return False
+    return 1.0 / PROVED <= constant * ampere / torque <= PROVED
+
+
+def _stages(drive: Drive) -> Iterator[Repair]:
+    """Corrections of the stages of the gearbox, and of the transmissions to the joints."""
+    gearbox = drive.motor.gearbox or ()
+    for index, stage in enumerate(gearbox):
+        for other, help, rare in _stage_slips(stage):
+            stages = (*gearbox[:index], other, *gearbox[index + 1 :])
+            motor = drive.motor.model_copy(update={"gearbox": stages})
+            place = stage_path(stage, ("motors", drive.name, "gearbox", index))
+            yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
+    for path, train in drive.trains.items():
+        for index, stage in enumerate(train.stages):
+            for other, help, rare in _stage_slips(stage):
+                stages = (*train.stages[:index], other, *train.stages[index + 1 :])
+                trains = {**drive.trains, path: replace(train, stages=stages)}
+                place = stage_path(stage, (*path, index))
+                yield Repair(tuple(relations(replace(drive, trains=trains))), (place,), help, rare)
+
+
+def _stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
+    """A stage the wrong way round, or with its number in another unit."""
+    if stage.teeth is not None:
+        driving, driven = stage.teeth.driving, stage.teeth.driven
+        teeth = stage.teeth.model_copy(update={"driving": driven, "driven": driving})
+        yield stage.model_copy(update={"teeth": teeth}), "are driving and driven swapped?", 0.0
+    for key in ("ratio", "lead", "radius", "lever_arm"):
+        value: SpecValue | None = getattr(stage, key)
+        if value is None or not value.value:
+            continue
+        if key == "ratio" and value.value < 1.0:
+            inverse = replace(value, value=1.0 / value.value)
+            help = f"did you mean {format_quantity(inverse.value, '', 3)}? A stage has turns at its input in one turn "
+            yield stage.model_copy(update={key: inverse}), f"{help}at its output", 0.0
+        for factor, help, rare in _tens(value) if key == "ratio" else _lengths(value):
+            yield stage.model_copy(update={key: _times(value, factor)}), help, rare
+
+
+def _lengths(value: SpecValue) -> Iterator[tuple[float, str, float]]:
+    """A length, or a length per turn, in another unit."""
+    amount, _, unit = value.written.partition(" ")
+    if unit.startswith("m"):
+        yield (
+            (1e-3, f"did you mean {amount} m{unit}?", 0.0)
+            if unit[:2] in ("m", "m/")
+            else (
+                1e3,
+                f"did you mean {amount} {unit[1:]}?",
+                0.0,
+            )
+        )
+    yield from _tens(value)
+
+
 def _inertias(value: SpecValue) -> Iterator[tuple[float, str, float]]:
     """An inertia in another unit: one with g in place of kg, or one of datasheets."""
     size = value.value or 0.0
@@ -184,7 +251,7 @@ def _inertias(value: SpecValue) -> Iterator[tuple[float, str, float]]:
 def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, float]]:
     """Factor, help and cost of the slips in one number."""
     size = value.value or 0.0
-    if speed:
+    if speed and not value.linear:
         if "rpm" not in value.written:
             yield RPM, f"is it in rpm? {size:g} rpm is {format_quantity(size * RPM, 'rad/s', 3)}", 0.0
         else:
@@ -193,7 +260,7 @@ def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, 
             meant = format_quantity(size * DEGREE, "rad/s", 3)
             yield DEGREE, f"is it in deg/s? {size:g} deg/s is {meant}", RARE
     else:
-        yield 1e-3, f"is it in m{value.unit}? {_milli(value)}", 0.0
+        yield 1e-3, _of_milli(value), 0.0
         yield 1e3, f"did you mean {_shown(_times(value, 1e3))}?", 0.0
     servo = value.unit == "N*m" and "kgf" not in value.written and size * KGF_CM < SERVO
     if servo:
@@ -212,6 +279,14 @@ def _tens(value: SpecValue) -> Iterator[tuple[float, str, float]]:
     for power in (-1, 1, -2, 2, -3, 3, -4, 4):
         factor = 10.0**power
         yield factor, f"did you mean {_shown(_times(value, factor))}?", RARE
+
+
+def _of_milli(value: SpecValue) -> str:
+    """A number in thousandths, or one whose thousands are too many."""
+    amount, _, unit = value.written.partition(" ")
+    if unit.startswith("k") and not unit.startswith("kg"):
+        return f"did you mean {amount} {unit[1:]}?"
+    return f"is it in m{value.unit}? {_milli(value)}"
 
 
 def _milli(value: SpecValue) -> str:

@@ -46,53 +46,63 @@ CHECKS = (
         "torque-above-stall",
         "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it.",
         "A peak above the line is a warning from 2 % on and an error from 3 times on; a continuous torque above it is "
-        "an error. The largest peak in robots/motors is 1 times the stall torque. A warning below 0.004: windings "
-        "have 0.02 and more, and mN*m as N*m are a thousandth.",
+        "an error. The largest peak in robots/motors is 1 times the stall torque. A warning for a continuous torque "
+        "below 0.004 and a peak below 0.015 of it: windings have 0.02 (EC-i) and 0.05 (AK80-64) and more, and mN*m as "
+        "N*m are a thousandth.",
     ),
     Check(
         "SPEC181",
         "torque-constant",
-        "Torque constant times current far from the torque, or times no-load speed far from the voltage.",
+        "Torque constant times current far from the torque, or times no-load speed far from the voltage; a nominal "
+        "current above the peak current.",
         "N*m/A and V*s/rad are one unit. A warning outside of 0.4 to 2.5 times the torque: amplitudes for effective "
         "values, phases for lines, losses and saturation make up to 2. Outside of 0.2 to 3 times the voltage: field "
-        "weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it.",
+        "weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. Of any motor 1 to 1000 V and "
+        "5 mA to 2000 A (chosen: from micro motors to those of vehicles).",
     ),
     Check(
         "SPEC182",
         "gear-below-one",
-        "A gear ratio or a reduction below 1: the output would turn faster than the rotor, or the joint than the "
-        "output.",
+        "A gear ratio or a reduction below 1, or stages that make one: the output would turn faster than the rotor, "
+        "or the joint than the output.",
         "A warning; an error below 0.05, as no joint is geared up twenty times. Published: gears of 5 to 345, "
         "reductions to 2.2.",
     ),
     Check(
         "SPEC183",
         "beyond-any-motor",
-        "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot, or of the robot's size.",
-        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed), an error from three times that. Largest "
-        "published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). Of robots "
-        "with six hinges or more also the effort limit of a joint with a motor that would hold the whole robot on a "
-        "lever of more than 4 m, an error from 40 m (1.55 m, arm Z1).",
+        "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot, or of the robot's size; "
+        "force behind a transmission.",
+        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed), an error from three times that. "
+        "Largest published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). "
+        "A stall torque beside a peak torque is a winding's, and may be ten times that. Chosen: 300 kN and 3000 "
+        "N*m behind a transmission. Of robots with six hinges or more also the effort limit of a joint with a "
+        "motor that would hold the whole robot on a lever of more than 4 m, an error from 40 m (1.55 m, arm Z1).",
     ),
     Check(
         "SPEC184",
         "speed-of-side",
         "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity "
-        "limit far above it; either of them far from the speed that the robot's file states.",
-        "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less), an output above 100 "
-        "rad/s; a rotor above 8000 rad/s; an output above 1000 rad/s divided by the root of its torque in N*m; a "
-        "velocity limit above 3 times the motor's speed at the joint. Published: rotors of 180 (Go2) to 2044 rad/s "
-        "(STS3215), outputs to 40 rad/s, speed times root of torque to 439 (ankle of the H2), velocity limits to 1 "
-        "times the speed. From 5 times above or below the file's limit on, where a slip in one figure makes them "
-        "agree to a quarter; 0 and powers of ten are placeholders.",
+        "limit far above it; either of them far from the speed that the robot's file states; a transmission that is "
+        "faster than any joint.",
+        "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed "
+        "of the output), an output above 100 rad/s; a rotor above 8000 rad/s; behind a screw, a pinion or a lever "
+        "a slide above 30 m/s and a hinge above 100 rad/s (chosen: belts reach 10 m/s); an output above 1000 rad/s"
+        " divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint."
+        " Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
+        "to 439 (ankle of the H2), velocity limits to 1 times the speed. From 5 times above or below the file's "
+        "limit on, where a slip in one figure makes them agree to a quarter, and a limit above 30 times it in any "
+        "case; 0 and powers of ten are placeholders.",
     ),
     Check(
         "SPEC185",
         "rotor-inertia",
         "A rotor that its own torque would turn too slowly or too fast: inertia in another unit or on the other side.",
-        "Torque over inertia at the rotor from 1500 to 5e6 rad/s^2, at the output from 1 to 1e6: a warning outside, an "
-        "error outside of a hundred times that. Published: 29400 (Unitree 4010) to 125000 (7520) at the rotor, 114 "
-        "(STS3215) to 8640 at the output.",
+        "Torque over inertia at the rotor from 1500 to 5e6 rad/s^2 (from 2500 by a peak torque behind a gear of "
+        "3), at the output from 1 to 1e6; the peak torque counts where it is stated. Also a rotor that takes more "
+        "than 0.5 s to its own speed without load (0.005 to 0.052 s; 1 s by a continuous torque that stands "
+        "alone). A warning outside, an error outside of a hundred times that. Published: 29400 (Unitree 4010) to "
+        "125000 (7520) at the rotor, 114 (STS3215) to 8640 at the output.",
     ),
     Check(
         "SPEC186",
@@ -106,17 +116,18 @@ CHECKS = (
         "limit-of-motor",
         "An effort limit far from what the motor gives at the joint, or a torque far from the limit of the robot's "
         "file.",
-        "A warning above 3 times the largest of its torques, an error above 30 times; a warning below an eighth of the "
-        "least of peak and continuous torque, or a fiftieth of a stall torque that stands alone. "
+        "A warning above 3 times its peak torque, or the largest of its torques where none is stated, an error above "
+        "30 times; a warning below an eighth of the least of peak and continuous torque, or a fiftieth of a stall "
+        "torque that stands alone and of what it gives behind a transmission. "
         "Published: 0.59 (STS3215) to 1.003 (Spot's hips). Against the robot's file as SPEC184.",
     ),
     Check(
         "SPEC188",
         "range",
-        "A range of randomisation that nobody draws from: a factor in per cent, an encoder's error in degrees; such an "
-        "error as the nominal one.",
-        "A warning for a factor above 10 (published: 3, on kd) and an encoder that is off by more than 0.25 rad or "
-        "0.1 m (0.02 rad).",
+        "A range of randomisation that nobody draws from: a factor in per cent, an encoder's error in degrees, values "
+        "far from the nominal one, dry friction up to the effort limit; such an error as the nominal one.",
+        "A warning for a factor above 10 (published: 3, on kd), for values that are all above ten times the nominal "
+        "one or below a tenth of it, and for an encoder that is off by more than 0.25 rad or 0.1 m (0.02 rad).",
     ),
     Check(
         "SPEC189",
@@ -141,9 +152,11 @@ CHECKS = (
     Check(
         "SPEC190",
         "pose-outside-the-range",
-        "A default position outside of the joint's range.",
+        "A default position outside of the joint's range; a command range many times as wide, or that range in another "
+        "unit.",
         "A warning from 0.05 rad (5 mm) beyond an end on, an error from the width of the range, or pi, beyond it. "
-        "Published: to 0.02 rad beyond (calf of the B2).",
+        "Published: to 0.02 rad beyond (calf of the B2). A range of position commands above 12 times the joint's own "
+        "(chosen: degrees are 57 times, mm 1000), or its own in degrees; powers of ten for both ends are placeholders.",
     ),
     Check(
         "SPEC191",
@@ -158,10 +171,12 @@ CHECKS = (
     Check(
         "SPEC192",
         "gains",
-        "kp and kd exchanged, or given per degree or times 57.3, by natural frequency and damping ratio.",
+        "kp and kd exchanged, or given per degree, per mm or times 57.3, by each other, the effort limit, natural "
+        "frequency and damping ratio.",
         "kd over kp above 1 s (published: 0.0071 to 0.25 s); a natural frequency outside of 0.15 to 100 Hz or a "
         "damping ratio outside of 0.015 to 60 that a gain is derived from. Of joints with a motor also kd over kp "
-        "below 0.5 ms, a kp that needs an error of more than 50 rad for the effort limit (2.2 rad); and, by the "
+        "below 0.5 ms (0.1 ms without friction), a kp that needs an error of more than 50 rad for the effort limit "
+        "(2.2 rad), or of less than 0.015 rad with kd over kp below 2 ms (an so101 with 998 N*m/rad); and, by the "
         "inertia of links and armature at the reference pose: below 6 rad/s where the limit needs an error of more "
         "than 10 rad, or below 1 rad/s (published: 6.2 rad/s and up; an error of 25 rad at most, at 16 rad/s); above "
         "150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or more (95 rad/s; 203 at 0.1 rad); a damping "

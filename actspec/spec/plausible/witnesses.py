@@ -10,10 +10,16 @@ from actspec.diagnostics import Span
 from actspec.ir import JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import SourceMap
 from actspec.spec.models import SpecModel
+from actspec.spec.plausible.drive import Drive, Witness, number, output_of
+from actspec.spec.plausible.driven import AGREES
 from actspec.spec.plausible.groups import drives_of
-from actspec.spec.plausible.motors import Drive, Witness, output_of
+from actspec.spec.plausible.relations import DEGREE
 from actspec.spec.plausible.repairs import witness_doubts
 from actspec.spec.plausible.table import Doubt
+from actspec.units import format_quantity
+
+FAR_ABOVE_FILE = 30.0
+"""A limit over that of the robot's file."""
 
 
 def file_doubts(
@@ -28,7 +34,7 @@ def file_doubts(
         reported: Sections of the spec that have doubts already, such as `motors.hip`.
     """
     for drive in drives_of(model):
-        driven = [joint for joint in joints if joint.motor == drive.name and joint.kind is JointKind.HINGE]
+        driven = [joint for joint in joints if joint.motor == drive.name and _is_compared(joint, drive)]
         told = {f"motors.{drive.name}", *(f"actuators.{joint.group}" for joint in driven)}
         if told.isdisjoint(reported):
             witnesses = tuple(
@@ -37,10 +43,57 @@ def file_doubts(
             yield from witness_doubts(replace(drive, witnesses=witnesses), spans)
 
 
+def limit_doubts(joints: Sequence[JointActuator]) -> Iterator[Doubt]:
+    """Limits that the spec states far above those of the robot's file, with a motor or without.
+
+    Isaac Lab's hand of the Panda has 200 N of the file's 20, and limits are stated where a file has small
+    placeholders: a factor of ten tells nothing. A power of ten is a placeholder in the spec, too.
+    """
+    for joint in joints:
+        efforts, speeds = _of_file(joint.effort_limit), _of_file(joint.velocity_limit)
+        if efforts == speeds:
+            continue
+        for field, stated, value in (
+            ("effort_limit", joint.effort_limit, efforts),
+            ("velocity_limit", joint.velocity_limit, speeds),
+        ):
+            size = stated.value
+            if not value or not size or stated.origin is not Origin.AUTHORED or stated.span is None:
+                continue
+            ratio = size / value
+            if not FAR_ABOVE_FILE < ratio < math.inf or math.log10(size).is_integer():
+                continue
+            yield Doubt(
+                "SPEC184" if field == "velocity_limit" else "SPEC187",
+                f"{joint.joint}: {field} {format_quantity(size, stated.unit, 4)} is {format_quantity(ratio, '', 3)} "
+                f"times the {format_quantity(value, stated.unit, 4)} of the robot's file",
+                f"actuators.{joint.group}.{field}",
+                stated.span,
+                _meant(stated, ratio),
+            )
+
+
+def _meant(stated: Quantity, ratio: float) -> str:
+    """What is likely to be meant by a limit that is so many times the file's."""
+    size, unit = stated.require(), stated.unit
+    slips = [(1e3, f"is it in m{unit}"), (100.0, "is the point in the wrong place")]
+    if unit == "rad/s":
+        slips = [(1.0 / DEGREE, "is it in deg/s")]
+    for factor, words in slips:
+        if factor / AGREES <= ratio <= factor * AGREES:
+            return f"{words}? Then it is {format_quantity(size / factor, unit, 4)}"
+    return "look for a wrong unit"
+
+
+def _is_compared(joint: JointActuator, drive: Drive) -> bool:
+    """Whether the figures of a motor that turns are at the joint's by its gears."""
+    return joint.kind is JointKind.HINGE or bool(drive.trains)
+
+
 def _witnesses(joint: JointActuator, drive: Drive, model: SpecModel, spans: SourceMap) -> Iterator[Witness]:
     """The limits that the file states of a joint; what drives several joints at once is not compared."""
     group = model.actuators.get(joint.group)
-    if group is None or group.transmission is not None or joint.motor_line is None:
+    if group is None or joint.motor_line is None:
         return
     output, line = output_of(drive.name, drive.motor), joint.motor_line
     torques = [joint.peak_torque, joint.continuous_torque, line.stall_torque]
@@ -48,6 +101,9 @@ def _witnesses(joint: JointActuator, drive: Drive, model: SpecModel, spans: Sour
     if line.curve is not None:
         torques.append(line.curve.drive_torque)
         speed = line.curve.no_load_speed
+    if number(drive.motor.peak_torque):
+        # As in `Output`.
+        torques = [joint.peak_torque]
     most = max((torque.value or 0.0 for torque in torques if torque is not None), default=0.0)
     fast = 0.0 if speed is None else speed.value or 0.0
     efforts, speeds = _of_file(joint.effort_limit), _of_file(joint.velocity_limit)
@@ -61,7 +117,7 @@ def _witnesses(joint: JointActuator, drive: Drive, model: SpecModel, spans: Sour
     ):
         if value is not None:
             factor = at_joint / at_output if at_joint and at_output else None
-            yield Witness(joint.joint, value, is_speed, factor, _path(paths, stated))
+            yield Witness(joint.joint, value, stated.unit, is_speed, factor, _path(paths, stated))
 
 
 def _path(paths: dict[Span, tuple[str | int, ...]], stated: Quantity) -> tuple[str | int, ...] | None:

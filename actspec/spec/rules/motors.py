@@ -111,6 +111,23 @@ def stage_ratio(stage: Stage) -> float | None:
     return None
 
 
+def stage_speed(stage: Stage, travels: bool) -> float:
+    """Speed at the input of a stage per speed at its output [-, rad/m or m/rad].
+
+    Args:
+        stage: The stage; it says what it is.
+        travels: Its output travels; False: it turns.
+    """
+    plain = stage_ratio(stage)
+    if plain is not None:
+        return plain
+    length = stage.lead or stage.radius or stage.lever_arm
+    assert length is not None
+    if stage.lever_arm is not None or (stage.radius is not None and not travels):
+        return number(length)
+    return 1.0 / number(length)
+
+
 def number(value: SpecValue) -> float:
     """The number of a field that takes no `unknown`."""
     assert value.value is not None

@@ -94,6 +94,46 @@ def codes(text: str, model: str | None = None) -> list[str]:
         ("side: joint, gear_ratio: 10, stall_torque: 30, rotor_inertia: 5e-7", ["SPEC185"]),
         ("side: joint, stall_torque: 30, reflected_inertia: 29", []),
         ("side: joint, stall_torque: 30, reflected_inertia: 31", ["SPEC185"]),
+        # By the peak torque, whatever the winding has: 3 N*m / 1.2e-3 kg*m^2 = 2500 rad/s^2 at the rotor.
+        ("side: joint, gear_ratio: 10, stall_torque: 300, peak_torque: 30, rotor_inertia: 1.2e-3", []),
+        (
+            "side: joint, gear_ratio: 10, stall_torque: 300, peak_torque: 30, rotor_inertia: 1.21e-3",
+            ["SPEC185"],
+        ),
+        ("side: joint, gear_ratio: 2.9, stall_torque: 300, peak_torque: 30, rotor_inertia: 6.8e-3", []),
+        # 10 N*m bring 0.5 kg*m^2 to 10 rad/s in 0.5 s; a continuous torque may take 1 s.
+        ("side: joint, peak_torque: 10, no_load_speed: 10 rad/s, reflected_inertia: 0.5", []),
+        ("side: joint, peak_torque: 10, no_load_speed: 10 rad/s, reflected_inertia: 0.51", ["SPEC185"]),
+        ("side: joint, continuous_torque: 10, no_load_speed: 10 rad/s, reflected_inertia: 1", []),
+        ("side: joint, continuous_torque: 10, no_load_speed: 10 rad/s, reflected_inertia: 1.01", ["SPEC185"]),
+        # 1 N*m / 4e-4 kg*m^2 = 2500 rad/s^2 at the rotor: its 50 rad/s take 20 ms.
+        ("side: joint, gear_ratio: 10, peak_torque: 10, no_load_speed: 5 rad/s, rotor_inertia: 4e-4", []),
+        # 3000 rad/s of 1 N*m and 1.7e-4 kg*m^2: 5882 rad/s^2, 0.51 s.
+        (
+            "side: joint, gear_ratio: 100, peak_torque: 100, no_load_speed: 30 rad/s, rotor_inertia: 1.7e-4",
+            ["SPEC185"],
+        ),
+        # Voltage over resistance times the torque constant, beside what the drive gives: an AK80-64 has 2146 N*m.
+        ("side: joint, stall_torque: 2146, peak_torque: 120, no_load_speed: 6 rad/s", []),
+        ("side: joint, stall_torque: 10100, peak_torque: 160", ["SPEC183"]),
+        ("side: joint, stall_torque: 10, peak_torque: 0.15", []),
+        ("side: joint, stall_torque: 10, peak_torque: 0.149", ["SPEC180"]),
+        ("nominal_voltage: 1", []),
+        ("nominal_voltage: 0.9", ["SPEC181"]),
+        ("nominal_voltage: 1001", ["SPEC181"]),
+        ("nominal_current: 0.005, peak_current: 2000", []),
+        ("peak_current: 2001", ["SPEC181"]),
+        ("nominal_current: 4 mA", ["SPEC181"]),
+        ("nominal_current: 10.2, peak_current: 10", []),
+        ("nominal_current: 10.3, peak_current: 10", ["SPEC181"]),
+        # 40 rad/s at the rotor, or 12 times the gear.
+        ("side: joint, gear_ratio: 10, no_load_speed: 4 rad/s", []),
+        ("side: joint, gear_ratio: 10, no_load_speed: 3.9 rad/s", ["SPEC184"]),
+        ("side: joint, gear_ratio: 3, no_load_speed: 12 rad/s", []),
+        ("side: joint, gear_ratio: 3, no_load_speed: 11.9 rad/s", ["SPEC184"]),
+        ("gearbox: [{ratio: 0.5}, {ratio: 2}]", []),
+        ("gearbox: [{ratio: 0.5}, {ratio: 1.9}]", ["SPEC182"]),
+        ("gearbox: [{teeth: {driving: 40, driven: 1}}, {ratio: 1.9}]", ["SPEC182!"]),
     ],
 )
 def test_motors(motor: str, expected: list[str]) -> None:
@@ -135,6 +175,17 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("motor: m, velocity_limit: 16 rad/s, reduction: 2", ["SPEC184"]),
         ("motor: m, effort_limit: 60", []),
         ("motor: m, effort_limit: 61", ["SPEC187"]),
+        # Three times its peak of 20 N*m, though the winding has 200.
+        ("motor: wound, effort_limit: 60", []),
+        ("motor: wound, effort_limit: 61", ["SPEC187"]),
+        # A hinge behind a belt of 2: 120 N*m and 15 rad/s, three times what the motor gives there.
+        ("motor: m, transmission: [{ratio: 2}], effort_limit: 120, velocity_limit: 15 rad/s", []),
+        ("motor: m, transmission: [{ratio: 2}], effort_limit: 121", ["SPEC187"]),
+        ("motor: m, transmission: [{ratio: 2; efficiency: 0.9}], effort_limit: 109", ["SPEC187"]),
+        ("motor: m, transmission: [{ratio: 2}], motors_per_joint: 2, effort_limit: 121", []),
+        ("motor: m, transmission: [{ratio: 2}], velocity_limit: 15.1 rad/s", ["SPEC184"]),
+        ("motor: m, transmission: [{ratio: 0.5}, {ratio: 1.9}]", ["SPEC182"]),
+        ("motor: m, transmission: [{ratio: 2; efficiency: 0.09}]", ["SPEC189"]),
         ("motor: m, effort_limit: 61, reduction: 2", []),
         ("motor: m, effort_limit: 61, motors_per_joint: 2", []),
         ("motor: m, effort_limit: 601", ["SPEC187!"]),
@@ -145,6 +196,14 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("motor: m, kp: 100, kd: 0.049, friction: {viscous: 0.01}", []),
         ("motor: m, kp: 100, kd: 0", []),
         ("kp: 100, kd: 0.049", []),
+        # 0.1 ms of kd alone.
+        ("motor: m, kp: 100, kd: 0.011, friction: {viscous: 0.05}", []),
+        ("motor: m, kp: 100, kd: 0.009, friction: {viscous: 0.05}", ["SPEC192"]),
+        # 20 N*m at 0.015 rad, with a kd of 2 ms.
+        ("motor: m, kp: 1330, kd: 2.6", []),
+        ("motor: m, kp: 1340, kd: 2.7", []),
+        ("motor: m, kp: 1340, kd: 2.6", ["SPEC192"]),
+        ("kp: 1340, kd: 2.6, effort_limit: 20", []),
         # 20 N*m / 0.4 N*m/rad = 50 rad.
         ("motor: m, kp: 0.41, kd: 0.1", []),
         ("motor: m, kp: 0.39, kd: 0.1", ["SPEC192"]),
@@ -177,6 +236,16 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("encoder_bias: -0.25 rad", []),
         ("encoder_bias: -0.26 rad", ["SPEC188"]),
         ("randomize: {effort_limit: {add: [0, 100]}}", []),
+        # All of it above ten times the nominal value, or below a tenth; the limit of 20 N*m.
+        ("motor: m, friction: {coulomb: 1}, randomize: {friction.coulomb: {abs: [9.9, 12]}}", []),
+        ("motor: m, friction: {coulomb: 1}, randomize: {friction.coulomb: {abs: [10.1, 12]}}", ["SPEC188"]),
+        ("motor: m, friction: {coulomb: 1}, randomize: {friction.coulomb: {abs: [0.05, 0.1]}}", []),
+        ("motor: m, friction: {coulomb: 1}, randomize: {friction.coulomb: {abs: [0.05, 0.09]}}", ["SPEC188"]),
+        ("motor: m, randomize: {friction.coulomb: {abs: [1, 19]}}", []),
+        ("motor: m, randomize: {friction.coulomb: {abs: [1, 20]}}", ["SPEC188"]),
+        # The friction is told itself.
+        ("motor: m, friction: {coulomb: 40}, randomize: {friction.coulomb: {abs: [0.1, 0.2]}}", ["FRC101!"]),
+        ("effort_limit: 20, kd: 1, randomize: {kd: {abs: [11, 12]}}", ["SPEC188"]),
         # Without a range the joint turns once: 4 pi = 12.57.
         ("action_scale: 12.5", []),
         ("action_scale: 12.6", ["SPEC193"]),
@@ -205,7 +274,8 @@ def test_groups(fields: str, expected: list[str]) -> None:
     text = spec_of(
         f"legs: {{joints: [hip]{rest}, {fields.replace(';', ',')}}}, {REST}",
         motors="{m: {side: joint, stall_torque: 20, no_load_speed: 10 rad/s, reflected_inertia: 0.1}, "
-        "peaked: {side: joint, peak_torque: 20}}",
+        "peaked: {side: joint, peak_torque: 20}, "
+        "wound: {side: joint, stall_torque: 200, peak_torque: 20, no_load_speed: 10 rad/s}}",
     )
     assert codes(text) == expected
 
@@ -244,6 +314,14 @@ MODEL = """<mujoco><compiler angle="radian"/><worldbody><body>
         # The range is 1.5 rad: twice that; 8 x 3.1 of 12 N*m.
         ("kp: 8, kd: 0.2, effort_limit: 12, action_scale: 2.9", "", []),
         ("kp: 8, kd: 0.2, effort_limit: 12, action_scale: 3.1", "", ["SPEC193"]),
+        # Twelve times the range; a power of ten is a placeholder; the joint's range in the other unit.
+        ("kp: 8, kd: 0.2, command_range: [-9 rad, 9 rad]", "", []),
+        ("kp: 8, kd: 0.2, command_range: [-9 rad, 9.1 rad]", "", ["SPEC190"]),
+        ("kp: 8, kd: 0.2, command_range: [-100 rad, 100 rad]", "", []),
+        ("kp: 8, kd: 0.2, command_range: [-57 rad, 29 rad]", "", ["SPEC190"]),
+        ("kp: 8, kd: 0.2, command_range: [-1 deg, 0.5 deg]", "", ["SPEC190"]),
+        ("kp: 8, kd: 0.2, command_range: [-0.02 rad, 0.3 rad]", "", []),
+        ("kp: 8, kd: 0.2, command_range: [0.01 rad, 0.02 rad]", "", []),
     ],
 )
 def test_joints_of_a_model(fields: str, pose: str, expected: list[str]) -> None:

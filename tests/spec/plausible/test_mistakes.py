@@ -134,7 +134,7 @@ MISTAKES = {
         "motors/feetech",
         "side: joint",
         "side: motor",
-        "SPEC183",
+        "SPEC184",
     ),
     "torque-of-the-wrong-side": (
         "h1",

@@ -1,0 +1,199 @@
+"""One motor with what it drives: its figures at the gearbox output, the limits of its joints, the gears on the way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from actspec.diagnostics import Path
+from actspec.spec.gears import KINDS_OF_STAGE, Stage
+from actspec.spec.models import Motor
+from actspec.spec.rules.motors import stage_ratio, stage_speed
+from actspec.spec.values import SpecValue
+
+GEARED = 3.0
+"""A gear ratio from which on rotor and output cannot be taken for each other."""
+
+
+def number(value: SpecValue | None) -> float | None:
+    """The number of a field of something that turns; None where there is none, or it is of a slide."""
+    return None if value is None or value.linear else value.value
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """An effort or velocity limit of joints that a motor drives.
+
+    Attributes:
+        value: As stated.
+        path: Where it stands; its last part tells which of the two it is.
+        reduction: From the motor's output to the joint, where no transmission stands there.
+        motors: How many drive one joint.
+        train: Key of the transmission in the drive's `trains`; None: there is none.
+    """
+
+    value: SpecValue
+    path: Path
+    reduction: float
+    motors: int
+    train: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Train:
+    """A transmission between the output of a motor, which turns, and a joint.
+
+    Attributes:
+        stages: From the motor to the joint.
+        motors: How many drive one joint.
+    """
+
+    stages: tuple[Stage, ...]
+    motors: int
+
+    @property
+    def slide(self) -> bool:
+        """Whether the joint travels."""
+        return sum(stage_ratio(stage) is None for stage in self.stages) % 2 == 1
+
+    @property
+    def speed(self) -> float:
+        """Speed of the motor's output per speed of the joint [-, or rad/m]."""
+        speed, travels = 1.0, self.slide
+        for stage in reversed(self.stages):
+            speed *= stage_speed(stage, travels)
+            travels ^= stage_ratio(stage) is None
+        return speed
+
+    @property
+    def torque(self) -> float:
+        """Torque or force at the joint per torque of one motor [-, or 1/m]."""
+        passed = math.prod(number(stage.efficiency) or 1.0 for stage in self.stages)
+        return self.speed * passed * self.motors
+
+
+@dataclass(frozen=True, slots=True)
+class Witness:
+    """A limit that the robot's file states of a joint that a motor drives.
+
+    Attributes:
+        joint: Name of the joint.
+        value: The limit, in its unit.
+        unit: N*m, N, rad/s or m/s.
+        speed: It is one of speed.
+        factor: What a figure at the motor's output is times at the joint; None: unknown.
+        limit: Where the spec states the same limit; None: it does not.
+    """
+
+    joint: str
+    value: float
+    unit: str
+    speed: bool
+    factor: float | None
+    limit: Path | None
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """A motor, by its name in `motors`, and what is said of its joints.
+
+    Attributes:
+        name: Its name.
+        motor: The motor.
+        limits: Limits that the spec states.
+        witnesses: Limits that the robot's file states.
+        trains: Transmissions to its joints, by where they are written.
+    """
+
+    name: str
+    motor: Motor
+    limits: tuple[Limit, ...] = ()
+    witnesses: tuple[Witness, ...] = ()
+    trains: Mapping[Path, Train] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """A motor's figures at its gearbox output; None is unknown.
+
+    Attributes:
+        gear: Rotor turns in one output turn.
+        efficiency: Of the gearbox.
+        torque: What the drive gives: the peak torque where it is stated, else the largest of stall, drive and
+            continuous torque [N*m].
+        winding: The stall or drive torque where it is above that, as of a winding whose drive gives less [N*m].
+        speed: Without load [rad/s].
+        torque_path: Where the torque is written.
+        winding_path: Where that of the winding is written.
+        speed_path: Where the speed is written.
+    """
+
+    gear: float | None
+    efficiency: float
+    torque: float | None
+    winding: float | None
+    speed: float | None
+    torque_path: Path
+    winding_path: Path
+    speed_path: Path
+
+
+def output_of(name: str, motor: Motor) -> Output:
+    """The figures of a motor that turns at its gearbox output."""
+    path: Path = ("motors", name)
+    gear, efficiency = gear_of(motor), _efficiency(motor)
+    written: list[tuple[SpecValue | None, Path]] = [
+        (getattr(motor, field), (*path, field))
+        for field in ("stall_torque", "peak_torque", "continuous_torque")
+    ]
+    speed, speed_path = motor.no_load_speed, (*path, "no_load_speed")
+    if motor.curve is not None:
+        written.append((motor.curve.drive_torque, (*path, "curve", "drive_torque")))
+        speed, speed_path = motor.curve.no_load_speed, (*path, "curve", "no_load_speed")
+    known = [(value, place) for given, place in written if (value := number(given)) is not None]
+    nothing: tuple[float | None, Path] = (None, path)
+    most, most_path = max(known, key=lambda item: item[0], default=nothing)
+    # Of two equal ones the first is blamed, as without a peak.
+    peak = next(
+        (item for item in known if item[1][-1] == "peak_torque" and item[0] and item[0] < (most or 0.0)), None
+    )
+    torque, torque_path = (most, most_path) if peak is None else peak
+    winding, winding_path = nothing if peak is None else (most, most_path)
+    fast = number(speed)
+    if motor.side == "motor":
+        to_output = None if gear is None else gear * efficiency
+        torque = None if torque is None or to_output is None else torque * to_output
+        winding = None if winding is None or to_output is None else winding * to_output
+        fast = None if fast is None or gear is None else fast / gear
+    return Output(gear, efficiency, torque, winding, fast, torque_path, winding_path, speed_path)
+
+
+def is_geared(output: Output) -> bool:
+    """Whether rotor and output cannot be taken for each other."""
+    return output.gear is not None and output.gear >= GEARED
+
+
+def gear_of(motor: Motor) -> float | None:
+    """Rotor turns in one output turn; None where it is unknown, no number, or one of the two travels."""
+    if motor.gearbox is None:
+        return number(motor.gear_ratio)
+    ratios = [stage_ratio(stage) for stage in motor.gearbox]
+    product = math.prod(ratio for ratio in ratios if ratio is not None)
+    # A product that leaves the range of floats is RES011's.
+    return product if None not in ratios and 0.0 < product < math.inf else None
+
+
+def _efficiency(motor: Motor) -> float:
+    stages = [number(stage.efficiency) for stage in motor.gearbox or ()]
+    return (number(motor.efficiency) or 1.0) * math.prod(part or 1.0 for part in stages)
+
+
+def is_one(stage: Stage) -> bool:
+    """Whether a stage says what it is; if not, it is reported elsewhere."""
+    return sum(getattr(stage, kind) is not None for kind in KINDS_OF_STAGE) == 1
+
+
+def stage_path(stage: Stage, path: Path) -> Path:
+    """Where the number of a stage is written."""
+    return (*path, next(kind for kind in KINDS_OF_STAGE if getattr(stage, kind) is not None))

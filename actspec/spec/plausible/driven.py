@@ -1,0 +1,219 @@
+"""What a motor implies of its joints: their limits, the transmissions on the way, the limits of the robot's file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from actspec.diagnostics import Path
+from actspec.spec.gears import Stage
+from actspec.spec.plausible.drive import Drive, Output, number, stage_path
+from actspec.spec.plausible.relations import Relation
+from actspec.spec.rules.motors import stage_ratio
+from actspec.spec.values import SpecValue
+from actspec.units import format_quantity
+
+FASTEST_OUTPUT = 100.0
+"""[rad/s], behind a gear."""
+FASTEST_SLIDE = 30.0
+"""[m/s]. Chosen: belts and linear motors reach 10."""
+STRONGEST_SLIDE = 300e3
+"""[N]. Chosen: roller screws of robots have 10 to 100 kN."""
+STRONGEST_HINGE = 3000.0
+"""[N*m], behind a transmission."""
+LIMIT_ABOVE = 3.0
+"""Effort limit over the largest of the motor's torques at the joint."""
+LIMIT_FAR_ABOVE = 30.0
+LIMIT_BELOW = 0.125
+"""Effort limit over the least of peak and continuous torque. Chosen: published are 0.59 and more, a slip of ten 0.1."""
+LIMIT_BELOW_STALL = 0.02
+"""Effort limit over a stall torque that stands alone: of a winding it is many times what the drive gives."""
+WITNESS = 5.0
+"""A figure over what the robot's file says of it. Chosen: limits of files are up to 3 times other than the motor's."""
+AGREES = 1.25
+"""The same of a corrected figure."""
+SPEED_LIMIT = 3.0
+"""Velocity limit over the motor's speed without load, at the joint. Published: to 1 (Go1, STS3215)."""
+NEVER_GEARED_UP = 0.05
+
+
+def stage_relations(stages: Sequence[Stage], path: Path, what: str) -> Iterator[Relation]:
+    """Stages that make what is driven turn faster, at the one that does most of it."""
+    ratios = [stage_ratio(stage) for stage in stages]
+    plain = [(ratio, index) for index, ratio in enumerate(ratios) if ratio is not None]
+    if len(plain) < len(ratios):
+        return
+    product = math.prod(ratio for ratio, _ in plain)
+    if not 0.0 < product < math.inf:
+        return
+    least, index = min(plain)
+    yield Relation(
+        "SPEC182",
+        product,
+        (1.0, math.inf),
+        (1.0, 350.0),
+        f"{format_quantity(product, '', 3)} {what}: it turns {format_quantity(1 / product, '', 3)} times as fast",
+        stage_path(stages[index], (*path, index)),
+        "are driving and driven swapped? Driving is the wheel on the motor's side"
+        if stages[index].teeth is not None
+        else f"did you mean {format_quantity(1 / least, '', 3)}? A stage has turns at its input in one turn at its "
+        "output",
+        beyond=(NEVER_GEARED_UP, math.inf),
+        about=f"{path}",
+    )
+
+
+def train_relations(drive: Drive, output: Output) -> Iterator[Relation]:
+    """Speed and force of the joints behind a transmission."""
+    for path, train in drive.trains.items():
+        yield from stage_relations(train.stages, path, "turns of the motor's output in one turn of the joint")
+        speed, torque = train.speed, train.torque
+        if not 0.0 < speed < math.inf or not 0.0 < torque < math.inf:
+            continue
+        lengths = [index for index, stage in enumerate(train.stages) if stage_ratio(stage) is None]
+        index = lengths[-1] if lengths else 0
+        stage, place = train.stages[index], stage_path(train.stages[index], (*path, index))
+        given = getattr(stage, str(place[-1]))
+        written = f"a {place[-1]} of {given.written}" if lengths else "the transmission"
+        slide = train.slide
+        fast, unit = (FASTEST_SLIDE, "m/s") if slide else (FASTEST_OUTPUT, "rad/s")
+        kind = "slide" if slide else "hinge"
+        help = "look for a wrong unit: mm as m"
+        if output.speed and lengths:
+            yield Relation(
+                "SPEC184",
+                output.speed / speed,
+                (0.0, fast),
+                (0.005, 5.0) if slide else (0.2, 30.0),
+                f"behind {written} the {format_quantity(output.speed, 'rad/s', 3)} of the motor '{drive.name}' are "
+                f"{format_quantity(output.speed / speed, unit, 3)}: a {kind} has {format_quantity(fast, unit)} at most",
+                place,
+                help,
+                (output.speed_path,),
+                about=f"train {path}",
+            )
+        if output.torque:
+            strong, unit = (STRONGEST_SLIDE, "N") if slide else (STRONGEST_HINGE, "N*m")
+            yield Relation(
+                "SPEC183",
+                output.torque * torque,
+                (0.0, strong),
+                (1.0, 2e4) if slide else (0.1, 500.0),
+                f"behind {written} the {format_quantity(output.torque, 'N*m', 3)} of the motor '{drive.name}' are "
+                f"{format_quantity(output.torque * torque, unit, 3)}: a {kind} of a robot has "
+                f"{format_quantity(strong, unit)} at most",
+                place,
+                help,
+                (output.torque_path,),
+                about=f"train {path}",
+            )
+
+
+def limit_relations(drive: Drive, output: Output) -> Iterator[Relation]:
+    """Limits of joints against what the motor gives there."""
+    motor = drive.motor
+    gear = (output.gear or 0.0) * output.efficiency if motor.side == "motor" else 1.0
+    own = [number(motor.peak_torque), number(motor.continuous_torque)]
+    least = min((torque for torque in own if torque), default=None)
+    below = LIMIT_BELOW
+    if least is None:
+        least, below = output.torque, LIMIT_BELOW_STALL
+    else:
+        least *= gear
+    for limit in drive.limits:
+        train = None if limit.train is None else drive.trains[limit.train]
+        stated = number(limit.value) if train is None else limit.value.value
+        slowed = limit.reduction if train is None else train.speed
+        passed = limit.reduction * limit.motors if train is None else train.torque
+        if not 0.0 < slowed < math.inf:
+            continue
+        others = (output.torque_path, ("motors", drive.name, "gear_ratio"), ("motors", drive.name, "side"))
+        if limit.path[-1] == "velocity_limit":
+            fastest = None if output.speed is None else output.speed / slowed
+            if stated and fastest and fastest < math.inf:
+                yield Relation(
+                    "SPEC184",
+                    stated / fastest,
+                    (0.0, SPEED_LIMIT),
+                    (0.0, 1.5),
+                    f"a velocity limit of {limit.value.written} is {format_quantity(stated / fastest, '', 3)} times "
+                    f"the {format_quantity(fastest, limit.value.unit, 4)} at which the motor '{drive.name}' ends",
+                    limit.path,
+                    "look for a wrong unit, gear_ratio or side",
+                    (output.speed_path, *others[1:]),
+                    about=f"{limit.path}",
+                )
+            continue
+        for about, most, bounds, usual, beyond in (
+            ("above", output.torque, (0.0, LIMIT_ABOVE), (0.0, 1.1), LIMIT_FAR_ABOVE),
+            # A gripper may be held far below what its drive gives.
+            ("below", least, (LIMIT_BELOW_STALL if train else below, math.inf), (0.5, math.inf), math.inf),
+        ):
+            if not stated or not most:
+                continue
+            most *= passed
+            ratio = stated / most if most else math.inf
+            if not 0.0 < ratio < math.inf:
+                continue
+            far = f"{format_quantity(max(ratio, 1 / ratio), '', 3)} times {'above' if ratio > 1 else 'below'}"
+            yield Relation(
+                "SPEC187",
+                ratio,
+                bounds,
+                usual,
+                f"an effort limit of {limit.value.written} is {far} the {format_quantity(most, limit.value.unit, 4)} "
+                f"that the motor '{drive.name}' gives",
+                limit.path,
+                "look for a wrong unit, gear_ratio or side",
+                others,
+                beyond=(0.0, beyond),
+                about=f"{about} {limit.path}",
+            )
+
+
+def witness_relations(drive: Drive, output: Output) -> Iterator[Relation]:
+    """Figures of a motor, and the limits that the spec states, against the limits of the robot's file."""
+    motor, root = drive.motor, ("motors", drive.name)
+    to_output = 1.0
+    if motor.side == "motor":
+        to_output = (output.gear or 0.0) * output.efficiency
+    # A winding's stall torque is many times what its drive gives.
+    fields = ("peak_torque", "stall_torque") if motor.side == "joint" else ("peak_torque",)
+    for witness in drive.witnesses:
+        stated = next((limit for limit in drive.limits if limit.path == witness.limit), None)
+        given: list[tuple[str, SpecValue, float, Path]] = []
+        if stated is not None and (size := stated.value.value):
+            given.append((str(stated.path[-1]), stated.value, size, stated.path))
+        if witness.speed:
+            speed = motor.no_load_speed if motor.curve is None else motor.curve.no_load_speed
+            if speed is not None and output.speed and witness.factor:
+                place = output.speed_path
+                given.append((str(place[-1]), speed, output.speed * witness.factor, place))
+        elif witness.factor:
+            for field in fields:
+                torque: SpecValue | None = getattr(motor, field)
+                if torque is not None and (size := number(torque)):
+                    given.append((field, torque, size * to_output * witness.factor, (*root, field)))
+        unit, what = witness.unit, "a velocity limit" if witness.speed else "an effort limit"
+        for field, value, size, place in given:
+            ratio = size / witness.value
+            if not 0.0 < ratio < math.inf:
+                continue
+            far = f"{format_quantity(max(ratio, 1 / ratio), '', 3)} times {'below' if ratio > 1 else 'above'}"
+            own = (stated is not None and place == stated.path) or (
+                motor.side == "joint" and witness.factor == 1.0
+            )
+            there = "" if own else f", {format_quantity(size, unit, 4)} there"
+            yield Relation(
+                "SPEC184" if witness.speed else "SPEC187",
+                ratio,
+                (1.0 / WITNESS, WITNESS),
+                (1.0 / AGREES, AGREES),
+                f"the robot's file gives the joint '{witness.joint}' {what} of "
+                f"{format_quantity(witness.value, unit, 4)}, {far} {field} {value.written}{there}",
+                place,
+                None,
+                ((*root, "gear_ratio"), (*root, "side")),
+                about=f"witness {witness.joint} {field}",
+                witnessed=True,
+            )
