@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -14,8 +14,19 @@ from actspec.audit.places import Places, shown, toml_places
 from actspec.audit.rule import Rule
 from actspec.audit.selection import ALL, guess, is_diagnostic, strength
 from actspec.audit.settings_file import SHARED_FILE, find_settings
-from actspec.diagnostics import AuditError, Collector, Path, Severity, Span, listed, nearest, shortened
+from actspec.diagnostics import (
+    AuditError,
+    Collector,
+    Diagnostic,
+    Path,
+    Severity,
+    Span,
+    listed,
+    nearest,
+    shortened,
+)
 from actspec.readings.versions import Versions
+from actspec.simulators import release, text_of
 
 BACKENDS = ("physx", "ovphysx", "newton")
 """Source: `Versions.backend`."""
@@ -166,6 +177,22 @@ def named_versions(targets: Sequence[str], out: Collector) -> Versions:
         elif given.setdefault(name, version) != version:
             out.error("AUD010", f"two versions of {name}: {given[name]} and {version}", where="--target")
     return read_versions(given, "--target", None, out)
+
+
+def beyond_known(versions: Versions) -> Iterator[Diagnostic]:
+    """A warning for each release that is newer than those that actspec knows: it is taken for the last of them."""
+    from actspec.simulators import isaaclab, mjlab, mujoco
+
+    for name, title, releases in (
+        ("mujoco", "MuJoCo", mujoco.RELEASES),
+        ("isaaclab", "Isaac Lab", isaaclab.RELEASES),
+        ("mjlab", "mjlab", mjlab.RELEASES),
+    ):
+        named, last = getattr(versions, name), tuple(releases)[-1]
+        if named is not None and release(named)[:2] > last:
+            message = f"actspec knows {title} up to {text_of(last)}, and takes {named} for that"
+            help = "name the version that the files are for, or update actspec"
+            yield Diagnostic("AUD018", Severity.WARNING, message, f"{name}=={named}", None, help)
 
 
 class _Reader:

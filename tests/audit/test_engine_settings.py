@@ -9,8 +9,10 @@ import pytest
 
 from actspec.audit.finding import Confidence
 from actspec.audit.settings import Settings, load_settings
+from actspec.cli.main import main
 from actspec.diagnostics import AuditError, Severity
 from actspec.readings.versions import Versions
+from actspec.simulators import isaaclab, mujoco, text_of
 from tests.audit.making import rule_of
 
 RULES = (
@@ -217,3 +219,25 @@ def test_a_broken_file_of_somebody_else(folder: Path) -> None:
     (item,) = caught.value.diagnostics
     assert item.span is not None
     assert (item.code, item.span.line) == ("AUD001", 1)
+
+
+@pytest.mark.parametrize(
+    ("version", "said"),
+    [
+        ("mujoco==99.1", ["actspec knows MuJoCo up to {mujoco}, and takes 99.1 for that"]),
+        ("isaaclab==99.0", ["actspec knows Isaac Lab up to {isaaclab}, and takes 99.0 for that"]),
+        ("mujoco=={mujoco}.3", []),
+        ("mujoco==3.2", []),
+        ("isaaclab==3", []),
+    ],
+)
+def test_a_version_that_nobody_knows_yet(
+    version: str, said: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It counts as the last known one, which is said; a patch of a known release is known."""
+    last = {"mujoco": text_of(max(mujoco.RELEASES)), "isaaclab": text_of(max(isaaclab.RELEASES))}
+    (tmp_path / "leg.xml").write_text("<mujoco/>")
+    main(["audit", str(tmp_path / "leg.xml"), "-t", version.format(**last)])
+    found = [line for line in capsys.readouterr().err.splitlines() if "AUD018" in line]
+    name = version.format(**last)
+    assert found == [f"AUD018 [warning] {name}: {text.format(**last)}" for text in said]
