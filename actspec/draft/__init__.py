@@ -41,7 +41,7 @@ class DraftedSpec:
         robot: Name of the robot.
         groups: Name of each group to its number of joints.
         unknown: Fields that no file states, to the groups that lack them.
-        inferred: What was taken, or may be taken, for one motor, and why; whose damping may be kd.
+        inferred: What was taken, or may be taken, for one motor, and why; whose damping may be kd, or is.
     """
 
     text: str
@@ -77,10 +77,11 @@ def draft(
     Raises:
         RobotError: there is no joint that a spec could describe, or a name is too long.
     """
+    asked = question(combined.actuators.joints) if damping is None else ""
+    settled = asked
     if damping == AS_KD:
-        combined = moved(combined)
+        combined, settled = moved(combined)
     actuators = combined.actuators
-    asked = question(actuators.joints) if damping is None else ""
     if not actuators.joints:
         raise _nothing(combined)
     try:
@@ -121,7 +122,7 @@ def draft(
         actuators.robot,
         {group.name: len(group.names) for group in groups},
         _unknown(groups),
-        (*_gears(groups), *([asked] if asked else [])),
+        (*_gears(groups), *([settled] if settled else [])),
     )
 
 

@@ -21,7 +21,7 @@ from actspec.robot.view import RobotView
 from actspec.simulators.mujoco import DcMotorDialect, installed_dialect
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
-from tests.importing import NASTY, Imported, bare, imported, mjcf
+from tests.importing import INERTIAL, NASTY, Imported, bare, imported, mjcf
 
 TOLERANCE = 1e-9
 """Relative; computed numbers are written with 12 digits."""
@@ -426,6 +426,35 @@ def test_damping_is_settled_once(tmp_path: Path, answer: str | None) -> None:
             "elbow": ("unknown", "3 N*m*s/rad"),
             "wrist": ("1 N*m*s/rad", "0.5 N*m*s/rad"),
         }
+
+
+@pytest.mark.parametrize(
+    "answer, kd, viscous", [(None, "unknown", "2 N*s/m"), ("as-kd", "2 N*s/m", "0 N*s/m")], ids=str
+)
+def test_damping_of_a_stiff_servo(tmp_path: Path, answer: str | None, kd: str, viscous: str) -> None:
+    """2 N*s/m / 5000 N/m is too little to be asked about, and kd all the same for who says so, which is told."""
+    (tmp_path / "gripper.xml").write_text(
+        f'<mujoco><worldbody><body name="palm">{INERTIAL}<joint name="finger" type="slide" damping="2"/></body>'
+        "</worldbody></mujoco>",
+        encoding="utf-8",
+    )
+    text = (
+        '<mujoco><asset><model name="g" file="gripper.xml"/></asset><worldbody><frame>'
+        '<attach model="g" body="palm" prefix="g_"/></frame></worldbody>'
+        '<actuator><position joint="g_finger" kp="5000"/></actuator></mujoco>'
+    )
+    found = drafted(tmp_path, text, damping=answer)
+    group = bare(found.data["actuators"]["g_finger"])
+    assert (group["kd"], group["friction"]["viscous"]) == (kd, viscous)
+    assert found.draft.inferred == (("g_finger: joint damping is kd (--damping as-kd)",) if answer else ())
+
+
+def test_no_damping_to_settle(tmp_path: Path) -> None:
+    """An answer to what no joint asks is told, and changes nothing."""
+    text = mjcf('<joint name="knee" damping="2"/>', '<position joint="knee" kp="100" kv="3"/>')
+    found = drafted(tmp_path, text, damping="as-kd")
+    assert bare(found.data["actuators"]["knee"]["kd"]) == "3 N*m*s/rad"
+    assert found.draft.inferred == ("no drive without kd has joint damping (--damping as-kd)",)
 
 
 def test_completion_is_explained(tmp_path: Path) -> None:
