@@ -14,6 +14,7 @@ from actspec.draft.damping import AS_KD, moved, question
 from actspec.draft.groups import DraftGroup, groups_of, motors_of
 from actspec.draft.lines import (
     group_lines,
+    left_out_lines,
     line,
     listed_joints,
     motor_lines,
@@ -115,7 +116,7 @@ def draft(
         groups=written,
         question=textwrap.wrap(asked[:1].upper() + asked[1:], 110, break_on_hyphens=False),
         targets=[line(scalar(t.name), t.value, t.remark) for t in targets if not t.left_out],
-        left_out=[(f"{scalar(t.name)}: {t.value}", comment(t.left_out)) for t in targets if t.left_out],
+        left_out=[left_out_lines(t) for t in targets if t.left_out],
     )
     return DraftedSpec(
         text,

@@ -378,16 +378,17 @@ def test_a_target_that_cannot_be_served(folder: Path, capsys: pytest.CaptureFixt
     assert "  target isaaclab is left out: ISL010: swing: effort_limit is unknown" in out
     text = (folder / "spec.yaml").read_text(encoding="utf-8")
     assert (
-        '\ntargets:\n  mujoco: {version: "3.12"}\n  # isaaclab: {version: "2.3"}    # left out: ISL010: swing'
+        '\ntargets:\n  mujoco: {version: "3.12"}\n  # isaaclab: {version: "2.3"}\n  #   left out: ISL010: swing'
         in text
     )
     assert list(load_spec("spec.yaml").model.targets) == ["mujoco"]
     assert main(["compile", "spec.yaml", "-o", "out"]) == 0
     capsys.readouterr()
-    # Where nothing else is left, the target stays, and a compile says what to state.
+    # Where nothing else is left, a fragment for MuJoCo takes its place.
     assert main(["import", "cfg.py", "-o", "alone.yaml"]) == 0
-    assert "isaaclab is left out" not in capsys.readouterr().out
-    assert list(load_spec("alone.yaml").model.targets) == ["isaaclab"]
+    assert "isaaclab is left out" in capsys.readouterr().out
+    assert list(load_spec("alone.yaml").model.targets) == ["mujoco"]
+    assert main(["compile", "alone.yaml", "-o", "alone"]) == 0
 
 
 PARTS = {
