@@ -12,6 +12,7 @@ from actspec.diagnostics import RobotError, Span, listed
 from actspec.draft.combine import Combined
 from actspec.draft.damping import AS_KD, moved, question
 from actspec.draft.groups import DraftGroup, groups_of, motors_of
+from actspec.draft.including import including
 from actspec.draft.lines import (
     group_lines,
     left_out_lines,
@@ -23,7 +24,6 @@ from actspec.draft.lines import (
     timing_lines,
     unmanaged_lines,
 )
-from actspec.draft.reading import including
 from actspec.draft.sources import DraftTarget
 from actspec.draft.text import comment, render, scalar
 from actspec.ir import Command
@@ -150,20 +150,21 @@ def _unknown(groups: Sequence[DraftGroup]) -> dict[str, tuple[str, ...]]:
 def _nothing(combined: Combined) -> RobotError:
     alone = combined.left_alone
     whole = including(combined.model.path) if combined.model is not None else None
+    instead = f"it is a part of {whole}: import that" if whole else ""
     if alone:
         reasons = dict.fromkeys(f"{item.joint}: {item.why}" for item in alone)
         return _error(
             combined,
             "DRF002",
             f"none of its {len(alone)} joints can go into a group: {listed(reasons, 4)}",
-            whole
+            instead
             or "a spec describes joints that are driven one by one; `actspec init` alone writes an example",
         )
     return _error(
         combined,
         "DRF001",
         "it has no hinge or slide joint with a name: there is nothing to draft",
-        whole or "name the file that holds the robot itself, and give its joints names",
+        instead or "name the file that holds the robot itself, and give its joints names",
     )
 
 

@@ -419,6 +419,70 @@ def test_a_part_names_its_whole(
     assert main(["import", "sub/scene.xml"]) == 0
 
 
+ANGLE = '<mujoco><compiler angle="radian"/><include file="{file}"/><actuator><motor joint="hip"/></actuator></mujoco>'
+LEG = f'<mujocoinclude><worldbody><body name="b">{INERTIAL}<joint name="hip"/></body></worldbody></mujocoinclude>'
+
+
+@pytest.mark.parametrize(
+    "part, whole, files",
+    [
+        ("parts/legs.xml", "main.xml", {"main.xml": "parts/legs.xml"}),
+        ("a/b/legs.xml", "main.xml", {"main.xml": "a/b/legs.xml"}),
+        ("a/b/legs.xml", "a/main.xml", {"a/main.xml": "b/legs.xml", "a/b/other.xml": "b/legs.xml"}),
+        ("a/b/c/legs.xml", "", {"main.xml": "a/b/c/legs.xml"}),
+        ("parts/legs.xml", "", {"main.xml": "legs.xml"}),
+        ("parts/legs.xml", "one.xml, two.xml", {"one.xml": "parts/legs.xml", "two.xml": "./parts/legs.xml"}),
+    ],
+    ids=["above", "two above", "beside is another", "three above", "another legs.xml", "two of them"],
+)
+def test_a_part_below_its_whole(
+    folder: Path, part: str, whole: str, files: dict[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The model is looked for in two folders above too; where none is found, a part is still told as one."""
+    (folder / part).parent.mkdir(parents=True)
+    (folder / part).write_text(LEG, encoding="utf-8")
+    for name, file in files.items():
+        (folder / name).write_text(ANGLE.format(file=file), encoding="utf-8")
+    assert main(["import", part]) == 2
+    said = capsys.readouterr().err
+    told = (
+        f"it is a part of {whole}: import that"
+        if whole
+        else "it is a part of a model: import the file that includes"
+    )
+    assert f"  help: {told}" in said
+    assert "and so would a compile: Unrecognized XML model type" in said
+
+
+def test_a_part_of_a_part(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A part that a part includes names the model of both; a link is not followed."""
+    (folder / "legs.xml").write_text(LEG, encoding="utf-8")
+    (folder / "body.xml").write_text(
+        '<mujocoinclude><include file="legs.xml"/></mujocoinclude>', encoding="utf-8"
+    )
+    (folder / "main.xml").write_text(ANGLE.format(file="body.xml"), encoding="utf-8")
+    (folder / "link.xml").symlink_to(folder / "main.xml")
+    assert main(["import", "legs.xml"]) == 2
+    assert "  help: it is a part of main.xml: import that\n" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "head, whole", [("", ANGLE), ("<compiler/>", ANGLE), ("", ""), ("", "<mujoco/>")], ids=str
+)
+def test_a_part_that_is_a_model_too(
+    folder: Path, head: str, whole: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file without a compiler that MuJoCo takes is imported, and told to be a part of the one with the angle."""
+    text = mjcf('<joint name="hip" range="-1 1"/>').replace("<mujoco>", f"<mujoco>{head}")
+    (folder / "legs.xml").write_text(text, encoding="utf-8")
+    (folder / "main.xml").write_text(whole.format(file="legs.xml"), encoding="utf-8")
+    assert main(["import", "legs.xml"]) == 0
+    told = "legs.xml: DRF013 [warning]: has no <compiler>, and main.xml has this file as a part"
+    said = capsys.readouterr().err
+    assert (told in said) is (whole == ANGLE and not head)
+    assert ("help: import main.xml in its place" in said) is (whole == ANGLE and not head)
+
+
 def test_two_hundred_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of very many robots some are listed, and the one that is meant is found; nothing of the file is run."""
     robots = "".join(
