@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import actspec
-from actspec.diagnostics import RobotError, Span, listed
+from actspec.diagnostics import RobotError, Span, listed, one_line
 from actspec.draft.combine import Combined
 from actspec.draft.damping import AS_KD, moved, question
 from actspec.draft.groups import DraftGroup, groups_of, motors_of
@@ -41,7 +41,7 @@ class DraftedSpec:
         text: The spec's YAML.
         robot: Name of the robot.
         groups: Name of each group to its number of joints.
-        unknown: Fields that no file states, to the groups that lack them.
+        unknown: Fields that no file states, to the groups that lack them, with the joints where it is not all.
         inferred: What was taken, or may be taken, for one motor, and why; whose damping may be kd, or is.
     """
 
@@ -136,15 +136,19 @@ def _gears(groups: Sequence[DraftGroup]) -> Iterator[str]:
 
 
 def _unknown(groups: Sequence[DraftGroup]) -> dict[str, tuple[str, ...]]:
-    """Fields that no file states, to the groups with a joint that lacks them."""
-    found: dict[str, dict[str, None]] = {}
+    """Fields that no file states, to the groups that lack them: `legs`, and `arms (elbow)` where it is some joints."""
+    found: dict[str, list[str]] = {}
     for group in groups:
+        lacking: dict[str, list[str]] = {}
         for cls in group.classes:
             for key, row in cls.rows.items():
                 # A delay has a row where a file states one, and a note of its own where its steps have no length.
                 if row.value == "unknown" and key != "delay":
-                    found.setdefault(key, {})[group.name] = None
-    return {key: tuple(names) for key, names in found.items()}
+                    lacking.setdefault(key, []).extend(map(one_line, cls.names))
+        for key, names in lacking.items():
+            some = f" ({listed(names, 4)})" if len(names) < len(group.names) else ""
+            found.setdefault(key, []).append(group.name + some)
+    return {key: tuple(lost) for key, lost in found.items()}
 
 
 def _nothing(combined: Combined) -> RobotError:

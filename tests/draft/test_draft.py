@@ -118,7 +118,23 @@ def test_unstated_is_unknown(tmp_path: Path) -> None:
     assert legs["effort_limit"] == "unknown"
     assert "velocity_limit" not in legs
     assert legs["overrides"] == {"knee": {"armature": "unknown"}}
-    assert found.draft.unknown["armature"] == ("legs",)
+    assert found.draft.unknown["armature"] == ("legs (knee)",)
+
+
+def test_some_joints_lack_a_figure(tmp_path: Path) -> None:
+    """A group of which one joint lacks a kd is told with that joint, one that lacks it whole by its name."""
+    names = ("shoulder", "elbow", "wrist")
+    text = mjcf(
+        "\n".join(f'<joint name="{name}" armature="1"/>' for name in names),
+        "".join(
+            f'<position joint="{name}" kp="50" forcerange="-5 5"{kv}/>'
+            for name, kv in zip(names, (' kv="5"', "", ' kv="5"'), strict=True)
+        ),
+    )
+    unknown = drafted(tmp_path, text).draft.unknown
+    assert unknown["kd"] == ("arms (elbow)",)
+    assert unknown["friction.coulomb"] == ("arms",)
+    assert "armature" not in unknown
 
 
 def test_stated_by_class(tmp_path: Path) -> None:
