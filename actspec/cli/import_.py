@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from actspec.spec.validate import Spec
 
 _SCHEME = "package://"
+CANONICAL = "compile with --canonical"
+"""Begins the remark beside targets of a model of which only MuJoCo's own form can be written."""
 _POSE = "default_pose"
 """The one field that a file states for many joints at once."""
 
@@ -268,9 +270,14 @@ def _served(text: str, path: str, targets: Sequence[DraftTarget]) -> tuple[tuple
     spec = validate(document_from_text(text, path))
     meant = [target.name for target in targets if not target.left_out]
     # One that fails with all others tells nothing of which it is: most serve all.
-    if not _refusal(spec, meant):
+    refused = _refusal(spec, meant)
+    if not refused:
         return tuple(targets), ""
-    why = {name: refused for name in meant if (refused := _refusal(spec, [name]))}
+    if not _refusal(spec, meant, canonical=True):
+        return tuple(
+            t._replace(remark=f"{CANONICAL}: {refused}") if t.name == "mujoco" else t for t in targets
+        ), ""
+    why = {name: told for name in meant if (told := _refusal(spec, [name]))}
     marked = [t._replace(left_out=t.left_out or why.get(t.name, "")) for t in targets]
     if len(why) < len(meant):
         return tuple(marked), ""
@@ -280,13 +287,13 @@ def _served(text: str, path: str, targets: Sequence[DraftTarget]) -> tuple[tuple
     return tuple(targets), next(iter(why.values()), "")
 
 
-def _refusal(spec: Spec, names: Sequence[str]) -> str:
+def _refusal(spec: Spec, names: Sequence[str], canonical: bool = False) -> str:
     """Why a spec cannot be compiled to targets, and what to do; "" where it can."""
     from actspec import api
     from actspec.diagnostics import ActspecError
 
     try:
-        api.compile(spec, targets=names)
+        api.compile(spec, targets=names, canonical=canonical)
     except ActspecError as err:
         first = next(item for item in err.diagnostics if item.severity is Severity.ERROR)
         help = f" ({one_line(first.help)})" if first.help else ""
@@ -329,7 +336,8 @@ def _told(found: Drafted, output: str | None, files: Sequence[str]) -> Iterator[
     if output is not None:
         needed = [field for field in ("kp", "kd") if field in spec.unknown]
         yield f"next: check it{', state ' + ' and '.join(needed) if 'kp' in needed else ''}, then"
-        yield from commands(output, "show", "compile")
+        canonical = any(target.remark.startswith(CANONICAL) for target in targets)
+        yield from commands(output, "show", "compile --canonical" if canonical else "compile")
 
 
 def commands(path: str, *names: str) -> list[str]:

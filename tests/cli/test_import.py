@@ -391,6 +391,31 @@ def test_a_target_that_cannot_be_served(folder: Path, capsys: pytest.CaptureFixt
     assert main(["compile", "alone.yaml", "-o", "alone"]) == 0
 
 
+def test_a_model_that_attaches(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Joints of an attached model have no text to edit: what import says to go on with compiles."""
+    finger = ROBOT[ROBOT.index("<body>") : ROBOT.index("</worldbody>")].replace(
+        "<body>", '<body name="palm">', 1
+    )
+    (folder / "gripper.xml").write_text(f"<mujoco><worldbody>{finger}</worldbody></mujoco>", encoding="utf-8")
+    (folder / "arm.xml").write_text(
+        '<mujoco><asset><model name="g" file="gripper.xml"/></asset><worldbody><frame>'
+        '<attach model="g" body="palm" prefix="g_"/></frame></worldbody>'
+        '<actuator><position joint="g_swing" kp="20"/></actuator></mujoco>',
+        encoding="utf-8",
+    )
+    # As kd, the 0.1 N*m*s/rad of the joint go: that is an edit of the attached file.
+    assert main(["import", "--damping", "as-kd", "arm.xml", "-o", "arm.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert (
+        "  target mujoco: compile with --canonical: MJC004: 'g_swing' comes from <replicate> or <attach>"
+        in out
+    )
+    assert out.endswith("  actspec compile --canonical arm.yaml\n")
+    assert "# compile with --canonical: MJC004" in (folder / "arm.yaml").read_text(encoding="utf-8")
+    assert main(["compile", "arm.yaml", "-o", "out"]) == 2
+    assert main(["compile", "--canonical", "arm.yaml", "-o", "out"]) == 0
+
+
 PARTS = {
     "scene.xml": '<mujoco><default><default class="j"><joint damping="1"/></default></default>'
     '<include file="./arm.xml"/><actuator><include file="act.xml"/></actuator></mujoco>',
