@@ -56,7 +56,7 @@ def _texts(path: str) -> Iterator[tuple[str, bytes]]:
             return
         seen.add(where)
         try:
-            names = sorted(name for name in os.listdir(where) if name.lower().endswith(".xml"))
+            names = sorted(name for name in os.listdir(where) if name.lower().endswith((".xml", ".mjcf")))
         except (OSError, ValueError):
             return
         for name in names[:_MOST_FILES]:

@@ -280,7 +280,8 @@ def group_name(
         named = [called] if called and called.lower() not in {*_NO_GROUP, *_of_robot(robot)} else []
         single = [joints[0]] if len(joints) == 1 < len(above) and _is_key(joints[0]) else []
         guess = ["arm"] if row and not above and len(joints) >= _LEAST_OF_A_ROW else []
-        choices = [*_limb(joints, above), *named, *guess, *single] or choices or ["joints"]
+        told = [limb for word, limb in (("hand", "fingers"), ("arm", "arm")) if word in _of_robot(robot)]
+        choices = [*_limb(joints, above), *named, *guess, *single] or choices or [*told, "joints"]
     for choice in choices:
         if choice not in used:
             return choice

@@ -126,10 +126,10 @@ def _check(reading: FileReading, out: Collector) -> None:
         elif artifact.is_part and (whole := including(reading.path)):
             out.warning(
                 "DRF013",
-                f"has no <compiler>, and {whole} has this file as a part: angles, classes and limits that are stated "
+                f"has no <compiler>, and is a part of {whole}: angles, classes and limits that are stated "
                 "there are not read",
                 span=place,
-                help=f"import {whole} in its place",
+                help="import that in its place",
             )
 
 

@@ -451,7 +451,7 @@ LEG = f'<mujocoinclude><worldbody><body name="b">{INERTIAL}<joint name="hip"/></
 @pytest.mark.parametrize(
     "part, whole, files",
     [
-        ("parts/legs.xml", "main.xml", {"main.xml": "parts/legs.xml"}),
+        ("parts/legs.xml", "main.mjcf", {"main.mjcf": "parts/legs.xml"}),
         ("a/b/legs.xml", "main.xml", {"main.xml": "a/b/legs.xml"}),
         ("a/b/legs.xml", "a/main.xml", {"a/main.xml": "b/legs.xml", "a/b/other.xml": "b/legs.xml"}),
         ("a/b/c/legs.xml", "", {"main.xml": "a/b/c/legs.xml"}),
@@ -502,10 +502,10 @@ def test_a_part_that_is_a_model_too(
     (folder / "legs.xml").write_text(text, encoding="utf-8")
     (folder / "main.xml").write_text(whole.format(file="legs.xml"), encoding="utf-8")
     assert main(["import", "legs.xml"]) == 0
-    told = "legs.xml: DRF013 [warning]: has no <compiler>, and main.xml has this file as a part"
+    told = "legs.xml: DRF013 [warning]: has no <compiler>, and is a part of main.xml"
     said = capsys.readouterr().err
     assert (told in said) is (whole == ANGLE and not head)
-    assert ("help: import main.xml in its place" in said) is (whole == ANGLE and not head)
+    assert ("help: import that in its place" in said) is (whole == ANGLE and not head)
 
 
 def test_two_hundred_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

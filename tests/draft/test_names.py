@@ -172,6 +172,7 @@ def test_group_names_by_the_tree(joints: list[str], above: dict[str, frozenset[s
         (["joint_1", "joint_2"], (), "gen3", "arm"),
         (["joint_1", "joint_2"], ("arm",), "gen3", "arm_2"),
         (["joint_5", "knee"], (), "gen3", "joints"),
+        (["joint_8", "joint_9"], (), "allegro_hand_left", "fingers"),
         (["cam_1", "cam_2"], (), "x", "cam"),
         (["iris_rotor_1", "iris_rotor_2"], (), "iris", "rotor"),
         (["cart_to_pole", "pole_to_cart"], (), "cart_pole", "cart_pole"),
