@@ -31,8 +31,11 @@ if TYPE_CHECKING:
     from actspec.draft.combine import Combined, Disagreement
     from actspec.draft.sources import DraftTarget
     from actspec.readings.versions import Versions
+    from actspec.spec.validate import Spec
 
 _SCHEME = "package://"
+CANONICAL = "compile with --canonical"
+"""Begins the remark beside targets of a model of which only MuJoCo's own form can be written."""
 _POSE = "default_pose"
 """The one field that a file states for many joints at once."""
 
@@ -112,15 +115,15 @@ def import_files(
     found = drafted(
         files, output or "spec.yaml", robot, versions, joints=joints, damping=damping, packages=packages
     )
-    spec, combined, targets = found.spec, found.combined, found.targets
+    spec = found.spec
     if output is not None:
         check_free(output, found.sources, force, again=True)
-    print_diagnostics(_warnings(combined.disagreements))
+    print_diagnostics(_warnings(found.combined.disagreements))
     if output is None:
         sys.stdout.write(spec.text)
     else:
         write_text(output, spec.text, force=force)
-    print_lines(_told(spec, combined, targets, output, files), sys.stderr if output is None else sys.stdout)
+    print_lines(_told(found, output, files), sys.stderr if output is None else sys.stdout)
     return EXIT_CLEAN
 
 
@@ -133,12 +136,14 @@ class Drafted:
         combined: What the files say together.
         targets: What it can be compiled to.
         sources: Every file that was read.
+        stops: What stops a compile to any target until it is mended; "": nothing.
     """
 
     spec: DraftedSpec
     combined: Combined
     targets: tuple[DraftTarget, ...]
     sources: tuple[str, ...]
+    stops: str
 
 
 def drafted(
@@ -175,13 +180,13 @@ def drafted(
     targets = targets_of(readings, combined, versions)
     named = {name: _reference(at, folder) for name, at in packages} if combined.model is not None else {}
     spec = draft(combined, reference, targets, damping, named)
-    served = _served(spec.text, path, targets)
+    served, stops = _served(spec.text, path, targets)
     if served != targets:
         targets = served
         spec = draft(combined, reference, targets, damping, named)
     # Whatever the files were, what is written is a valid spec.
     validate(document_from_text(spec.text, path))
-    return Drafted(spec, combined, tuple(targets), sources)
+    return Drafted(spec, combined, tuple(targets), sources, stops)
 
 
 def _reference(file: str, folder: str) -> str:
@@ -210,6 +215,12 @@ def _placed(combined: Combined, folder: str) -> Combined:
                     text = f"a spec names networks below its folder: copy {reference} to {names[key]} there"
                     notes[joint.joint] = (*notes.get(joint.joint, ()), text)
             joint = replace(joint, network=replace(network, file=names["file"], manifest=names["manifest"]))
+            if network.file and not os.path.isfile(network.file):
+                text = f"its network is not here ({one_line(network.file)}): put it below the spec's folder, and name "
+                text += (
+                    "it and its manifest under `network`; `actspec schema network` has the keys of a manifest"
+                )
+                notes[joint.joint] = (*notes.get(joint.joint, ()), text)
         joints.append(joint)
     return replace(combined, actuators=replace(combined.actuators, joints=tuple(joints)), notes=notes)
 
@@ -248,39 +259,50 @@ def _warning(item: Disagreement, more: str) -> Diagnostic:
     return Diagnostic("DRF010", Severity.WARNING, told, "", item.taken.span)
 
 
-def _served(text: str, path: str, targets: Sequence[DraftTarget]) -> tuple[DraftTarget, ...]:
-    """The targets, those marked that the spec cannot be compiled to; where it can to none, compile says why."""
-    from actspec import api
-    from actspec.diagnostics import ActspecError
+def _served(text: str, path: str, targets: Sequence[DraftTarget]) -> tuple[tuple[DraftTarget, ...], str]:
+    """The targets, those marked that the spec cannot be compiled to, and what stops a compile to all that are left.
+
+    Where none of them serves a robot without a model, a fragment may; where nothing does, all stay as they are.
+    """
     from actspec.spec.document import document_from_text
     from actspec.spec.validate import validate
 
     spec = validate(document_from_text(text, path))
     meant = [target.name for target in targets if not target.left_out]
-    why: dict[str, str] = {}
     # One that fails with all others tells nothing of which it is: most serve all.
-    for names in ([meant], [[name] for name in meant]):
-        why = {}
-        for chosen in names:
-            try:
-                api.compile(spec, targets=chosen)
-            except ActspecError as err:
-                errors = [item for item in err.diagnostics if item.severity is Severity.ERROR]
-                why[chosen[0]] = f"{errors[0].code}: {one_line(errors[0].message)}"
-        if not why:
-            return tuple(targets)
-    if len(why) == len(meant):
-        return tuple(targets)
-    return tuple(t._replace(left_out=t.left_out or why.get(t.name, "")) for t in targets)
+    refused = _refusal(spec, meant)
+    if not refused:
+        return tuple(targets), ""
+    if not _refusal(spec, meant, canonical=True):
+        return tuple(
+            t._replace(remark=f"{CANONICAL}: {refused}") if t.name == "mujoco" else t for t in targets
+        ), ""
+    why = {name: told for name in meant if (told := _refusal(spec, [name]))}
+    marked = [t._replace(left_out=t.left_out or why.get(t.name, "")) for t in targets]
+    if len(why) < len(meant):
+        return tuple(marked), ""
+    fragments = {t.name: fragment for t in targets if (fragment := t.as_fragment())}
+    if fragments and not _refusal(spec, list(fragments)):
+        return tuple(fragments.get(t.name, t) for t in marked), ""
+    return tuple(targets), next(iter(why.values()), "")
 
 
-def _told(
-    spec: DraftedSpec,
-    combined: Combined,
-    targets: Sequence[DraftTarget],
-    output: str | None,
-    files: Sequence[str],
-) -> Iterator[str]:
+def _refusal(spec: Spec, names: Sequence[str], canonical: bool = False) -> str:
+    """Why a spec cannot be compiled to targets, and what to do; "" where it can."""
+    from actspec import api
+    from actspec.diagnostics import ActspecError
+
+    try:
+        api.compile(spec, targets=names, canonical=canonical)
+    except ActspecError as err:
+        first = next(item for item in err.diagnostics if item.severity is Severity.ERROR)
+        help = f" ({one_line(first.help)})" if first.help else ""
+        return f"{first.code}: {one_line(first.message)}{help}"
+    return ""
+
+
+def _told(found: Drafted, output: str | None, files: Sequence[str]) -> Iterator[str]:
+    spec, combined, targets = found.spec, found.combined, found.targets
     joints = sum(spec.groups.values())
     start = f"wrote {one_line(output)}: " if output is not None else f"{spec.robot}: "
     yield (
@@ -306,10 +328,16 @@ def _told(
     for why, lost in left_out.items():
         one = len(lost) == 1
         yield f"  target{'s' * (not one)} {listed(lost)} {'is' if one else 'are'} left out: {one_line(why)}"
+    for target in targets:
+        if target.remark and not target.left_out:
+            yield f"  target {target.name}: {one_line(target.remark)}"
+    if found.stops:
+        yield f"  compile stops until that is mended: {found.stops}"
     if output is not None:
         needed = [field for field in ("kp", "kd") if field in spec.unknown]
         yield f"next: check it{', state ' + ' and '.join(needed) if 'kp' in needed else ''}, then"
-        yield from commands(output, "show", "compile")
+        canonical = any(target.remark.startswith(CANONICAL) for target in targets)
+        yield from commands(output, "show", "compile --canonical" if canonical else "compile")
 
 
 def commands(path: str, *names: str) -> list[str]:

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import actspec
-from actspec.diagnostics import RobotError, Span, listed
+from actspec.diagnostics import RobotError, Span, listed, one_line
 from actspec.draft.combine import Combined
 from actspec.draft.damping import AS_KD, moved, question
 from actspec.draft.groups import DraftGroup, groups_of, motors_of
+from actspec.draft.including import including
 from actspec.draft.lines import (
     group_lines,
+    left_out_lines,
     line,
     listed_joints,
     motor_lines,
@@ -22,7 +24,6 @@ from actspec.draft.lines import (
     timing_lines,
     unmanaged_lines,
 )
-from actspec.draft.reading import including
 from actspec.draft.sources import DraftTarget
 from actspec.draft.text import comment, render, scalar
 from actspec.ir import Command
@@ -40,8 +41,8 @@ class DraftedSpec:
         text: The spec's YAML.
         robot: Name of the robot.
         groups: Name of each group to its number of joints.
-        unknown: Fields that no file states, to the groups that lack them.
-        inferred: What was taken, or may be taken, for one motor, and why; whose damping may be kd.
+        unknown: Fields that no file states, to the groups that lack them, with the joints where it is not all.
+        inferred: What was taken, or may be taken, for one motor, and why; whose damping may be kd, or is.
     """
 
     text: str
@@ -77,10 +78,11 @@ def draft(
     Raises:
         RobotError: there is no joint that a spec could describe, or a name is too long.
     """
+    asked = question(combined.actuators.joints) if damping is None else ""
+    settled = asked
     if damping == AS_KD:
-        combined = moved(combined)
+        combined, settled = moved(combined)
     actuators = combined.actuators
-    asked = question(actuators.joints) if damping is None else ""
     if not actuators.joints:
         raise _nothing(combined)
     try:
@@ -114,14 +116,14 @@ def draft(
         groups=written,
         question=textwrap.wrap(asked[:1].upper() + asked[1:], 110, break_on_hyphens=False),
         targets=[line(scalar(t.name), t.value, t.remark) for t in targets if not t.left_out],
-        left_out=[(f"{scalar(t.name)}: {t.value}", comment(t.left_out)) for t in targets if t.left_out],
+        left_out=[left_out_lines(t) for t in targets if t.left_out],
     )
     return DraftedSpec(
         text,
         actuators.robot,
         {group.name: len(group.names) for group in groups},
         _unknown(groups),
-        (*_gears(groups), *([asked] if asked else [])),
+        (*_gears(groups), *([settled] if settled else [])),
     )
 
 
@@ -134,34 +136,39 @@ def _gears(groups: Sequence[DraftGroup]) -> Iterator[str]:
 
 
 def _unknown(groups: Sequence[DraftGroup]) -> dict[str, tuple[str, ...]]:
-    """Fields that no file states, to the groups with a joint that lacks them."""
-    found: dict[str, dict[str, None]] = {}
+    """Fields that no file states, to the groups that lack them: `legs`, and `arms (elbow)` where it is some joints."""
+    found: dict[str, list[str]] = {}
     for group in groups:
+        lacking: dict[str, list[str]] = {}
         for cls in group.classes:
             for key, row in cls.rows.items():
                 # A delay has a row where a file states one, and a note of its own where its steps have no length.
                 if row.value == "unknown" and key != "delay":
-                    found.setdefault(key, {})[group.name] = None
-    return {key: tuple(names) for key, names in found.items()}
+                    lacking.setdefault(key, []).extend(map(one_line, cls.names))
+        for key, names in lacking.items():
+            some = f" ({listed(names, 4)})" if len(names) < len(group.names) else ""
+            found.setdefault(key, []).append(group.name + some)
+    return {key: tuple(lost) for key, lost in found.items()}
 
 
 def _nothing(combined: Combined) -> RobotError:
     alone = combined.left_alone
     whole = including(combined.model.path) if combined.model is not None else None
+    instead = f"it is a part of {whole}: import that" if whole else ""
     if alone:
         reasons = dict.fromkeys(f"{item.joint}: {item.why}" for item in alone)
         return _error(
             combined,
             "DRF002",
             f"none of its {len(alone)} joints can go into a group: {listed(reasons, 4)}",
-            whole
+            instead
             or "a spec describes joints that are driven one by one; `actspec init` alone writes an example",
         )
     return _error(
         combined,
         "DRF001",
         "it has no hinge or slide joint with a name: there is nothing to draft",
-        whole or "name the file that holds the robot itself, and give its joints names",
+        instead or "name the file that holds the robot itself, and give its joints names",
     )
 
 

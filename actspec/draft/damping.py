@@ -17,25 +17,32 @@ LEAST_DAMPING = 1e-3
 in the published gains of legged robots (0.02 s to 0.04 s)."""
 
 
-def is_asked(joint: JointActuator) -> bool:
-    """Whether joint damping may be meant as the kd that a drive lacks."""
+def may_be_kd(joint: JointActuator) -> bool:
+    """Whether a drive lacks a kd and its joint has damping, however little."""
     viscous, kd = joint.friction_viscous.value, joint.kd
     if joint.command is Command.EFFORT or joint.level is Level.ACTUATOR_NET or kd is None:
         return False
-    if viscous is None or viscous <= 0.0 or (kd.origin is not Origin.DEFAULT and kd.value not in (None, 0.0)):
-        return False
+    return bool(viscous and viscous > 0.0 and (kd.origin is Origin.DEFAULT or kd.value in (None, 0.0)))
+
+
+def is_asked(joint: JointActuator) -> bool:
+    """Whether joint damping is large enough to be suspected to be the kd that a drive lacks."""
     kp = joint.kp.value if joint.kp is not None else None
-    return viscous >= LEAST_DAMPING * (kp or 0.0)
+    return may_be_kd(joint) and joint.friction_viscous.require() >= LEAST_DAMPING * (kp or 0.0)
 
 
-def moved(combined: Combined) -> Combined:
-    """The robot with the damping in question as kd; 0 is left of it in the joint.
+def moved(combined: Combined) -> tuple[Combined, str]:
+    """The robot with the damping of all drives without kd as kd, 0 left of it in the joint; and what was done.
 
     Args:
         combined: What the files say.
     """
-    joints = tuple(_moved(joint) if is_asked(joint) else joint for joint in combined.actuators.joints)
-    return replace(combined, actuators=replace(combined.actuators, joints=joints))
+    every = combined.actuators.joints
+    names = [one_line(joint.joint) for joint in every if may_be_kd(joint)]
+    said = f"{listed(names, 4)}: joint damping is kd" if names else "no drive without kd has joint damping"
+    joints = tuple(_moved(joint) if may_be_kd(joint) else joint for joint in every)
+    found = replace(combined, actuators=replace(combined.actuators, joints=joints))
+    return found, f"{said} (--damping {AS_KD})"
 
 
 def _moved(joint: JointActuator) -> JointActuator:

@@ -99,7 +99,7 @@ def groups_of(
     for group in groups:
         members = sorted(group.names, key=order.__getitem__)
         own = given_name(members, given, robot)
-        group.name = own if own and own not in taken else group_name(members, taken, above)
+        group.name = own if own and own not in taken else group_name(members, taken, above, given, robot)
         taken.append(group.name)
         group.patterns = joint_patterns(members, names)
     return groups

@@ -12,7 +12,7 @@ from actspec.draft.combine import Combined
 from actspec.draft.groups import DraftGroup, DraftMotor, differing
 from actspec.draft.names import joint_patterns, one_pattern
 from actspec.draft.rows import RANGE, Row, lost_of, lost_text
-from actspec.draft.sources import places, stated
+from actspec.draft.sources import DraftTarget, places, stated
 from actspec.draft.text import comment, figure, scalar, sourced
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Source
 from actspec.units import format_number
@@ -22,6 +22,8 @@ _WIDTH = 100
 _COLUMNS = 120
 """Chosen: a remark that would end beyond is written above its line."""
 _COMMENT = _COLUMNS - len("    # ")
+_MOST_WRAPPED = 500
+"""Chosen: characters of a remark over several lines; compile's longest messages with their help are shorter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +95,9 @@ def group_lines(group: DraftGroup, motors: Mapping[int, str], combined: Combined
     return {
         "name": group.name,
         "comments": [
-            row for text in _comments(group, combined) for row in textwrap.wrap(comment(text), _COMMENT)
+            row
+            for text in _comments(group, combined)
+            for row in textwrap.wrap(comment(text, _MOST_WRAPPED), _COMMENT, break_on_hyphens=False)
         ],
         "joints": joints,
         "joints_line": joined if len(joined) <= _WIDTH else "",
@@ -126,6 +130,18 @@ def source_lines(source: Source) -> tuple[Line, ...]:
         ("note", source.note),
     )
     return tuple(Line(key, scalar(comment(text, 1000))) for key, text in known if text)
+
+
+def left_out_lines(target: DraftTarget) -> list[str]:
+    """Comments on a target that cannot be had: what it would be, and why it is none, below it where that is long."""
+    head, why = (
+        f"{scalar(target.name)}: {target.value}",
+        f"left out: {comment(target.left_out, _MOST_WRAPPED)}",
+    )
+    whole = f"{head}    # {why}"
+    if len(whole) <= _COMMENT:
+        return [whole]
+    return [head, *(f"  {row}" for row in textwrap.wrap(why, _COMMENT - 2, break_on_hyphens=False))]
 
 
 def timing_lines(actuators: ActuatorSet) -> tuple[list[Line], str]:

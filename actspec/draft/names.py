@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
@@ -29,29 +30,46 @@ _SIDES = _words(
 )
 _SHORT = {
     "haa": "hip_abduction", "hfe": "hip_flexion", "hr": "hip_rotation", "hx": "hip_x", "hy": "hip_y", "kfe": "knee",
-    "kn": "knee", "ffe": "ankle_flexion", "faa": "ankle_abduction",
+    "kn": "knee", "ffe": "ankle_flexion", "faa": "ankle_abduction", "wrj": "wrist", "thj": "thumb", "ffj": "finger",
+    "mfj": "finger", "rfj": "finger", "lfj": "finger",
 }  # fmt: skip
-"""Letters that joints are called by to the words of the robot. Source: ANYmal, Solo, Spot, Berkeley Humanoid."""
+"""Letters that joints are called by to the words of the robot. Source: ANYmal, Solo, Spot, Berkeley Humanoid, Shadow
+Hand."""
 _PLURALS = {
     **{word: word + "s" for word in _words(
-        "hip thigh knee ankle toe leg arm hand shank shin shoulder elbow wrist forearm finger thumb wheel gripper neck"
+        "hip thigh knee ankle toe leg arm hand shank shin shoulder elbow wrist forearm finger thumb wheel gripper"
     )},
     "calf": "calves",
     "foot": "feet",
 }  # fmt: skip
-_GENERIC = _words("joint jnt j joints link motor act actuator")
+_GENERIC = _words("joint jnt j joints link motor act actuator robot zero one two three four five six seven")
 _AXES = _words("roll pitch yaw x y z link")
 """What names no part of a robot where it stands alone."""
 _LEAST_OF_AN_ARM, _FINGERS = 4, 5
 """Joints of a chain, and branches of a base, that tell what a robot without words is. Chosen: a leg on a stand has
 three joints, and four branches are a quadruped's."""
+_JOINTS_OF_ARMS = 7
+"""Joints of each of two equal chains that are arms. Chosen: legs have at most six."""
+_LEAST_OF_A_ROW = 6
+"""Joints that differ in a number alone and are taken for an arm where no file says how they hang together. Chosen: arms
+have six or seven."""
 _BODY_PARTS = (
     ("legs", _words("hip thigh calf knee ankle leg foot shank shin toe abduction")),
     ("arms", _words("shoulder elbow wrist arm forearm")),
     ("hands", _words("thumb index middle ring pinky little finger fingers hand palm")),
-    ("torso", _words("waist torso spine head neck")),
+    ("torso", _words("waist torso trunk chest spine head neck pelvis")),
 )
+_OTHER_PARTS = {"wheel": "wheels", "gripper": "hands"}
+_PART_OF = {**{word: name for name, known in _BODY_PARTS for word in known}, **_OTHER_PARTS}
+"""Word of a robot to the part of its body."""
+_AMBIGUOUS = _words("middle index ring little")
+"""Fingers, beside words of a hand."""
+_MODEL = re.compile(r"[a-z]+[0-9]+[a-z][a-z0-9]*|[a-z][0-9]{2,}")
+"""The number of a model or of a camera: `j2s6s200`, `d435`."""
+_NO_GROUP = _words("all default dummy base main body")
+"""What a configuration calls a group without saying what is in it."""
 _NO_WORD = re.compile(r"^actuators?_(?=[a-z])|(?<=.)_?(?:actuators?)?_?(?:cfg)?$", re.IGNORECASE)
+_UNUSED = re.compile(r"not_?used?")
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _RESERVED = _words("y n yes no on off true false null none unknown")
 
@@ -201,29 +219,41 @@ def body_part(joints: Sequence[str]) -> str | None:
     return next((name for name, known in _BODY_PARTS if heads and known.issuperset(heads)), None)
 
 
-def given_name(joints: Sequence[str], given: Mapping[str, str], robot: str) -> str:
+def given_name(joints: Sequence[str], given: Mapping[str, str], robot: str, *, whole: bool = True) -> str:
     """The name that a configuration has for exactly these joints, as a key; "" without one.
 
     Args:
         joints: Names, at least one.
         given: Joint to the name of its group; "" for none.
         robot: The robot's name; a word of it at the beginning goes (`GO1_HIP_ACTUATOR_CFG` is hip).
+        whole: Whether the name may not be one of other joints too.
     """
     names = {given[name] for name in joints}
-    if len(names) != 1 or any(given[name] in names for name in given.keys() - set(joints)):
+    if len(names) != 1 or (whole and any(given[name] in names for name in given.keys() - set(joints))):
         return ""
     name = names.pop()
     name = _NO_WORD.sub("", name.lower() if name.isupper() else name)
     first, _, rest = name.partition("_")
-    if rest[:1].isalpha() and first in re.split(r"[^a-z0-9]+", robot.lower()):
+    if rest[:1].isalpha() and first in _of_robot(robot):
         name = rest
-    return name if _KEY.fullmatch(name) and name.lower() not in _RESERVED else ""
+    return name if _is_key(name) else ""
+
+
+def _of_robot(robot: str) -> list[str]:
+    """Words of a robot's name."""
+    return re.split(r"[^a-z0-9]+", robot.lower())
+
+
+def _is_key(name: str) -> bool:
+    return _KEY.fullmatch(name) is not None and name.lower() not in _RESERVED
 
 
 def group_name(
     joints: Sequence[str],
     taken: Iterable[str],
     above: Mapping[str, frozenset[str]] = MappingProxyType({}),
+    given: Mapping[str, str] = MappingProxyType({}),
+    robot: str = "",
 ) -> str:
     """A key for a group of joints: what their names have in common, without sides and numbers: `knees`, `hip_pitch`.
 
@@ -232,15 +262,26 @@ def group_name(
         taken: Keys that are used already.
         above: Every joint of the robot to those between it and the base, where a file says so: it tells an arm and
             fingers whose joints are called `joint1` or `Roll_21L`.
+        given: Every joint to what a configuration calls its group: that of joints without words.
+        robot: The robot's name, which is no word for several of its joints.
     """
     used = set(taken)
     parts = [_parts(name) for name in joints]
-    choices = [_PLURALS.get(c, c) if len(joints) > 1 else c for c in _common(parts)]
-    choices.append("joints")
-    if _AXES.issuperset(part for words in parts for part in words):
-        choices = [*_limb(joints, above)] or choices
-        if len(joints) == 1 < len(above) and _KEY.fullmatch(joints[0]) and joints[0].lower() not in _RESERVED:
-            choices.insert(0, joints[0])
+    if len(joints) > 1:
+        own = [word for word in _shared(parts) if word in _of_robot(robot) and word not in _PART_OF]
+        parts = [[word for word in words if word not in own] for words in parts]
+    choices = []
+    if all(parts):
+        choices = [_PLURALS.get(c, c) if len(joints) > 1 else c for c in _common(parts)] + [*_mixed(parts)]
+    known = any(word in _PART_OF for words in parts for word in words)
+    row = len(joints) > 1 and len({re.sub(r"[0-9]+", "0", name) for name in joints}) == 1
+    if not choices or _AXES.issuperset(word for words in parts for word in words) or (row and not known):
+        called = given_name(joints, given, robot, whole=False) if given else ""
+        named = [called] if called and called.lower() not in {*_NO_GROUP, *_of_robot(robot)} else []
+        single = [joints[0]] if len(joints) == 1 < len(above) and _is_key(joints[0]) else []
+        guess = ["arm"] if row and not above and len(joints) >= _LEAST_OF_A_ROW else []
+        told = [limb for word, limb in (("hand", "fingers"), ("arm", "arm")) if word in _of_robot(robot)]
+        choices = [*_limb(joints, above), *named, *guess, *single] or choices or [*told, "joints"]
     for choice in choices:
         if choice not in used:
             return choice
@@ -251,37 +292,78 @@ def group_name(
 
 
 def _limb(joints: Sequence[str], above: Mapping[str, frozenset[str]]) -> Iterator[str]:
-    """What joints are whose robot is one chain, or as many branches of a base as a hand has."""
+    """What joints without words are: of the one chain that has none, or of as many branches as a hand has."""
+    branches: dict[str, list[str]] = {}
     roots = {
         name: min(chain, key=lambda other: len(above[other]), default=name) for name, chain in above.items()
     }
-    branches = set(roots.values())
-    if len(branches) == 1 and len(above) >= _LEAST_OF_AN_ARM:
-        if sorted(map(len, above.values())) == list(range(len(above))):
-            yield "arm"
-    elif len(branches) == _FINGERS and len(above) > _FINGERS:
-        yield "finger" if len({roots.get(name) for name in joints}) == 1 else "fingers"
+    for name, root in roots.items():
+        branches.setdefault(root, []).append(name)
+    own = {roots.get(name, "") for name in joints}
+    chains = {root: _chain(names, above) for root, names in branches.items()}
+    arms = [root for root, chain in chains.items() if len(chain) >= _LEAST_OF_AN_ARM]
+    if len(own) == 1 and own == set(arms):
+        if own_chain := [name for name in joints if name in chains[arms[0]]]:
+            single = f"arm_{joints[0]}"
+            yield single if joints == own_chain and len(joints) == 1 and _is_key(single) else "arm"
+    elif own <= set(arms) and len(arms) == 2 and {len(chains[root]) for root in arms} == {_JOINTS_OF_ARMS}:
+        yield "arms"
+    elif len(branches) == _FINGERS and len(above) > _FINGERS and not any(map(_has_part, above)):
+        yield "finger" if len(own) == 1 else "fingers"
+
+
+def _chain(names: Sequence[str], above: Mapping[str, frozenset[str]]) -> list[str]:
+    """Joints without words of a branch that all others of it are above or below of: an arm before its hand."""
+    below = Counter(other for name in names for other in above[name])
+    return [n for n in names if below[n] + len(above[n]) + 1 == len(names) and not _has_part(n)]
+
+
+def _has_part(name: str) -> bool:
+    """Whether a joint's name has a word for a part of the body."""
+    return any(word in _PART_OF for word in _parts(name))
+
+
+def _mixed(parts: Sequence[list[str]]) -> Iterator[str]:
+    """What joints of several parts of the body are: `legs_wheels`, `upper_body`, `body`."""
+    found = {_PART_OF[words[0]]: None for words in parts if words[0] in _PART_OF}
+    if {"torso"} < found.keys() <= {"torso", "arms", "hands"}:
+        yield "upper_body"
+    elif found.keys() == {"arms", "hands"}:
+        yield "arms"
+    elif len(found) > 2:
+        yield "body"
+    elif len(found) == 2:
+        yield "_".join(sorted(found))
 
 
 def _parts(name: str) -> list[str]:
-    """`left_hip_pitch_joint` to [hip, pitch]."""
-    words = re.findall(r"[a-z]+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower())
+    """`left_hip_pitch_joint` and `LHipPitch` to [hip, pitch]; `not_use_joint` to [unused]."""
+    text = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z]{2})", "_", name).lower()
+    tokens = [token for token in re.split(r"[^a-z0-9]+", text) if not _MODEL.fullmatch(token)]
+    words = [_sideless(word) for word in re.findall(r"[a-z]+", _UNUSED.sub("unused", "_".join(tokens)))]
     known = [word for word in words if word not in _SIDES and word not in _GENERIC]
     # `hr` is hind right before a part, and a rotation of the hip behind a side.
     known = known or [word for word in words if word in _SHORT]
     return [part for word in known for part in _SHORT.get(word, word).split("_")]
 
 
+def _sideless(word: str) -> str:
+    """`rleg` and `lshoulder` without the side."""
+    return word[1:] if word[:1] in ("l", "r") and word not in _PART_OF and word[1:] in _PART_OF else word
+
+
 def _common(parts: Sequence[list[str]]) -> Iterator[str]:
     """Names for the group, the best first."""
     start = _shared(parts)
     end = _shared([part[::-1] for part in parts])[::-1]
-    heads = list(dict.fromkeys(p[0] for p in parts if p))
+    heads = list(dict.fromkeys(p[0] for p in parts))
     yield from _keys(start)
     for name, known in _BODY_PARTS:
         if len(heads) > 1 and known.issuperset(heads):
             yield name
     yield from _keys(end)
+    # Of a waist and what is mounted on it, the waist.
+    heads = [word for word in heads if word in _PART_OF.keys() - _AMBIGUOUS] or heads
     if len(heads) <= 3:
         yield from _keys(heads)
 

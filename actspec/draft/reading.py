@@ -8,27 +8,32 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import AuditError, Collector, Diagnostic, Severity, Span, listed, nearest, one_line
+from actspec.draft.including import including
 from actspec.draft.sources import RobotReading
-from actspec.files import FAULTS, read_regular
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
 from actspec.lift.config import asset_of, plain_name
 from actspec.patterns import PatternError, match_names
-from actspec.readings.artifact import Artifact, FileKind, FileReading, Framework, RobotConfig
+from actspec.readings.artifact import (
+    Artifact,
+    FileKind,
+    FileReading,
+    Framework,
+    RobotConfig,
+    without_comments,
+)
 from actspec.readings.joint_lists import fitting, joint_lists
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 
+_PART_ROOT = b"<mujocoinclude"
+_REFUSED = "MuJoCo refuses the model: "
+
 _ENDING = "_joint"
 """That USD files of robots leave out, or have, where the URDF is the other way round."""
 
-_INCLUDE = re.compile(rb"""<include[^>]*\sfile\s*=\s*["']([^"']*)["']""")
-_MOST_BESIDE = 200
-"""Files beside a part that are looked at. Chosen: a folder of MuJoCo's menagerie has ten."""
-_MOST_BYTES = 4 * 1024 * 1024
-"""Chosen: larger than any MJCF that includes."""
 _USD = re.compile(r"\.usd[acz]?$", re.IGNORECASE)
 
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
@@ -70,7 +75,7 @@ def read_robot_files(
     parts = list(_lifted(artifacts, named, versions, out))
     out.raise_if_failed(AuditError)
     files = {reading.path: tuple(file.path for file in reading.files) for reading in readings}
-    said = [item for reading in readings for item in reading.diagnostics]
+    said = [*out, *(item for reading in readings for item in reading.diagnostics)]
     said += [item for part in parts for item in part.actuators.diagnostics]
     found = zip(parts, artifacts, strict=True)
     return tuple(RobotReading(part, a, files.get(a.path, ())) for part, a in found), tuple(
@@ -88,29 +93,6 @@ def _near(path: str) -> str | None:
     return None if guess is None else f"did you mean {os.path.join(folder, guess)!r}?"
 
 
-def including(path: str) -> str | None:
-    """What to import in place of a part of a model: the files beside it that include it; None: there is none.
-
-    Args:
-        path: An MJCF.
-    """
-    folder, name = os.path.split(path)
-    found = []
-    try:
-        beside = sorted(one for one in os.listdir(folder or os.curdir) if one.lower().endswith(".xml"))
-    except (OSError, ValueError):
-        return None
-    for one in beside[:_MOST_BESIDE]:
-        try:
-            data = read_regular(os.path.join(folder, one), _MOST_BYTES)
-        except FAULTS:
-            continue
-        named = [match[1].decode("utf-8", "replace") for match in _INCLUDE.finditer(data)]
-        if one != name and any(os.path.normpath(file) == name for file in named):
-            found.append(one_line(os.path.join(folder, one)))
-    return f"it is a part of {listed(found)}: import that" if found else None
-
-
 def _check(reading: FileReading, out: Collector) -> None:
     """A file that was named is of use, or says why not."""
     place = Span(reading.path)
@@ -120,7 +102,7 @@ def _check(reading: FileReading, out: Collector) -> None:
             for item in errors:
                 out.add(item)
         else:
-            help = including(reading.path)
+            help = _instead(reading)
             out.error("DRF004", f"cannot be read: {reading.reason}", span=reading.place, help=help)
     elif reading.kind is FileKind.SPEC:
         out.error(
@@ -137,10 +119,28 @@ def _check(reading: FileReading, out: Collector) -> None:
         if artifact.text_only is not None and artifact.kind is FileKind.MJCF:
             out.error(
                 "DRF006",
-                f"MuJoCo refuses the file, and so would a compile: {artifact.text_only}",
+                f"MuJoCo refuses the file, and so would a compile: {artifact.text_only.replace(_REFUSED, '', 1)}",
                 span=artifact.refused_at or place,
-                help=including(reading.path) or "correct it first; `actspec audit` reads it as it is",
+                help=_instead(reading) or "correct it first; `actspec audit` reads it as it is",
             )
+        elif artifact.is_part and (whole := including(reading.path)):
+            out.warning(
+                "DRF013",
+                f"has no <compiler>, and is a part of {whole}: angles, classes and limits that are stated "
+                "there are not read",
+                span=place,
+                help="import that in its place",
+            )
+
+
+def _instead(reading: FileReading) -> str | None:
+    """What to import in place of a part of a model that is no model alone; None for what may be no part."""
+    whole = including(reading.path)
+    if whole is not None:
+        return f"it is a part of {whole}: import that"
+    if any(_PART_ROOT in without_comments(file.data) for file in reading.files[:1]):
+        return "it is a part of a model: import the file that includes it"
+    return None
 
 
 def _chosen(artifacts: Sequence[Artifact], name: str | None, out: Collector) -> list[Artifact]:

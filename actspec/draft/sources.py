@@ -236,6 +236,11 @@ class DraftTarget(NamedTuple):
     remark: str = ""
     left_out: str = ""
 
+    def as_fragment(self) -> DraftTarget | None:
+        """The target of a robot without a model as what it can be; None for one that is something else."""
+        remark = "a fragment to include in the robot's MJCF, which is not named"
+        return self._replace(remark=remark, left_out="") if self.left_out == _NO_MODEL else None
+
 
 _NO_MODEL = "no MJCF or URDF is named, and without one a compile writes a fragment to include in one"
 _NO_URDF = "it is written into the robot's URDF, and none is named"

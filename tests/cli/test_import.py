@@ -378,16 +378,42 @@ def test_a_target_that_cannot_be_served(folder: Path, capsys: pytest.CaptureFixt
     assert "  target isaaclab is left out: ISL010: swing: effort_limit is unknown" in out
     text = (folder / "spec.yaml").read_text(encoding="utf-8")
     assert (
-        '\ntargets:\n  mujoco: {version: "3.12"}\n  # isaaclab: {version: "2.3"}    # left out: ISL010: swing'
+        '\ntargets:\n  mujoco: {version: "3.12"}\n  # isaaclab: {version: "2.3"}\n  #   left out: ISL010: swing'
         in text
     )
     assert list(load_spec("spec.yaml").model.targets) == ["mujoco"]
     assert main(["compile", "spec.yaml", "-o", "out"]) == 0
     capsys.readouterr()
-    # Where nothing else is left, the target stays, and a compile says what to state.
+    # Where nothing else is left, a fragment for MuJoCo takes its place.
     assert main(["import", "cfg.py", "-o", "alone.yaml"]) == 0
-    assert "isaaclab is left out" not in capsys.readouterr().out
-    assert list(load_spec("alone.yaml").model.targets) == ["isaaclab"]
+    assert "isaaclab is left out" in capsys.readouterr().out
+    assert list(load_spec("alone.yaml").model.targets) == ["mujoco"]
+    assert main(["compile", "alone.yaml", "-o", "alone"]) == 0
+
+
+def test_a_model_that_attaches(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Joints of an attached model have no text to edit: what import says to go on with compiles."""
+    finger = ROBOT[ROBOT.index("<body>") : ROBOT.index("</worldbody>")].replace(
+        "<body>", '<body name="palm">', 1
+    )
+    (folder / "gripper.xml").write_text(f"<mujoco><worldbody>{finger}</worldbody></mujoco>", encoding="utf-8")
+    (folder / "arm.xml").write_text(
+        '<mujoco><asset><model name="g" file="gripper.xml"/></asset><worldbody><frame>'
+        '<attach model="g" body="palm" prefix="g_"/></frame></worldbody>'
+        '<actuator><position joint="g_swing" kp="20"/></actuator></mujoco>',
+        encoding="utf-8",
+    )
+    # As kd, the 0.1 N*m*s/rad of the joint go: that is an edit of the attached file.
+    assert main(["import", "--damping", "as-kd", "arm.xml", "-o", "arm.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert (
+        "  target mujoco: compile with --canonical: MJC004: 'g_swing' comes from <replicate> or <attach>"
+        in out
+    )
+    assert out.endswith("  actspec compile --canonical arm.yaml\n")
+    assert "# compile with --canonical: MJC004" in (folder / "arm.yaml").read_text(encoding="utf-8")
+    assert main(["compile", "arm.yaml", "-o", "out"]) == 2
+    assert main(["compile", "--canonical", "arm.yaml", "-o", "out"]) == 0
 
 
 PARTS = {
@@ -416,6 +442,70 @@ def test_a_part_names_its_whole(
     assert ("it is a part of" in said) is bool(whole)
     assert not whole or f"help: it is a part of sub/{whole}: import that\n" in said
     assert main(["import", "sub/scene.xml"]) == 0
+
+
+ANGLE = '<mujoco><compiler angle="radian"/><include file="{file}"/><actuator><motor joint="hip"/></actuator></mujoco>'
+LEG = f'<mujocoinclude><worldbody><body name="b">{INERTIAL}<joint name="hip"/></body></worldbody></mujocoinclude>'
+
+
+@pytest.mark.parametrize(
+    "part, whole, files",
+    [
+        ("parts/legs.xml", "main.mjcf", {"main.mjcf": "parts/legs.xml"}),
+        ("a/b/legs.xml", "main.xml", {"main.xml": "a/b/legs.xml"}),
+        ("a/b/legs.xml", "a/main.xml", {"a/main.xml": "b/legs.xml", "a/b/other.xml": "b/legs.xml"}),
+        ("a/b/c/legs.xml", "", {"main.xml": "a/b/c/legs.xml"}),
+        ("parts/legs.xml", "", {"main.xml": "legs.xml"}),
+        ("parts/legs.xml", "one.xml, two.xml", {"one.xml": "parts/legs.xml", "two.xml": "./parts/legs.xml"}),
+    ],
+    ids=["above", "two above", "beside is another", "three above", "another legs.xml", "two of them"],
+)
+def test_a_part_below_its_whole(
+    folder: Path, part: str, whole: str, files: dict[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The model is looked for in two folders above too; where none is found, a part is still told as one."""
+    (folder / part).parent.mkdir(parents=True)
+    (folder / part).write_text(LEG, encoding="utf-8")
+    for name, file in files.items():
+        (folder / name).write_text(ANGLE.format(file=file), encoding="utf-8")
+    assert main(["import", part]) == 2
+    said = capsys.readouterr().err
+    told = (
+        f"it is a part of {whole}: import that"
+        if whole
+        else "it is a part of a model: import the file that includes"
+    )
+    assert f"  help: {told}" in said
+    assert "and so would a compile: Unrecognized XML model type" in said
+
+
+def test_a_part_of_a_part(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A part that a part includes names the model of both; a link is not followed."""
+    (folder / "legs.xml").write_text(LEG, encoding="utf-8")
+    (folder / "body.xml").write_text(
+        '<mujocoinclude><include file="legs.xml"/></mujocoinclude>', encoding="utf-8"
+    )
+    (folder / "main.xml").write_text(ANGLE.format(file="body.xml"), encoding="utf-8")
+    (folder / "link.xml").symlink_to(folder / "main.xml")
+    assert main(["import", "legs.xml"]) == 2
+    assert "  help: it is a part of main.xml: import that\n" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "head, whole", [("", ANGLE), ("<compiler/>", ANGLE), ("", ""), ("", "<mujoco/>")], ids=str
+)
+def test_a_part_that_is_a_model_too(
+    folder: Path, head: str, whole: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file without a compiler that MuJoCo takes is imported, and told to be a part of the one with the angle."""
+    text = mjcf('<joint name="hip" range="-1 1"/>').replace("<mujoco>", f"<mujoco>{head}")
+    (folder / "legs.xml").write_text(text, encoding="utf-8")
+    (folder / "main.xml").write_text(whole.format(file="legs.xml"), encoding="utf-8")
+    assert main(["import", "legs.xml"]) == 0
+    told = "legs.xml: DRF013 [warning]: has no <compiler>, and is a part of main.xml"
+    said = capsys.readouterr().err
+    assert (told in said) is (whole == ANGLE and not head)
+    assert ("help: import that in its place" in said) is (whole == ANGLE and not head)
 
 
 def test_two_hundred_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -74,6 +74,64 @@ def test_names_are_missing(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert "DRF012" not in capsys.readouterr().err
 
 
+WITHOUT_KNEES = CFG.replace("effort_limit=24.0", 'effort_limit={".*_hip": 24.0}').replace(
+    "Implicit", "IdealPD"
+)
+NETWORK = CFG.replace("ImplicitActuatorCfg", "ActuatorNetLSTMCfg").replace(
+    'stiffness={".*_hip": 40.0, ".*_knee": 50.0},\n            damping=1.5',
+    'network_file="/far/away/drive.pt"',
+)
+
+
+@pytest.mark.parametrize(
+    "text, code, todo",
+    [
+        (WITHOUT_KNEES, "ISL010: left_knee, right_knee: effort_limit is unknown", "(state effort_limit)"),
+        (NETWORK, "NET002: the network has no manifest", "(write network: {file: ..., manifest: ...};"),
+    ],
+    ids=["a limit", "a network"],
+)
+def test_isaac_lab_cannot_have_it(
+    folder: Path, text: str, code: str, todo: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What Isaac Lab must have and no file states leaves it out, with what to do; a fragment for MuJoCo compiles."""
+    (folder / "leg_cfg.py").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    told = next(line for line in capsys.readouterr().out.splitlines() if "target isaaclab" in line)
+    assert told.startswith(f"  target isaaclab is left out: {code}") and todo in told
+    spec = (folder / "leg.yaml").read_text("utf-8")
+    assert " ".join(spec.split()).count("# isaaclab: ") == 1 and todo in " ".join(spec.split()).replace(
+        " #", ""
+    )
+    assert list(load_spec("leg.yaml").model.targets) == ["mujoco"]
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 0
+
+
+def test_a_network_elsewhere(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A network that is not here is told with its name, in the spec and at import."""
+    (folder / "leg_cfg.py").write_text(NETWORK, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    assert (
+        "its network is not here (/far/away/drive.pt): put it below the spec's folder"
+        in capsys.readouterr().out
+    )
+    assert "# its network is not here (/far/away/drive.pt): put it below" in (folder / "leg.yaml").read_text(
+        "utf-8"
+    )
+
+
+def test_what_stops_every_target(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Without a gain for MuJoCo and a limit for Isaac Lab a compile stops: import says so, and what to state."""
+    (folder / "leg_cfg.py").write_text(
+        WITHOUT_KNEES.replace("damping=1.5", "damping=elsewhere()"), encoding="utf-8"
+    )
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert "\n  compile stops until that is mended: ISL010: " in out and "(state effort_limit)" in out
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 2
+    assert "ISL010" in capsys.readouterr().err
+
+
 def test_a_lag_without_a_step_is_said_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is stated, in steps: the spec has `unknown`, and nothing says that no file states it."""
     text = CFG.replace("ImplicitActuatorCfg", "DelayedPDActuatorCfg").replace(

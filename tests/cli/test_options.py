@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import suppress
@@ -77,6 +78,23 @@ OPTIONS = sorted(set(options(parser())))
 def test_every_command_is_tried() -> None:
     """But for those whose options are the others'."""
     assert {command for command, _ in OPTIONS} - set(LINES) == {"ablate", "report"}
+
+
+def test_every_option_is_in_the_docs() -> None:
+    """In its command's section of the page of commands; those of two words, as `sysid fit`, have pages of their own."""
+    page = (ROOT / "docs" / "cli.md").read_text(encoding="utf-8")
+    sections = {part.split()[0]: part for part in page.split("\n## actspec ")[1:]}
+    (commands,) = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
+    missing = [
+        f"{name} {option}"
+        for name, command in commands.choices.items()
+        for action in command._actions
+        for option in action.option_strings
+        if option.startswith("--")
+        and option != "--help"
+        and not re.search(rf"{option}(?![a-z-])", sections[name])
+    ]
+    assert missing == []
 
 
 @pytest.mark.slow

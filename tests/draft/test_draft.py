@@ -21,7 +21,7 @@ from actspec.robot.view import RobotView
 from actspec.simulators.mujoco import DcMotorDialect, installed_dialect
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
-from tests.importing import NASTY, Imported, bare, imported, mjcf
+from tests.importing import INERTIAL, NASTY, Imported, bare, imported, mjcf
 
 TOLERANCE = 1e-9
 """Relative; computed numbers are written with 12 digits."""
@@ -118,7 +118,23 @@ def test_unstated_is_unknown(tmp_path: Path) -> None:
     assert legs["effort_limit"] == "unknown"
     assert "velocity_limit" not in legs
     assert legs["overrides"] == {"knee": {"armature": "unknown"}}
-    assert found.draft.unknown["armature"] == ("legs",)
+    assert found.draft.unknown["armature"] == ("legs (knee)",)
+
+
+def test_some_joints_lack_a_figure(tmp_path: Path) -> None:
+    """A group of which one joint lacks a kd is told with that joint, one that lacks it whole by its name."""
+    names = ("shoulder", "elbow", "wrist")
+    text = mjcf(
+        "\n".join(f'<joint name="{name}" armature="1"/>' for name in names),
+        "".join(
+            f'<position joint="{name}" kp="50" forcerange="-5 5"{kv}/>'
+            for name, kv in zip(names, (' kv="5"', "", ' kv="5"'), strict=True)
+        ),
+    )
+    unknown = drafted(tmp_path, text).draft.unknown
+    assert unknown["kd"] == ("arms (elbow)",)
+    assert unknown["friction.coulomb"] == ("arms",)
+    assert "armature" not in unknown
 
 
 def test_stated_by_class(tmp_path: Path) -> None:
@@ -426,6 +442,35 @@ def test_damping_is_settled_once(tmp_path: Path, answer: str | None) -> None:
             "elbow": ("unknown", "3 N*m*s/rad"),
             "wrist": ("1 N*m*s/rad", "0.5 N*m*s/rad"),
         }
+
+
+@pytest.mark.parametrize(
+    "answer, kd, viscous", [(None, "unknown", "2 N*s/m"), ("as-kd", "2 N*s/m", "0 N*s/m")], ids=str
+)
+def test_damping_of_a_stiff_servo(tmp_path: Path, answer: str | None, kd: str, viscous: str) -> None:
+    """2 N*s/m / 5000 N/m is too little to be asked about, and kd all the same for who says so, which is told."""
+    (tmp_path / "gripper.xml").write_text(
+        f'<mujoco><worldbody><body name="palm">{INERTIAL}<joint name="finger" type="slide" damping="2"/></body>'
+        "</worldbody></mujoco>",
+        encoding="utf-8",
+    )
+    text = (
+        '<mujoco><asset><model name="g" file="gripper.xml"/></asset><worldbody><frame>'
+        '<attach model="g" body="palm" prefix="g_"/></frame></worldbody>'
+        '<actuator><position joint="g_finger" kp="5000"/></actuator></mujoco>'
+    )
+    found = drafted(tmp_path, text, damping=answer)
+    group = bare(found.data["actuators"]["g_finger"])
+    assert (group["kd"], group["friction"]["viscous"]) == (kd, viscous)
+    assert found.draft.inferred == (("g_finger: joint damping is kd (--damping as-kd)",) if answer else ())
+
+
+def test_no_damping_to_settle(tmp_path: Path) -> None:
+    """An answer to what no joint asks is told, and changes nothing."""
+    text = mjcf('<joint name="knee" damping="2"/>', '<position joint="knee" kp="100" kv="3"/>')
+    found = drafted(tmp_path, text, damping="as-kd")
+    assert bare(found.data["actuators"]["knee"]["kd"]) == "3 N*m*s/rad"
+    assert found.draft.inferred == ("no drive without kd has joint damping (--damping as-kd)",)
 
 
 def test_completion_is_explained(tmp_path: Path) -> None:

@@ -96,6 +96,21 @@ def test_patterns_of_any_names(names: list[str], data: st.DataObject) -> None:
         (["on"], "joints"),
         (["Д", "1"], "joints"),
         (["gripper: {x}"], "gripper_x"),
+        (["LHipYaw", "RHipRoll", "LKneePitch"], "legs"),
+        (["RLEG_HIP_R", "LLEG_HIP_P"], "leg_hip"),
+        (["LShoulderPitch_joint", "TrunkYaw"], "shoulder_trunk"),
+        (["j2s6s200_joint_1", "j2s6s200_joint_2"], "joints"),
+        (["not_use_joint"], "unused"),
+        (["joint1", "jointGripper"], "joints"),
+        (["torso_yaw", "velodyne_joint", "d435_head_joint"], "torso_head"),
+        (["left_one_joint", "left_two_joint"], "joints"),
+        (["FL_hip_joint", "FL_thigh_joint", "FL_calf_joint", "FL_wheel_joint"], "legs_wheels"),
+        (["waist", "l_hip", "l_knee", "l_elbow"], "body"),
+        (["waist", "chest", "l_elbow", "l_wrist"], "upper_body"),
+        (["shoulder", "elbow", "wrist", "gripper"], "arms"),
+        (["robot0_FFJ3", "robot0_MFJ2"], "fingers"),
+        (["iiwa7_joint_1", "iiwa7_joint_2"], "iiwa"),
+        ([f"iiwa7_joint_{n}" for n in range(1, 8)], "arm"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -108,6 +123,17 @@ CHAIN = {f"joint{i}": frozenset(f"joint{j}" for j in range(1, i)) for i in range
 HAND = {
     f"Roll_{f}{i}L": frozenset(f"Roll_{f}{j}L" for j in range(1, i)) for f in range(1, 6) for i in range(1, 4)
 }
+LEGS = {
+    f"{leg}_{part}": frozenset(f"{leg}_{other}" for other in ("HAA", "HFE", "KFE")[:at])
+    for leg in ("LF", "RF", "LH", "RH")
+    for at, part in enumerate(("HAA", "HFE", "KFE"))
+}
+LETTERS = ("s0", "s1", "e0", "e1", "w0", "w1", "w2")
+ARMS = {
+    f"{side}_{part}": frozenset(f"{side}_{other}" for other in LETTERS[:at])
+    for side in ("left", "right")
+    for at, part in enumerate(LETTERS)
+}
 QUADRUPED = {name: chain for name, chain in HAND.items() if "_5" not in name}
 
 
@@ -115,7 +141,17 @@ QUADRUPED = {name: chain for name, chain in HAND.items() if "_5" not in name}
     "joints, above, expected",
     [
         (["joint1", "joint3"], CHAIN, "arm"),
-        (["joint2"], CHAIN, "joint2"),
+        (["joint2"], CHAIN, "arm_joint2"),
+        (["joint1", "jointGripper"], {**CHAIN, "jointGripper": frozenset(CHAIN)}, "arm"),
+        (["jointGripper"], {**CHAIN, "jointGripper": frozenset(CHAIN)}, "gripper"),
+        (["joint2", "joint3"], {**CHAIN, **LEGS}, "arm"),
+        (["joint2", "LF_KFE"], {**CHAIN, **LEGS}, "joints"),
+        (["right_s0", "left_e1"], ARMS, "arms"),
+        (
+            ["right_s0", "left_e1"],
+            {name: chain for name, chain in ARMS.items() if "w2" not in name},
+            "joints",
+        ),
         (["joint1", "joint2"], dict(list(CHAIN.items())[:3]), "joints"),
         (["Roll_11L", "Roll_12L"], HAND, "finger"),
         (["Roll_21L", "Roll_32L"], HAND, "fingers"),
@@ -130,12 +166,39 @@ def test_group_names_by_the_tree(joints: list[str], above: dict[str, frozenset[s
         assert group_name(joints, [expected], above) == f"{expected}_2"
 
 
+@pytest.mark.parametrize(
+    "joints, taken, robot, expected",
+    [
+        (["joint_1", "joint_2"], (), "gen3", "arm"),
+        (["joint_1", "joint_2"], ("arm",), "gen3", "arm_2"),
+        (["joint_5", "knee"], (), "gen3", "joints"),
+        (["joint_8", "joint_9"], (), "allegro_hand_left", "fingers"),
+        (["cam_1", "cam_2"], (), "x", "cam"),
+        (["iris_rotor_1", "iris_rotor_2"], (), "iris", "rotor"),
+        (["cart_to_pole", "pole_to_cart"], (), "cart_pole", "cart_pole"),
+    ],
+)
+def test_group_names_of_a_configuration(
+    joints: list[str], taken: tuple[str, ...], robot: str, expected: str
+) -> None:
+    """Joints without words have the name of their group in the configuration; the robot's name is no word."""
+    given = {
+        "joint_1": "arm",
+        "joint_2": "arm",
+        "joint_5": "arm",
+        "cam_1": "all",
+        "cam_2": "all",
+        "knee": "legs",
+    }
+    assert group_name(joints, taken, {}, {**dict.fromkeys(joints, ""), **given}, robot) == expected
+
+
 def test_group_names_are_unique() -> None:
-    """A name that is taken gives way to the next best, then to a number."""
+    """A name that is taken gives way to the next best, then to a number; none has a word in place of a number."""
     taken: list[str] = []
     for _ in range(4):
         taken.append(group_name(["FL_calf_joint", "RR_calf_joint"], taken))
-    assert taken == ["calves", "joints", "calves_2", "calves_3"]
+    assert taken == ["calves", "calves_2", "calves_3", "calves_4"]
 
 
 # --- text -----------------------------------------------------------------------------------------

@@ -156,7 +156,7 @@ def _with_own_gains(actuator: JointActuator, reading: JointReading, reports: Rep
         if not servos or found is None or (field == "kp" and found == 0.0):
             complete = False
             why = (
-                "the file alone does not tell its servo's"
+                "the file alone does not tell that of its servo"
                 if found is None
                 else "the file has no servo to keep"
             )

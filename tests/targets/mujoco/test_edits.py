@@ -352,7 +352,7 @@ def test_what_follows_a_missing_mesh_is_no_number() -> None:
     """Nobody knows the stiffness of the springdamper, nor the kv of the dampratio."""
     with pytest.raises(EmitError, match=r"MJC025 hip: .*comes from mesh files that are not there"):
         compile_text(HIP + "    friction: {viscous: 0.05}\n", WEIGHTLESS)
-    with pytest.raises(EmitError, match=r"MJC001 .*the file alone does not tell its servo's"):
+    with pytest.raises(EmitError, match=r"MJC001 .*the file alone does not tell that of its servo"):
         compile_text(HIP.replace("kd: 2", "kd: unknown"), WEIGHTLESS)
 
 

@@ -1,0 +1,78 @@
+"""Which model a part belongs to: the files beside it, and in the two folders above, that include or attach it."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+
+from actspec.diagnostics import listed, one_line
+from actspec.files import FAULTS, read_regular
+from actspec.readings.artifact import without_comments
+
+_NAMES = re.compile(rb"""<(?:include|model)\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""")
+_MOST_FILES = 200
+"""Files of a folder that are looked at. Chosen: a folder of MuJoCo's menagerie has ten."""
+_MOST_BYTES = 4 * 1024 * 1024
+"""Chosen: larger than any MJCF that includes."""
+_MOST_TOGETHER = 32 * 1024 * 1024
+"""Chosen: bytes of all files that are looked at, read in a tenth of a second."""
+_FOLDERS_ABOVE = 2
+"""Chosen: `robot.xml` beside `parts/legs/left.xml`."""
+
+
+def including(path: str) -> str | None:
+    """What to import in place of a part of a model: the files that include or attach it; None: there is none.
+
+    Of files that are parts themselves, the models that these belong to. Links are passed over: they lead elsewhere.
+
+    Args:
+        path: An MJCF.
+    """
+    texts = dict(_texts(path))
+    named = {one: frozenset(_named(one, text)) for one, text in texts.items()}
+    found: dict[str, None] = {}
+    pending, seen = [os.path.abspath(path)], set()
+    while pending:
+        part = pending.pop()
+        seen.add(part)
+        for one in texts:
+            if part not in named[one] or os.path.abspath(one) in seen:
+                continue
+            wholes = [other for other in texts if os.path.abspath(one) in named[other] and other != one]
+            if wholes and b"<compiler" not in texts[one]:
+                pending.append(os.path.abspath(one))
+            else:
+                found[one_line(one)] = None
+    return listed(sorted(found)) or None
+
+
+def _texts(path: str) -> Iterator[tuple[str, bytes]]:
+    """Path, as a user would name it, and text without comments of the MJCF files that may include a part."""
+    folder, left, seen = os.path.dirname(path), _MOST_TOGETHER, set()
+    for _ in range(_FOLDERS_ABOVE + 1):
+        where = os.path.abspath(folder or os.curdir)
+        if where in seen:
+            return
+        seen.add(where)
+        try:
+            names = sorted(name for name in os.listdir(where) if name.lower().endswith((".xml", ".mjcf")))
+        except (OSError, ValueError):
+            return
+        for name in names[:_MOST_FILES]:
+            one = os.path.normpath(os.path.join(folder, name))
+            try:
+                data = b"" if os.path.islink(one) else read_regular(one, min(_MOST_BYTES, left))
+            except FAULTS:
+                continue
+            left -= len(data)
+            if b"<mujoco" in data:
+                yield one, without_comments(data)
+        folder = os.path.join(folder, os.pardir)
+
+
+def _named(path: str, text: bytes) -> Iterator[str]:
+    """Files that an MJCF names as its parts; each is looked up in the folder of the model."""
+    folder = os.path.dirname(os.path.abspath(path))
+    for name in _NAMES.findall(text):
+        yield os.path.normpath(os.path.join(folder, os.fsdecode(name)))
