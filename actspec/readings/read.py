@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 ROBOT = (".xml", ".urdf", ".mjcf")
 """Endings of robot files; a file that is named may have any other."""
+ROBOT_ALONE = (".urdf", ".mjcf")
+"""Those that nothing but robot files have."""
 PYTHON = (".py",)
 YAML = (".yaml", ".yml")
 
@@ -41,6 +43,9 @@ _OTHER_ROBOT = re.compile(
     re.DOTALL,
 )
 """The devices of a robot in YARP's own format, whose root is called as a URDF's, and worlds with robots in them."""
+
+_ROBOT_CODE = re.compile(rb"\b(?:ArticulationCfg|LeggedRobotCfg|isaaclab|omni\.isaac\.lab|mjlab|legged_gym)")
+"""What a configuration imports, or derives from, that cannot be parsed."""
 
 _INCLUDE = re.compile(rb"""<include\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""")
 
@@ -434,10 +439,22 @@ def _concerns(reading: FileReading) -> bool:
         return True
     if any(item.code == FAULT for item in reading.diagnostics):
         return True
+    if not reading.files:
+        # What may not be opened can be anything that its ending says.
+        return os.path.isfile(reading.path) and not os.access(reading.path, os.R_OK)
     # Of UTF-16 the letters, which are what tells.
-    texts = (file.data.replace(b"\0", b"") for file in reading.files)
+    texts = [file.data.replace(b"\0", b"") for file in reading.files]
+    lower = reading.path.lower()
+    if lower.endswith(PYTHON):
+        # Of one that was read it is said that it has no actuators.
+        return not reading.diagnostics and any(_ROBOT_CODE.search(text) for text in texts)
+    if split(lower)[0].endswith(YAML):
+        from actspec.readings.deploy import names_gains
+
+        return reading.refused is not None and any(map(names_gains, texts))
+    own = lower.endswith(ROBOT_ALONE)
     return reading.kind is None and any(
-        _ROBOT_ROOT.search(text) and not _OTHER_ROBOT.search(text) for text in texts
+        (own or _ROBOT_ROOT.search(text)) and not _OTHER_ROBOT.search(text) for text in texts
     )
 
 
