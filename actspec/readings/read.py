@@ -505,5 +505,5 @@ def _is_judged_elsewhere(reading: FileReading, included: Mapping[str, bool]) -> 
 def _is_part(reading: FileReading) -> bool:
     """Whether MuJoCo takes nothing of a file, or another file has its compiler."""
     return bool(reading.artifacts) and all(
-        one.text_only is not None or one.is_part for one in reading.artifacts
+        one.text_only is not None or one.may_be_part for one in reading.artifacts
     )

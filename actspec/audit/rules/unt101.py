@@ -48,7 +48,7 @@ class RangeInDegrees(RuleInParts):
                     found.append(row)
         least = self.option(case, "least")
         # One range that is radians by its servo tells that all of the file are, endless joints' too.
-        radians = {row.artifact for row in found if not _turns(row)}
+        radians = Counter(row.artifact for row in found if not _turns(row))
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
         for row in found:
             assert row.command_range is not None and row.position_range is not None
@@ -57,8 +57,10 @@ class RangeInDegrees(RuleInParts):
                 # Included by a file in radians, both would be the same few turns.
                 few = case.artifacts[row.artifact].is_part and largest(row.command_range) < least
                 yield (_of_a_part(found_here) if few else found_here,)
-            elif not case.artifacts[row.artifact].is_part:
-                yield (self._of_range(row, row.command_range, row.position_range),)
+            elif not (is_part := case.artifacts[row.artifact].is_part) or radians[row.artifact] > 1:
+                # One servo of a part with the range of its joint is as it should be where the includer has radians.
+                found_here = self._of_range(row, row.command_range, row.position_range, is_part)
+                yield (_of_a_part(found_here) if is_part else found_here,)
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
             if case.has_angle_of_another(index):
                 continue
@@ -70,12 +72,14 @@ class RangeInDegrees(RuleInParts):
             for hinge in hinges:
                 yield () if hinge.range in virtual else self._of_joint(case, hinge)
 
-    def _of_range(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
+    def _of_range(
+        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], is_part: bool
+    ) -> Finding:
         low, high = (shown(row, "default_position", end) for end in joint)
         return Finding(
             self.code,
             f"the joint's range is {low} ... {high}, and its servo's control range {DEGREES:.3g} times that: radians, "
-            "which MuJoCo takes for degrees in this file",
+            f"which MuJoCo takes for degrees in this file{_unless(is_part)}",
             row.place("position_range"),
             row.joint,
             largest(joint),
@@ -125,12 +129,11 @@ class RangeInDegrees(RuleInParts):
         first = joints[0]
         ends = first.range or (0.0, 0.0)
         most = max(largest(joint.range or (0.0, 0.0)) for joint in joints) * DEGREES
-        # What includes or mounts a part has the angle.
-        unless = ", unless what includes it has the angle" if is_part else ""
         return Finding(
             self.code,
             f"none of the {len(joints)} limited hinges may move by more than {most:.3g} degrees from 0, the first from "
-            f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees{unless}",
+            f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees"
+            + _unless(is_part),
             first.places.get("range", first.span),
             "",
             largest(ends),
@@ -154,6 +157,11 @@ _SEVERAL = 3
 
 _TURN = 2.0 * math.pi
 """Chosen: a target beyond a full turn is in degrees; below it is the joint's range that is not."""
+
+
+def _unless(is_part: bool) -> str:
+    """What includes or mounts a part has the angle."""
+    return ", unless what includes it has the angle" if is_part else ""
 
 
 def _of_a_part(found: Finding) -> Finding:
