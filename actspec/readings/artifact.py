@@ -213,8 +213,8 @@ class RobotConfig:
 
 
 _OF_A_WORLD = (b"<option", b"<statistic", b"<keyframe", b"<light", b'type="plane"', b'type="skybox"')
-"""What is in no hand, base or arm that is to be mounted. Chosen: of 249 MJCFs of 123 repositories that have joints or drives
-and no `<compiler>`, none of robosuite's robots, grippers and bases has one of these."""
+"""What is in no hand, base or arm that is to be mounted. Chosen: of the 249 MJCFs of 123 repositories that have joints
+or drives and no `<compiler>`, none of robosuite's robots, grippers and bases has one of these."""
 
 
 @dataclass(frozen=True, slots=True)
