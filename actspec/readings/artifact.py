@@ -230,6 +230,7 @@ class Artifact:
         spec: Spec, resolved.
         networks: Networks that a spec names, each once; those of a configuration are in its groups.
         text_only: Why the numbers come from the text alone (MuJoCo refuses the file, with its reason); None: compiled.
+        model: The model of a variant of a spec that is there for files of that model alone.
     """
 
     path: str
@@ -240,6 +241,7 @@ class Artifact:
     spec: ActuatorSet | None = None
     networks: tuple[NetworkReading, ...] = ()
     text_only: str | None = None
+    model: str | None = None
 
     @property
     def refused_at(self) -> Span | None:
