@@ -327,7 +327,10 @@ def expand(
 
 
 def _is_below(path: str, folder: str) -> bool:
-    """Whether a path is a folder's, or of something in it."""
+    """Whether a path is a folder's, or of something in it; both as `files_in` has them, `sim/a.xml` in `.`."""
+    path, folder = os.path.normpath(path), os.path.normpath(folder)
+    if folder == os.curdir:
+        return not os.path.isabs(path) and path.split(os.sep)[0] != os.pardir
     return path == folder or path.startswith(os.path.join(folder, ""))
 
 
