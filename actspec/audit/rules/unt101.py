@@ -140,6 +140,7 @@ class RangeInDegrees(RuleInParts):
             "rad",
             largest(ends) * DEGREES,
             'add <compiler angle="radian"/>',
+            joints=tuple(joint.name for joint in joints),
             severity=Severity.INFO if is_part else None,
             confidence=Confidence.LOW if is_part else None,
         )
