@@ -164,6 +164,10 @@ def test_a_robot_without_a_compiler_is_judged_as_whole(files: dict[str, str], se
     assert [file.path for file in report.case.files] == list(files)[-1:]
     found = [item for item in report.findings if item.finding.joint == ""]
     assert [item.severity.value for item in found] == ([severity] if severity else [])
+    # To a whole one a program may add it.
+    assert [item.confidence.value for item in found] == [
+        {"info": "low"}.get(item.severity.value, "medium") for item in found
+    ]
 
 
 @pytest.mark.parametrize(("world", "severity"), [("", "info"), (FLOOR, "warning")], ids=["alone", "floor"])

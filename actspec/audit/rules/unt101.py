@@ -57,16 +57,16 @@ class RangeInDegrees(RuleInParts):
                 # Included by a file in radians, both would be the same few turns.
                 few = case.artifacts[row.artifact].is_part and largest(row.command_range) < least
                 yield (_of_a_part(found_here) if few else found_here,)
-            elif not (is_part := case.artifacts[row.artifact].is_part) or radians[row.artifact] > 1:
+            elif not (artifact := case.artifacts[row.artifact]).is_part or radians[row.artifact] > 1:
                 # One servo of a part with the range of its joint is as it should be where the includer has radians.
-                found_here = self._of_range(row, row.command_range, row.position_range, is_part)
-                yield (_of_a_part(found_here) if is_part else found_here,)
+                found_here = self._of_range(row, row.command_range, row.position_range, artifact.is_part)
+                yield (_graded(found_here, artifact),)
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
             if case.has_angle_of_another(index):
                 continue
             hinges = _limited_hinges(artifact)
             if index in locked:
-                yield (self._of_file(_moving(hinges), artifact.is_part),)
+                yield (_graded(self._of_file(_moving(hinges), artifact.is_part), artifact),)
                 continue
             virtual = _placeholder_ranges(artifact)
             for hinge in hinges:
@@ -141,8 +141,6 @@ class RangeInDegrees(RuleInParts):
             largest(ends) * DEGREES,
             'add <compiler angle="radian"/>',
             joints=tuple(joint.name for joint in joints),
-            severity=Severity.INFO if is_part else None,
-            confidence=Confidence.LOW if is_part else None,
         )
 
 
@@ -168,6 +166,13 @@ def _unless(is_part: bool) -> str:
 def _of_a_part(found: Finding) -> Finding:
     """The same of a part, whose joints are in degrees or radians as its includer has it: a note without a fix."""
     return replace(found, severity=Severity.INFO, confidence=Confidence.LOW, fix=None)
+
+
+def _graded(found: Finding, artifact: Artifact) -> Finding:
+    """By what the file is: to a whole robot without `<compiler>` a program may add one, as safety-gymnasium does."""
+    if artifact.is_part:
+        return _of_a_part(found)
+    return replace(found, confidence=Confidence.MEDIUM) if artifact.may_be_part else found
 
 
 def _turns(row: LedgerRow) -> bool:
