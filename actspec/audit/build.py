@@ -74,7 +74,12 @@ def _with_variants(reading: FileReading, models: Collection[str]) -> FileReading
 
     seen: set[str] = set()
     found = []
-    for name in (None, *load_spec(reading.path).model.variants):
+    try:
+        names = (None, *load_spec(reading.path).model.variants)
+    except ActspecError:
+        # It was changed since it was read.
+        return reading
+    for name in names:
         path = named(reading.path, name)
         try:
             model = find_model(load_spec(path).model.robot.model, os.path.dirname(path))
