@@ -73,6 +73,7 @@ class Finding:
         message: What is wrong and what it does to the robot, with figures and units; one sentence.
         span: The place that decides.
         joint: Joint that it concerns; "" when it concerns a file.
+        joints: Joints of that file that it is about, for counts.
         fields: Figures of the joint that it is about, names in `FIELDS`: what two rules say of one figure is one fault.
         value: The figure that is wrong [unit]; None where there is none.
         unit: Unit of `value` and `expected`; None without a value.
@@ -88,6 +89,7 @@ class Finding:
     message: str
     span: Span
     joint: str = ""
+    joints: tuple[str, ...] = field(default=(), kw_only=True)
     fields: tuple[str, ...] = field(default=(), kw_only=True)
     value: float | None = None
     unit: str | None = None

@@ -17,7 +17,7 @@ from actspec.audit.comments import comments
 from actspec.audit.finding import Finding, Skipped
 from actspec.audit.outcome import Means, Reported, Suppressed
 from actspec.audit.rule import Rule
-from actspec.audit.selection import guess
+from actspec.audit.selection import guess, strength
 from actspec.diagnostics import Diagnostic, Severity, Span, shortened
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.read import FAULT
@@ -193,7 +193,12 @@ def unknown(ignores: Iterable[Ignore], rules: Sequence[type[Rule]]) -> Iterator[
             if code not in known:
                 near = guess(code, rules)
                 message = f"this ignore names '{shortened(code)}', and no rule has this code or name"
-                yield _warning("ACT003", message, ignore, near and f"did you mean '{near}'?")
+                advice = near and f"did you mean '{near}'?"
+                if near and near not in known:
+                    # A family, or all of them: whoever reads the reason must know which fault it speaks about.
+                    own = next((rule.code for rule in rules if strength(near, rule.code)), None)
+                    advice = f"an ignore names single rules: write the code of one, such as {own}"
+                yield _warning("ACT003", message, ignore, advice)
 
 
 def _warning(code: str, message: str, ignore: Ignore, help: str | None) -> Diagnostic:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, TypeAlias
 
@@ -111,6 +112,18 @@ NAMES = (
 
 _Block: TypeAlias = "dict[str, yaml.Node]"
 """A mapping of the file: key to value."""
+
+
+_GAINS = re.compile(
+    rb"(?:^[^\w#\n]*|[{,][ \t]{0,9}[\"']?)(?:%s)[\"']?[ \t]*:"
+    % "|".join((*PER_JOINT["kp"], *PER_JOINT["kd"])).encode(),
+    re.MULTILINE,
+)
+
+
+def names_gains(data: bytes) -> bool:
+    """Whether a text that cannot be read has a key for gains."""
+    return _GAINS.search(data) is not None
 
 
 def read_deploy(path: str, data: bytes) -> FileReading:

@@ -29,6 +29,7 @@ from actspec.readings.joint import (
     DriveReading,
     JointReading,
     joint_inertias,
+    largest,
     loose_actuators,
     read_joints,
 )
@@ -277,6 +278,32 @@ def _loose(file: str, index: int, actuator: ActuatorView) -> LedgerRow:
         drives=f"{actuator.transmission} {actuator.target}".rstrip(),
         delay=_known(actuator, "delay"),
     )
+
+
+def bound_of_command(row: LedgerRow, view: ActuatorView) -> tuple[float, float] | None:
+    """What the clamp of a servo's command bounds its torque at, with the joint inside its range and at rest.
+
+    Args:
+        row: Of the actuator.
+        view: The actuator.
+
+    Returns: The gain at the joint, and how far the command is from the joint or how fast at most, whose product is the
+        largest torque [N*m or N]; None where nothing bounds it.
+    """
+    command, kp, kd = row.command_range, row.kp, row.kd
+    if command is None or kp is None or "gain" in view.unknown:
+        return None
+    own = row.position_range or command
+    if kp > 0.0 and row.control in ("dcmotor", "pid"):
+        targets: tuple[float, ...] = command
+    elif kp > 0.0:
+        # gain x control and bias x position are two numbers, which need not be one kp.
+        targets = tuple(view.gear**2 * view.gain * end / kp + view.gear * view.offset / kp for end in command)
+    elif kd is not None and kd > 0.0 and row.control == "velocity":
+        return kd, largest(command)
+    else:
+        return None
+    return kp, max(abs(target - end) for target in targets for end in own)
 
 
 def _known(actuator: ActuatorView, name: str) -> float | None:

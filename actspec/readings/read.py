@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 ROBOT = (".xml", ".urdf", ".mjcf")
 """Endings of robot files; a file that is named may have any other."""
+ROBOT_ALONE = (".urdf", ".mjcf")
+"""Those that nothing but robot files have."""
 PYTHON = (".py",)
 YAML = (".yaml", ".yml")
 
@@ -41,6 +43,9 @@ _OTHER_ROBOT = re.compile(
     re.DOTALL,
 )
 """The devices of a robot in YARP's own format, whose root is called as a URDF's, and worlds with robots in them."""
+
+_ROBOT_CODE = re.compile(rb"\b(?:ArticulationCfg|LeggedRobotCfg|isaaclab|omni\.isaac\.lab|mjlab|legged_gym)")
+"""What a configuration imports, or derives from, that cannot be parsed."""
 
 _INCLUDE = re.compile(rb"""<include\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""")
 
@@ -322,7 +327,10 @@ def expand(
 
 
 def _is_below(path: str, folder: str) -> bool:
-    """Whether a path is a folder's, or of something in it."""
+    """Whether a path is a folder's, or of something in it; both as `files_in` has them, `sim/a.xml` in `.`."""
+    path, folder = os.path.normpath(path), os.path.normpath(folder)
+    if folder == os.curdir:
+        return not os.path.isabs(path) and path.split(os.sep)[0] != os.pardir
     return path == folder or path.startswith(os.path.join(folder, ""))
 
 
@@ -434,10 +442,22 @@ def _concerns(reading: FileReading) -> bool:
         return True
     if any(item.code == FAULT for item in reading.diagnostics):
         return True
+    if not reading.files:
+        # What may not be opened can be anything that its ending says.
+        return os.path.isfile(reading.path) and not os.access(reading.path, os.R_OK)
     # Of UTF-16 the letters, which are what tells.
-    texts = (file.data.replace(b"\0", b"") for file in reading.files)
+    texts = [file.data.replace(b"\0", b"") for file in reading.files]
+    lower = reading.path.lower()
+    if lower.endswith(PYTHON):
+        # Of one that was read it is said that it has no actuators.
+        return not reading.diagnostics and any(_ROBOT_CODE.search(text) for text in texts)
+    if split(lower)[0].endswith(YAML):
+        from actspec.readings.deploy import names_gains
+
+        return reading.refused is not None and any(map(names_gains, texts))
+    own = lower.endswith(ROBOT_ALONE)
     return reading.kind is None and any(
-        _ROBOT_ROOT.search(text) and not _OTHER_ROBOT.search(text) for text in texts
+        (own or _ROBOT_ROOT.search(text)) and not _OTHER_ROBOT.search(text) for text in texts
     )
 
 
@@ -488,5 +508,5 @@ def _is_judged_elsewhere(reading: FileReading, included: Mapping[str, bool]) -> 
 def _is_part(reading: FileReading) -> bool:
     """Whether MuJoCo takes nothing of a file, or another file has its compiler."""
     return bool(reading.artifacts) and all(
-        one.text_only is not None or one.is_part for one in reading.artifacts
+        one.text_only is not None or one.may_be_part for one in reading.artifacts
     )

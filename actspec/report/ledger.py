@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
-from actspec.diagnostics import listed, one_line
+from actspec.diagnostics import Span, listed, one_line
 from actspec.fields import DAMPING_PARTS, FIELDS, Field, Role
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact
-from actspec.readings.ledger import LedgerRow
+from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.report.page import CARDS, head_of, plain
 from actspec.report.tables import Style, table
 from actspec.units import format_number
@@ -54,6 +55,10 @@ MARKS = {
     ("implicit", False): ("e", "integrated explicitly"),
 }
 """What is known of a part of the damping, to its mark and the mark in words. What is unknown has no mark."""
+
+
+_BOUND = "b"
+"""The mark of an effort that no limit bounds, but what is commanded."""
 
 
 def cell(value: float | None) -> str:
@@ -108,15 +113,31 @@ def ledger_sheets(case: Case) -> Iterator[Sheet]:
         rows = case.rows_of(index)
         slides = [row for row in rows if row.kind is JointKind.SLIDE]
         others = [row for row in rows if row.kind is not JointKind.SLIDE]
+        bounds = _bounds(artifact, rows)
         named = artifact.name not in ("", artifact.path)
         title = f"{artifact.path} ({artifact.name})" if named else artifact.path
         if others:
-            yield _sheet(title, others, others[0].kind)
+            yield _sheet(title, others, others[0].kind, bounds)
         if slides:
-            yield _sheet(f"{title}, slide joints" if others else title, slides, JointKind.SLIDE)
+            yield _sheet(f"{title}, slide joints" if others else title, slides, JointKind.SLIDE, bounds)
 
 
-def _sheet(title: str, rows: Sequence[LedgerRow], kind: JointKind | None) -> Sheet:
+def _bounds(artifact: Artifact, rows: Sequence[LedgerRow]) -> dict[Span, float]:
+    """Where the clamped command of a joint's only servo bounds its torque, and no limit does: place to bound."""
+    views = {} if artifact.robot is None else {view.span: view for view in artifact.robot.actuators}
+    count = Counter(row.joint for row in rows)
+    found = {}
+    for row in rows:
+        if row.effort_limit == math.inf and count[row.joint] == 1 and row.span in views:
+            bound = bound_of_command(row, views[row.span])
+            if bound is not None:
+                found[row.span] = bound[0] * bound[1]
+    return found
+
+
+def _sheet(
+    title: str, rows: Sequence[LedgerRow], kind: JointKind | None, bounds: Mapping[Span, float]
+) -> Sheet:
     known = {column: {_number(row, column) for row in rows} - {None} for column in COLUMNS}
     # Of rows with and without a figure the unknown ones would be lost in a list of zeros.
     zero = [c for c in COLUMNS if known[c] == {0.0} and all(_number(row, c) == 0.0 for row in rows)]
@@ -124,9 +145,14 @@ def _sheet(title: str, rows: Sequence[LedgerRow], kind: JointKind | None) -> She
     merged: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
         name = f"{row.actuator} ({row.drives})".lstrip() if row.drives else row.joint
-        merged.setdefault((row.control, *(_marked(row, column) for column in columns)), []).append(name)
+        merged.setdefault((row.control, *(_marked(row, column, bounds) for column in columns)), []).append(
+            name
+        )
     marked = tuple(place for place, column in enumerate(columns, 2) if column.name in DAMPING_PARTS)
     notes = list(_legend(cells[place - 1] for cells in merged for place in marked))
+    if any(row.span in bounds for row in rows):
+        marked += tuple(place for place, column in enumerate(columns, 2) if column.name == "effort_limit")
+        notes.append(f"effort limit: {_BOUND} none, bounded by the clamped command (LIM101)")
     if zero:
         notes.append(f"0 for all: {', '.join(column.title for column in zero)}")
     heads = (("joints", ""), ("control", ""), *((column.title, column.unit(kind)) for column in columns))
@@ -139,9 +165,11 @@ def _number(row: LedgerRow, column: Field) -> float | None:
     return None if value is None or math.isnan(value) else float(value)
 
 
-def _marked(row: LedgerRow, column: Field) -> str:
-    """A row's figure; a part of the damping with its marks: `0.5 ui`."""
+def _marked(row: LedgerRow, column: Field, bounds: Mapping[Span, float]) -> str:
+    """A row's figure; a part of the damping with its marks, `0.5 ui`, and so what bounds the effort without a limit."""
     value = _number(row, column)
+    if column.name == "effort_limit" and row.span in bounds:
+        return f"{cell(bounds[row.span])} {_BOUND}"
     if column.name not in DAMPING_PARTS or not value:
         return cell(value)
     known = ((flag, getattr(row, f"{column.name}_{flag}")) for flag in ("clamped", "implicit"))

@@ -192,7 +192,8 @@ def counted(groups: Iterable[FindingGroup]) -> str:
     joints: set[str] = set()
     for group in groups:
         counts[group.first.severity] += 1
-        joints.update(item.finding.joint for item in (*group.members, *group.alike) if item.finding.joint)
+        for item in (*group.members, *group.alike):
+            joints.update((item.finding.joint,) if item.finding.joint else item.finding.joints)
     parts = [many(counts[severity], NOUNS[severity]) for severity in reversed(SEVERITIES) if counts[severity]]
     affected = f" affecting {many(len(joints), 'joint')}" if joints else ""
     return ", ".join(parts) + affected if parts else "no findings"

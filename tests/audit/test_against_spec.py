@@ -69,6 +69,82 @@ def test_compiled_files_are_clean(robot: str, target: str | None, capsys: pytest
     assert {finding["code"] for finding in found} == LOST.get((robot, target or ""), set()), found
 
 
+@pytest.mark.slow
+def test_the_robots_are_clean(capsys: pytest.CaptureFixture[str]) -> None:
+    """The specs, with their models, in their folder."""
+    assert main(["audit", str(ROOT / "robots"), "--as-named", "--output-format", "concise"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1].startswith("no errors or warnings in ")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("robot", "codes"), [("a1", {"DRN105"}), ("go2", {"DRN105"}), ("g1", set()), ("h1", set())]
+)
+def test_what_comes_out_has_no_warning(
+    robot: str, codes: set[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of any rule; a strength above 1, which mjlab does not draw, is accepted by the spec and right in the audit."""
+    compiled(str(ROOT / "robots" / f"{robot}.yaml"), None, capsys)
+    main(["audit", "out", "--as-named", "--min-severity", "warning", "--output-format", "sarif"])
+    results = json.loads(capsys.readouterr().out)["runs"][0]["results"]
+    assert {result["ruleId"] for result in results} == codes
+
+
+VARIANTS = """actspec: 1
+robot: {name: leg, model: a.xml}
+actuators:
+  all: {joints: [knee], level: ideal_pd, command: position, kp: 10 N*m/rad, kd: 1 N*m*s/rad, effort_limit: 5 N*m}
+variant: small
+variants:
+  strong:
+    actuators: {all: {effort_limit: 7 N*m}}
+  large:
+    robot: {model: b.xml}
+    actuators: {all: {effort_limit: 9 N*m}}
+  huge:
+    robot: {model: b.xml}
+    actuators: {all: {effort_limit: 11 N*m}}
+"""
+
+
+def test_a_model_is_held_to_the_variant_that_names_it(capsys: pytest.CaptureFixture[str]) -> None:
+    """a.xml to the spec as it stands, 5 N*m; b.xml, and a scene of it, to the first variant of b.xml, 9 N*m."""
+    model = (
+        '<mujoco model="leg"><compiler autolimits="true"/><worldbody><body><joint name="knee"/><geom size="0.1"/>'
+        '</body></worldbody><actuator><motor joint="knee" ctrlrange="-{0} {0}"/></actuator></mujoco>'
+    )
+    Path("leg.yaml").write_text(VARIANTS)
+    Path("a.xml").write_text(model.format(5))
+    Path("b.xml").write_text(model.format(9))
+    Path("scene.xml").write_text('<mujoco model="leg"><include file="b.xml"/></mujoco>')
+    files = [Path("a.xml"), Path("b.xml"), Path("scene.xml")]
+
+    def said(spec: str = "leg.yaml") -> list[tuple[str, float, float]]:
+        found = findings(spec, [Path(spec), *files], capsys)
+        return [(one["file"], one["value"], one["expected"]) for one in found if one["code"] == "SPC101"]
+
+    assert said() == []
+    Path("b.xml").write_text(model.format(8))
+    assert said() == [("b.xml", 8.0, 9.0)]
+    # Who names a variant means that one.
+    assert said("leg.yaml#huge") == [("a.xml", 5.0, 11.0), ("b.xml", 8.0, 11.0)]
+    files = files[:1]
+    Path("a.xml").write_text(model.format(7))
+    assert said() == [("a.xml", 7.0, 5.0)]
+
+
+def test_two_specs_of_one_robot_have_a_step_each(capsys: pytest.CaptureFixture[str]) -> None:
+    """Neither is held to the other, and nothing else states one."""
+    for name, step in (("leg", 5), ("leg_stiff", 2)):
+        text = VARIANTS.partition("variant:")[0].replace("name: leg", f"name: {name}")
+        Path(f"{name}.yaml").write_text(f"{text}timing: {{physics_dt: {step} ms, decimation: 4}}\n")
+    Path("a.xml").write_text(
+        '<mujoco model="leg"><worldbody><body><joint name="knee"/><geom size="0.1"/></body></worldbody></mujoco>'
+    )
+    assert main(["audit", "leg.yaml", "leg_stiff.yaml", "a.xml", "--select", "SPC106"]) == 0
+    assert "SPC106 did not apply" in capsys.readouterr().out
+
+
 def _digits(value: float | None) -> float | None:
     """Without the last digits of a sum."""
     return None if value is None else round(value, 9)

@@ -118,6 +118,17 @@ def test_nothing_left_is_no_wrong_name(capsys: pytest.CaptureFixture[str]) -> No
     assert capsys.readouterr().out == "no findings in 0 files\n" * 2
 
 
+@pytest.mark.parametrize(
+    "folder", [".", "./", "robots/..", "robots", "./robots/", os.path.join("..", "{}", "robots")]
+)
+def test_a_folder_of_which_all_is_excluded_has_files(
+    folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """However it is written; that it has no file with a known ending is untrue."""
+    assert main(["audit", folder.format(tmp_path.name), "--exclude", "*.xml,*.urdf"]) == 0
+    assert capsys.readouterr() == ("no findings in 0 files\n", "")
+
+
 def test_settings_and_options_add_up(capsys: pytest.CaptureFixture[str]) -> None:
     """`exclude` of the file and of the command line; the settings' `force-exclude` too."""
     Path("actspec.toml").write_text('[audit]\nexclude = ["third_party"]\n')

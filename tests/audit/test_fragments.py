@@ -111,3 +111,85 @@ def test_a_part_is_left_to_a_model_that_cannot_be_read() -> None:
     assert [(Path(file.path).name, file.readable) for file in report.case.files] == [("leg.xml", False)]
     Path("leg.xml").unlink()
     assert [Path(file.path).name for file in audited(".").case.files] == ["leg_actuators.xml"]
+
+
+HINGE = '<body pos="0 0 0.2"><joint name="{0}" range="-1.57 1.57"/><geom size="0.05"/>'
+ARM = (
+    "<worldbody>"
+    + "".join(map(HINGE.format, "abc"))
+    + "</body>" * 3
+    + "</worldbody><actuator>"
+    + "".join(f'<position joint="{n}" kp="5" ctrlrange="-1.57 1.57"/>' for n in "abc")
+    + "</actuator>"
+)
+"""Three hinges in radians, read as degrees: 1.57 degrees are 0.0274 rad."""
+FLOOR = '<worldbody><geom type="plane" size="1 1 1"/></worldbody>'
+
+
+@pytest.mark.parametrize(
+    ("files", "severity"),
+    [
+        ({"arm.xml": ARM}, "info"),
+        ({"arm.xml": FLOOR + ARM}, "warning"),
+        ({"arm.xml": "<option timestep='0.001'/>" + ARM}, "warning"),
+        ({"arm.xml": '<worldbody><light pos="0 0 2"/></worldbody>' + ARM}, "warning"),
+        ({"arm.xml": ARM + '<keyframe><key name="home"/></keyframe>'}, "warning"),
+        ({"arm.xml": "<!-- <option/> -->" + ARM}, "info"),
+        ({"arm.xml": ARM, "scene.xml": '<include file="arm.xml"/>'}, "warning"),
+        ({"arm.xml": ARM, "scene.xml": FLOOR + '<include file="arm.xml"/>'}, "warning"),
+        ({"arm.xml": ARM, "scene.xml": '<compiler angle="radian"/><include file="arm.xml"/>'}, None),
+        ({"arm.xml": FLOOR + ARM, "scene.xml": '<compiler angle="radian"/><include file="arm.xml"/>'}, None),
+    ],
+    ids=[
+        "alone",
+        "floor",
+        "option",
+        "light",
+        "keyframe",
+        "in a comment",
+        "included",
+        "in a scene",
+        "angle",
+        "floor, and angle",
+    ],
+)
+def test_a_robot_without_a_compiler_is_judged_as_whole(files: dict[str, str], severity: str | None) -> None:
+    """Where it has drives and what no part has, or what includes it has no angle either.
+
+    Alone it may be one that a program puts into a world that has the angle, as robosuite does with its robots.
+    """
+    for name, text in files.items():
+        Path(name).write_text(f"<mujoco>{text}</mujoco>")
+    report = audited(*files, rule="UNT101")
+    assert [file.path for file in report.case.files] == list(files)[-1:]
+    found = [item for item in report.findings if item.finding.joint == ""]
+    assert [item.severity.value for item in found] == ([severity] if severity else [])
+    # To a whole one a program may add it.
+    assert [item.confidence.value for item in found] == [
+        {"info": "low"}.get(item.severity.value, "medium") for item in found
+    ]
+
+
+@pytest.mark.parametrize(("world", "severity"), [("", "info"), (FLOOR, "warning")], ids=["alone", "floor"])
+def test_control_ranges_tell_of_two_hinges_too(world: str, severity: str) -> None:
+    """Two are too few to be told by their ranges alone: the servos' are 57.3 times as wide."""
+    arm = ARM.replace(HINGE.format("c"), "").replace("</body>" * 3, "</body>" * 2)
+    arm = arm.replace('<position joint="c" kp="5" ctrlrange="-1.57 1.57"/>', "")
+    Path("arm.xml").write_text(f"<mujoco>{world}{arm}</mujoco>")
+    found = audited("arm.xml", rule="UNT101").findings
+    assert [(item.finding.joint, item.severity.value) for item in found] == [("a", severity), ("b", severity)]
+    unless = ", unless what includes it has the angle"
+    assert all(item.finding.message.endswith(unless) == (severity == "info") for item in found)
+
+
+def test_the_step_of_a_whole_robot_is_its_own() -> None:
+    """kd of 100 at 0.01 kg*m^2 with 2 ms: h kd/I = 20, beyond 2; of a part it is its includer's."""
+    arm = MODEL.replace('  <compiler angle="radian"/>\n', "").replace(
+        '<motor name="knee" joint="knee" ctrlrange="-1 1"/>', '<position joint="knee" kp="1" kv="100"/>'
+    )
+    Path("arm.xml").write_text(
+        arm.replace("<joint", '<inertial pos="0 0 0" mass="1" diaginertia=".01 .01 .01"/><joint')
+    )
+    assert [item.severity.value for item in audited("arm.xml", rule="STB101").findings] == ["info"]
+    Path("arm.xml").write_text(Path("arm.xml").read_text().replace("<worldbody>", FLOOR + "<worldbody>"))
+    assert [item.severity.value for item in audited("arm.xml", rule="STB101").findings] == ["error"]

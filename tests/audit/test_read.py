@@ -195,40 +195,51 @@ def test_files_that_are_no_files() -> None:
         assert reason_of("locked.xml") == "'locked.xml' cannot be read: Permission denied"
 
 
-@posix
-def test_a_folder_that_cannot_be_listed_is_an_error() -> None:
-    """Nobody knows what it has, wherever it lies; root lists it, but for one without that right."""
+def audited_without_rights(*args: str) -> tuple[int, list[str]]:
+    """Exit code and lines of an audit by somebody who is not root, for whom nothing is shut."""
     as_user = []
     if os.geteuid() == 0:
         rights = "-dac_override,-dac_read_search"
         as_user = ["setpriv", "--bounding-set", rights, "--inh-caps", rights]
         if shutil.which("setpriv") is None:
-            pytest.skip("root lists every folder")
+            pytest.skip("root reads everything")
+    command = [*as_user, sys.executable, "-m", "actspec", "audit", *args, "--output-format", "concise"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout.splitlines()
+
+
+@posix
+def test_a_folder_that_cannot_be_listed_is_an_error() -> None:
+    """Nobody knows what it has, wherever it lies."""
     Path("robots/shut").mkdir(parents=True)
     Path("robots/leg.xml").write_text(GOOD)
     Path("robots/shut").chmod(0)
     try:
         for folder, of in (("robots", "2 files, 1 of which"), ("robots/shut", "1 file, which")):
-            command = [
-                *as_user,
-                sys.executable,
-                "-m",
-                "actspec",
-                "audit",
-                folder,
-                "--output-format",
-                "concise",
-            ]
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            code, said = audited_without_rights(folder)
             why = "the file cannot be read: it is a folder that cannot be listed (permission denied)"
-            said = done.stdout.splitlines()
-            assert (done.returncode, said[0], said[-1]) == (
+            assert (code, said[0], said[-1]) == (
                 1,
                 f"robots/shut: AUD008 [error] {why}",
                 f"1 error in {of} could not be read",
             )
     finally:
         Path("robots/shut").chmod(0o700)
+
+
+@posix
+@pytest.mark.parametrize("name", ["leg.xml", "leg.urdf", "leg_cfg.py", "leg.yaml"])
+def test_a_file_that_may_not_be_opened_is_told_in_a_folder(name: str) -> None:
+    """It may be a robot's for all that anybody knows; a text beside it has another ending."""
+    Path("robots").mkdir()
+    Path("robots/good.xml").write_text(GOOD)
+    for shut in (name, "notes.txt"):
+        Path("robots", shut).touch(0)
+    code, said = audited_without_rights("robots", "--notes", "--select", "AUD008")
+    assert code == 0
+    assert said[0].startswith(f"robots/{name}: AUD008 [info] the file cannot be read: ")
+    assert "permission denied" in said[0].lower()
+    assert said[1:] == ["1 note in 2 files, 1 of which could not be read"]
 
 
 def test_a_file_that_is_too_large_is_not_read() -> None:

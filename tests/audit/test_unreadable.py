@@ -213,3 +213,55 @@ def test_a_warning_about_a_file_is_counted() -> None:
     assert report.findings and {item.severity for item in report.findings} == {Severity.INFO}
     text = render(report, "concise", ReportOptions(least=Severity.WARNING))
     assert text.splitlines()[-1] == "1 warning in 2 files"
+
+
+CFG = "from isaaclab.assets import ArticulationCfg\nLEG_CFG = ArticulationCfg(actuators={)\n"
+DEPLOY = "joint_names: [knee, hip]\nkp: [25, 25\nkd: [1, 1]\n"
+OTHERS = {
+    "python2.py": "print 'the robot of legged gym'\n",
+    "train.py": "import isaaclab\nprint(1)\n",
+    "chart.yaml": "{{ if .Values.kp }}\nname: [a\n",
+    "comment.yaml": "# kp: 25\nname: [a\n",
+    "scene.yaml": "stiff: [1, 2\n",
+    "gains.yaml": "kp_file: gains.csv\n",
+    "yarp.urdf": '<?xml version="1.0"?><!DOCTYPE robot PUBLIC "-//YARP//DTD" "x.dtd"><robot><a></robot>',
+}
+"""Broken, or nothing of a robot's: none is both."""
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "line"),
+    [
+        ("leg_cfg.py", CFG, 2),
+        ("leg_config.py", CFG.replace("isaaclab.assets", "omni.isaac.lab.assets"), 2),
+        (
+            "old.py",
+            "from legged_gym.envs.base import LeggedRobotCfg\nclass Leg(LeggedRobotCfg:\n    pass\n",
+            2,
+        ),
+        ("leg.yml", DEPLOY, 3),
+        ("gains.yaml", "robot: {stiffness: [1,\n", 2),
+        ("leg_b.urdf", "version https://git-lfs.github.com/spec/v1\n", 1),
+    ],
+)
+def test_what_the_words_of_a_broken_file_tell(name: str, text: str, line: int) -> None:
+    """It is one of a robot's, and not whatever somebody has there: a note in a folder, an error with --as-named."""
+    for other, its in OTHERS.items():
+        Path("robots", other).write_text(its)
+    Path("robots/leg.xml").write_text("<mujoco/>")
+    Path("robots", name).write_text(text)
+    for as_named, severity in ((False, Severity.INFO), (True, Severity.ERROR)):
+        report = audit(["robots"], Settings(as_named=as_named))
+        assert found(report) == [("AUD008", f"robots/{name}", line, severity)]
+        text = render(report, "concise", ReportOptions(least=Severity.ERROR))
+        assert text.splitlines()[-1].endswith("in 3 files, 1 of which could not be read")
+
+
+def test_a_broken_configuration_alone_in_its_folder() -> None:
+    """The folder has something to audit, and the remark in its first lines is read."""
+    Path("cfgs").mkdir()
+    Path("cfgs/leg_cfg.py").write_text(CFG)
+    assert [item[1] for item in found(audit(["cfgs"], Settings()))] == ["cfgs/leg_cfg.py"]
+    Path("cfgs/leg_cfg.py").write_text("# actspec: ignore-file[AUD008] half a merge\n" + CFG)
+    report = audit(["cfgs"], Settings())
+    assert (found(report), [item.reason for item in report.suppressed]) == ([], ["half a merge"])

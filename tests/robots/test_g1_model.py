@@ -145,12 +145,18 @@ def _links(name: str) -> list[Link]:
     return [(link, mass, centre, tensor(*moments)) for link, (mass, centre, moments) in published.items()]
 
 
+LINKAGES = dict.fromkeys(
+    ("waist_roll_joint", "waist_pitch_joint", "ankle_pitch_joint", "ankle_roll_joint"), (50.0, 35.0)
+)
+"""Two motors of 25 N*m by mjlab, as in the spec; 35 N*m in the URDF."""
+
+
 def _published(name: str, revision: str, wrist: float, mass: float) -> Published:
     """A model: its URDF, torque limit at wrist pitch and yaw, and what it weighs."""
     urdf = f"unitree_ros/robots/g1_description/g1_29dof_{revision}.urdf"
-    leg, arm = [88.0, 139.0, 88.0, 139.0, 35.0, 35.0], [25.0, 25.0, 25.0, 25.0, 25.0, wrist, wrist]
-    limits = [*leg, *leg, 88.0, 35.0, 35.0, *arm, *arm]
-    return Published("g1", urdf, "pelvis", JOINTS, _links(name), mass, limits, name)
+    leg, arm = [88.0, 139.0, 88.0, 139.0, 50.0, 50.0], [25.0, 25.0, 25.0, 25.0, 25.0, wrist, wrist]
+    limits = [*leg, *leg, 88.0, 50.0, 50.0, *arm, *arm]
+    return Published("g1", urdf, "pelvis", JOINTS, _links(name), mass, limits, name, LINKAGES)
 
 
 MODELS = (

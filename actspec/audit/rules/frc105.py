@@ -35,16 +35,21 @@ class NoFrictionAnywhere(RuleOver[_Subject]):
             case, robot
         ):
             others = {row.artifact: row.span for row in reversed(models) if row.joint in driven}
+            # Variants of a robot have joints that this file has not.
+            own = tuple(
+                dict.fromkeys(
+                    row.joint for row in models if row.artifact == first.artifact and row.joint in driven
+                )
+            )
             who = (
-                f"none of the {len(driven)} driven joints has"
-                if len(driven) > 1
-                else "the one driven joint has no"
+                f"none of the {len(own)} driven joints has" if len(own) > 1 else "the one driven joint has no"
             )
             what = "dry or viscous friction in any file of the robot"
             yield Finding(
                 self.code,
                 f"{who} {what}: a policy trained on it first meets friction on the real robot",
                 first.span,
+                joints=own,
                 help="measure the torque at several constant speeds: its offset is the dry, its slope the "
                 "viscous friction",
                 related=tuple(span for index, span in sorted(others.items()) if index != first.artifact),

@@ -57,7 +57,8 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         return Finding(
             self.code,
             f"the limit of {shown(row, 'effort_limit', limit, 6)} is {limit / published.effort:.3g} times what is "
-            f"published for {subject.robot.name}: {shown(row, 'effort_limit', published.effort, 6)}{which}",
+            f"published for {subject.robot.name}: {shown(row, 'effort_limit', published.effort, 6)}{which}"
+            + self._of_the_others(subject, row, limit, times),
             row.place("effort_limit"),
             row.joint,
             limit,
@@ -66,6 +67,24 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             help=f"{shown(row, 'effort_limit', published.effort, 6)}: {published.source}",
             fields=("effort_limit",),
         )
+
+    def _of_the_others(self, subject: Likeness, row: LedgerRow, limit: float, times: float) -> str:
+        """Of one limit for all joints: those of which more is published, where it is twice as much at one of them."""
+        if {other.effort_limit for other, _ in subject.joints} != {row.effort_limit}:
+            return ""
+        names = [name for _, joints in subject.joints for name in joints]
+        more: dict[float, list[str]] = {}
+        for name in names:
+            effort = _most(subject, name).effort
+            if effort >= times * limit:
+                more.setdefault(effort, []).append(name)
+        if max(more, default=0.0) < 2.0 * limit:
+            return ""
+        texts = [
+            f"{shown(row, 'effort_limit', effort, 6)} for {listed(more[effort], 2)}"
+            for effort in sorted(more, reverse=True)
+        ]
+        return f"; all {len(names)} joints have this limit, and published are {' and '.join(texts)}"
 
     def _other_joint(
         self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float

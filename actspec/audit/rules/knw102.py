@@ -37,7 +37,13 @@ class RevisionOfTheRobot(RuleOver[Likeness]):
             seen.setdefault(part, shown(row, "effort_limit", here[name].effort, 6))
         yield Finding(
             self.code,
-            f"the limits are those of {subject.robot.name} {listed(subject.variants)}: "
+            f"the limits are those of {subject.robot.name} {_either(subject.variants)}: "
             + ", ".join(f"{part} {figure}" for part, figure in seen.items()),
             told[0][0].place("effort_limit"),
         )
+
+
+def _either(variants: Iterable[str]) -> str:
+    """Names of which one holds: `mode_5 or mode_13`."""
+    *others, last = sorted(variants, key=lambda name: (len(name), name))
+    return f"{listed(others)} or {last}" if others else last

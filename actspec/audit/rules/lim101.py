@@ -16,7 +16,7 @@ from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.joint import largest
-from actspec.readings.ledger import LedgerRow
+from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.mjcf_actuator_text import numbers
 from actspec.robot.view import ActuatorView
 
@@ -314,26 +314,15 @@ def _is_limited_alone(row: LedgerRow, view: ActuatorView) -> bool:
 
 
 def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:
-    """What the clamp of a servo's command bounds its torque at, with the joint inside its range and at rest.
-
-    Returns: The largest torque at the joint [N*m or N] and how it comes about; None where nothing bounds it.
-    """
-    command, kp, kd = row.command_range, row.kp, row.kd
-    if command is None or kp is None or "gain" in view.unknown:
+    """As `bound_of_command`: the largest torque, and how it comes about in words."""
+    found = bound_of_command(row, view)
+    if found is None:
         return None, ""
-    own = row.position_range or command
-    if kp > 0.0 and row.control in ("dcmotor", "pid"):
-        targets: tuple[float, ...] = command
-    elif kp > 0.0:
-        # gain x control and bias x position are two numbers, which need not be one kp.
-        targets = tuple(view.gear**2 * view.gain * end / kp + view.gear * view.offset / kp for end in command)
-    elif kd is not None and kd > 0.0 and row.control == "velocity":
-        speed = largest(command)
-        return kd * speed, f"kv {shown(row, 'kd', kd)} x {shown(row, 'velocity_limit', speed)}"
-    else:
-        return None, ""
-    reach = max(abs(target - end) for target in targets for end in own)
-    return kp * reach, f"kp {shown(row, 'kp', kp)} x {shown(row, 'default_position', reach)}"
+    gain, reach = found
+    field, of, name = (
+        ("kd", "velocity_limit", "kv") if row.control == "velocity" else ("kp", "default_position", "kp")
+    )
+    return gain * reach, f"{name} {shown(row, field, gain)} x {shown(row, of, reach)}"
 
 
 def _limited_elsewhere(case: Case, artifact: int) -> set[str]:

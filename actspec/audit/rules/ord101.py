@@ -82,6 +82,7 @@ class ActuatorsNotInJointOrder(RuleOver[_Subject]):
             self.code,
             text,
             drives[places[0]].span,
+            joints=tuple(driven[place] for place in places),
             help="map by name between ctrl and qpos; a policy's order is that of the simulator that it was "
             "trained in",
             related=(other[1].span,) if other is not None else (),

@@ -1,7 +1,10 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rules.source_pairs import Disagreement
 from actspec.audit.rules.source_rule import (
     TIMES,
@@ -14,7 +17,7 @@ from actspec.audit.rules.source_rule import (
 from actspec.diagnostics import Severity
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.readings.artifact import FileKind
-from actspec.readings.compare import angle_slip
+from actspec.readings.compare import Figure, angle_slip
 
 _STILL = 0.01
 """A speed limit up to which a joint is held, not driven [rad/s or m/s]. Chosen: half a turn takes it five minutes."""
@@ -36,15 +39,27 @@ class VelocityLimit(SourceRule):
             or _is_line_beside_solver(case, found)
         )
 
+    def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
+        """One each; of a placeholder beside a limit the placeholder's file departs, from the first that has one."""
+        told: dict[tuple[int, str], Disagreement] = {}
+        for found in disagreements:
+            if _is_placeholder(found.theirs) and not _is_placeholder(found.mine):
+                stated = found.others[0].stated
+                field = next((name for name in self.groups[0] if name in stated), found.field)
+                found = replace(found.turned, field=field, backed=False)
+            told.setdefault((found.rows[0].artifact, found.rows[0].joint), found)
+        return super().findings(case, list(told.values()))
+
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where a file holds the joint still, where speeds are less than twice each other (solvers and safety
-        settings stay below what a motor does), and between two models of one kind, which nobody runs together."""
-        quiet = _least(found) <= _STILL or not is_times(found.ratio) or are_alternatives(case, found)
+        settings stay below what a motor does), of a URDF's placeholder, and between two models of one kind, of which
+        nobody runs both."""
+        quiet = _least(found) <= _STILL or not is_times(found.ratio) or _is_quiet(case, found)
         return (Severity.INFO if quiet else self.severity), self.confidence
 
     def is_grave(self, case: Case, found: Disagreement) -> bool:
         """Twice or half the limit, or more."""
-        return _least(found) > _STILL and is_times_off(case, found) and not are_alternatives(case, found)
+        return _least(found) > _STILL and is_times_off(case, found) and not _is_quiet(case, found)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much speed."""
@@ -53,6 +68,17 @@ class VelocityLimit(SourceRule):
             return f"the joint is {found.ratio:.3g} times as fast here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint is {share:.3g} % {'faster' if found.ratio > 1.0 else 'slower'} here"
+
+
+def _is_placeholder(figure: Figure) -> bool:
+    """Whether a speed is no evidence of what a joint does."""
+    return (figure.value or 0.0) >= PLACEHOLDER_SPEED
+
+
+def _is_quiet(case: Case, found: Disagreement) -> bool:
+    """Whether one of two models is used, or a URDF leaves the limit to others."""
+    is_urdf = case.artifacts[found.rows[0].artifact].kind is FileKind.URDF
+    return are_alternatives(case, found) or (is_urdf and _is_placeholder(found.mine))
 
 
 def _is_line_beside_solver(case: Case, found: Disagreement) -> bool:

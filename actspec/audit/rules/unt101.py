@@ -48,7 +48,7 @@ class RangeInDegrees(RuleInParts):
                     found.append(row)
         least = self.option(case, "least")
         # One range that is radians by its servo tells that all of the file are, endless joints' too.
-        radians = {row.artifact for row in found if not _turns(row)}
+        radians = Counter(row.artifact for row in found if not _turns(row))
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
         for row in found:
             assert row.command_range is not None and row.position_range is not None
@@ -57,25 +57,29 @@ class RangeInDegrees(RuleInParts):
                 # Included by a file in radians, both would be the same few turns.
                 few = case.artifacts[row.artifact].is_part and largest(row.command_range) < least
                 yield (_of_a_part(found_here) if few else found_here,)
-            elif not case.artifacts[row.artifact].is_part:
-                yield (self._of_range(row, row.command_range, row.position_range),)
+            elif not (artifact := case.artifacts[row.artifact]).is_part or radians[row.artifact] > 1:
+                # One servo of a part with the range of its joint is as it should be where the includer has radians.
+                found_here = self._of_range(row, row.command_range, row.position_range, artifact.is_part)
+                yield (_graded(found_here, artifact),)
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
             if case.has_angle_of_another(index):
                 continue
             hinges = _limited_hinges(artifact)
             if index in locked:
-                yield (self._of_file(_moving(hinges), artifact.is_part),)
+                yield (_graded(self._of_file(_moving(hinges), artifact.is_part), artifact),)
                 continue
             virtual = _placeholder_ranges(artifact)
             for hinge in hinges:
                 yield () if hinge.range in virtual else self._of_joint(case, hinge)
 
-    def _of_range(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
+    def _of_range(
+        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], is_part: bool
+    ) -> Finding:
         low, high = (shown(row, "default_position", end) for end in joint)
         return Finding(
             self.code,
             f"the joint's range is {low} ... {high}, and its servo's control range {DEGREES:.3g} times that: radians, "
-            "which MuJoCo takes for degrees in this file",
+            f"which MuJoCo takes for degrees in this file{_unless(is_part)}",
             row.place("position_range"),
             row.joint,
             largest(joint),
@@ -125,20 +129,18 @@ class RangeInDegrees(RuleInParts):
         first = joints[0]
         ends = first.range or (0.0, 0.0)
         most = max(largest(joint.range or (0.0, 0.0)) for joint in joints) * DEGREES
-        # What includes or mounts a part has the angle.
-        unless = ", unless what includes it has the angle" if is_part else ""
         return Finding(
             self.code,
             f"none of the {len(joints)} limited hinges may move by more than {most:.3g} degrees from 0, the first from "
-            f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees{unless}",
+            f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees"
+            + _unless(is_part),
             first.places.get("range", first.span),
             "",
             largest(ends),
             "rad",
             largest(ends) * DEGREES,
             'add <compiler angle="radian"/>',
-            severity=Severity.INFO if is_part else None,
-            confidence=Confidence.LOW if is_part else None,
+            joints=tuple(joint.name for joint in joints),
         )
 
 
@@ -156,9 +158,21 @@ _TURN = 2.0 * math.pi
 """Chosen: a target beyond a full turn is in degrees; below it is the joint's range that is not."""
 
 
+def _unless(is_part: bool) -> str:
+    """What includes or mounts a part has the angle."""
+    return ", unless what includes it has the angle" if is_part else ""
+
+
 def _of_a_part(found: Finding) -> Finding:
     """The same of a part, whose joints are in degrees or radians as its includer has it: a note without a fix."""
     return replace(found, severity=Severity.INFO, confidence=Confidence.LOW, fix=None)
+
+
+def _graded(found: Finding, artifact: Artifact) -> Finding:
+    """By what the file is: to a whole robot without `<compiler>` a program may add one, as safety-gymnasium does."""
+    if artifact.is_part:
+        return _of_a_part(found)
+    return replace(found, confidence=Confidence.MEDIUM) if artifact.may_be_part else found
 
 
 def _turns(row: LedgerRow) -> bool:

@@ -24,7 +24,7 @@ from actspec.readings.networks import with_networks
 from actspec.readings.python import isaaclab, legged_gym, mjlab
 from actspec.readings.python.run import Interpreter
 from actspec.readings.python.settings import NOTHING, UNFOLDED, fields_of, has_joints, setting
-from actspec.readings.python.source import Source, UnreadableError, open_library
+from actspec.readings.python.source import Library, Source, UnreadableError, open_library
 from actspec.readings.python.values import (
     MAX_STEPS,
     Cls,
@@ -52,8 +52,8 @@ def read_python(path: str) -> FileReading:
 
     Returns: One artifact a robot or environment, in the order of the file; a reason when it cannot be read.
     """
+    library = open_library(path)
     try:
-        library = open_library(path)
         source = library.open(path)
         interpreter = Interpreter(library)
         module = interpreter.load(source)
@@ -61,9 +61,11 @@ def read_python(path: str) -> FileReading:
         configs = list(reader.configs())
     except UnreadableError as err:
         refused = Span(path, *err.at) if err.at[0] else None
-        return FileReading(path, FileKind.CFG, str(err), refused=refused)
+        file = ModelFile(path, "", err.data)
+        return FileReading(path, FileKind.CFG, str(err), files=(file,) * bool(err.data), refused=refused)
     except (RecursionError, MemoryError):
-        return FileReading(path, FileKind.CFG, "its expressions are nested too deep to fold")
+        deep = "its expressions are nested too deep to fold"
+        return FileReading(path, FileKind.CFG, deep, files=_files(library))
     said = Collector()
     if interpreter.budget.left < 0:
         said.warning(
@@ -78,15 +80,20 @@ def read_python(path: str) -> FileReading:
         said.error(
             NOTHING, reason, span=Span(path), help="name the robot's configuration; it finds its base itself"
         )
-    sources = [one for one in library.sources.values() if one is not None]
+    files = _files(library)
     return FileReading(
         path,
         FileKind.CFG,
         reason,
-        tuple(_artifact(path, config, {one.path: one.data for one in sources}) for config in configs),
-        tuple(ModelFile(one.path, one.include, one.data) for one in sources),
+        tuple(_artifact(path, config, {one.path: one.data for one in files}) for config in configs),
+        files,
         tuple(said),
     )
+
+
+def _files(library: Library) -> tuple[ModelFile, ...]:
+    """What was read, the named file first."""
+    return tuple(ModelFile(one.path, one.include, one.data) for one in library.sources.values() if one)
 
 
 def _artifact(path: str, config: RobotConfig, data: Mapping[str, bytes]) -> Artifact:

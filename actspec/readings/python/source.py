@@ -48,11 +48,13 @@ class UnreadableError(Exception):
 
     Attributes:
         at: Line and column, from 1; 0 where there is none.
+        data: What was read of it.
     """
 
     def __init__(self, message: str, at: tuple[int, int] = (0, 0)) -> None:
         super().__init__(message)
         self.at = at
+        self.data = b""
 
 
 @dataclass(eq=False, slots=True)
@@ -224,7 +226,18 @@ def parse(path: str, package: tuple[str, ...], include: str, most: int) -> Sourc
         raise UnreadableError(f"{err.size} bytes, more than {min(most, MAX_BYTES)}") from err
     except (OSError, ValueError) as err:
         raise UnreadableError(getattr(err, "strerror", None) or str(err)) from err
-    text = _decode(data)
+    try:
+        text = _decode(data)
+        tree = _tree(text)
+    except UnreadableError as err:
+        err.data = data
+        raise
+    # Python's parser ends lines here, str.splitlines at form feeds too.
+    return Source(path, package, data, tree, include, re.split("\r\n|\r|\n", text))
+
+
+def _tree(text: str) -> ast.Module:
+    """The syntax of a text."""
     if "\0" in text:
         before = text[: text.index("\0")]
         place = before.count("\n") + 1, len(before) - before.rfind("\n")
@@ -233,7 +246,7 @@ def parse(path: str, package: tuple[str, ...], include: str, most: int) -> Sourc
         # A stranger's `"\d"` is no reason to warn our user.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            tree = ast.parse(text)
+            return ast.parse(text)
     except SyntaxError as err:
         place = (err.lineno, max(err.offset or 0, 0)) if err.lineno else (0, 0)
         raise UnreadableError(one_line(err.msg or "syntax error"), place) from err
@@ -241,8 +254,6 @@ def parse(path: str, package: tuple[str, ...], include: str, most: int) -> Sourc
         raise UnreadableError("its expressions are nested too deep for Python's parser") from err
     except ValueError as err:
         raise UnreadableError(one_line(str(err))) from err
-    # Python's parser ends lines here, str.splitlines at form feeds too.
-    return Source(path, package, data, tree, include, re.split("\r\n|\r|\n", text))
 
 
 def _decode(data: bytes) -> str:

@@ -8,17 +8,19 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.engine import judge
-from actspec.audit.outcome import Report
+from actspec.audit.engine import audit, judge
+from actspec.audit.finding import Confidence
+from actspec.audit.outcome import Report, Reported
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.report import FORMATS, ReportOptions, least_shown, render
+from actspec.report.findings import for_people
 from actspec.report.ledger import ledger_lines
 from actspec.report.sources import WIDEST, Sources
 from actspec.report.tables import Style
-from actspec.report.text import remarks
+from actspec.report.text import counted, remarks
 from tests.audit.making import case_of, finding, reading, row, rule_of
 from tests.audit.report.reporting import report
 
@@ -236,6 +238,39 @@ def test_ledger_marks_each_part_of_the_damping() -> None:
     )
     lines = ledger_lines(case_of({"a.xml": b""}, *rows), Style(colour=False))
     assert "\n".join(lines) == MARKED
+
+
+def test_the_ledger_says_what_bounds_a_servo(tmp_path: Path) -> None:
+    """500 N*m/rad x 3 rad are 1500 N*m; not where a range limits it, or two drives share the joint.
+
+    2 + 1 = 3 rad: the command at one end of its range, the joint at the other.
+    """
+    joint = '<body><joint name="{0}" range="-1 2"/><geom size="0.1"/></body>'
+    servo = '<position joint="{0}" kp="500" ctrlrange="-1 2"{1}/>'
+    servos = [("a", ""), ("b", ' forcerange="-3 3"'), ("c", ""), ("c", "")]
+    path = tmp_path / "arm.xml"
+    path.write_text(
+        f'<mujoco><compiler angle="radian"/><worldbody>{"".join(map(joint.format, "abc"))}</worldbody>'
+        f"<actuator>{''.join(servo.format(*one) for one in servos)}</actuator></mujoco>"
+    )
+    case = audit([str(path)], Settings()).case
+    lines = list(ledger_lines(case, Style(colour=False)))
+    shown = [line.split("position")[1].split()[1:3] for line in lines if "position" in line]
+    # A limit has no mark: behind it stands the inertia.
+    assert [cells[:1] if cells[1] != "b" else cells for cells in shown] == [["1500", "b"], ["3"], ["inf"]]
+    assert "  effort limit: b none, bounded by the clamped command (LIM101)" in lines
+
+
+def test_findings_of_a_whole_file_affect_joints() -> None:
+    """Two joints by name, one of them again among the two of a finding of the file: three."""
+    found = [
+        Reported(each, "rule", Severity.INFO, Confidence.HIGH)
+        for each in (
+            *(finding("LIM901", joint=joint) for joint in ("hip", "knee")),
+            finding("FRC901", line=2, joints=("knee", "toe")),
+        )
+    ]
+    assert counted(for_people(found)) == "2 notes affecting 3 joints"
 
 
 def test_statistics(made: Report) -> None:
