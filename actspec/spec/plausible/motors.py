@@ -232,13 +232,10 @@ def _efficient(drive: Drive) -> Iterator[Relation]:
     motor = drive.motor
     path: Path = ("motors", drive.name)
     written: list[tuple[SpecValue | None, Path]] = [(motor.efficiency, (*path, "efficiency"))]
-    staged = {(*path, "gearbox"): motor.gearbox or ()}
-    staged |= {place: train.stages for place, train in drive.trains.items()}
-    written += [
-        (stage.efficiency, (*place, index, "efficiency"))
-        for place, stages in staged.items()
-        for index, stage in enumerate(stages)
-    ]
+    staged = {(*path, "gearbox", index): stage for index, stage in enumerate(motor.gearbox or ())}
+    for train in drive.trains.values():
+        staged |= {(*train.root, train.first + index): stage for index, stage in enumerate(train.stages)}
+    written += [(stage.efficiency, (*place, "efficiency")) for place, stage in staged.items()]
     for value, place in written:
         share = number(value)
         if share and value is not None:

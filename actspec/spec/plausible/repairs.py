@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
@@ -106,7 +107,8 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     there, here = ("gearbox output", "rotor") if motor.side == "motor" else ("rotor", "gearbox output")
     # What a torque that is quoted at the other side is at this one; speeds go the other way.
     across = None
-    if gear is not None and gear >= GEARED and motor.side is not None:
+    travels = any(train.root[0] == "motors" for train in drive.trains.values())
+    if gear is not None and gear >= GEARED and motor.side is not None and not travels:
         across = 1.0 / gear if motor.side == "motor" else gear
         other = "joint" if motor.side == "motor" else "motor"
         help = f"are the figures those of the {there}? Then write `side: {other}`"
@@ -131,6 +133,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             if across is not None:
                 yield sided(path, 1.0 / across)
     yield from _stages(drive)
+    yield from _counts(drive)
     if number(motor.nominal_current) and number(motor.peak_current):
         update = {"nominal_current": motor.peak_current, "peak_current": motor.nominal_current}
         help = "are nominal_current and peak_current swapped? The thermal limit is the lower one"
@@ -191,13 +194,42 @@ def _stages(drive: Drive) -> Iterator[Repair]:
             motor = drive.motor.model_copy(update={"gearbox": stages})
             place = stage_path(stage, ("motors", drive.name, "gearbox", index))
             yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
-    for path, train in drive.trains.items():
+    for train in {train.root: train for train in drive.trains.values()}.values():
         for index, stage in enumerate(train.stages):
             for other, help, rare in _stage_slips(stage):
                 stages = (*train.stages[:index], other, *train.stages[index + 1 :])
-                trains = {**drive.trains, path: replace(train, stages=stages)}
-                place = stage_path(stage, (*path, index))
-                yield Repair(tuple(relations(replace(drive, trains=trains))), (place,), help, rare)
+                trains = {
+                    key: replace(same, stages=stages) if same.root == train.root else same
+                    for key, same in drive.trains.items()
+                }
+                after = tuple(relations(replace(drive, trains=trains)))
+                yield Repair(after, (train.place(index),), help, rare)
+
+
+def _counts(drive: Drive) -> Iterator[Repair]:
+    """One motor in place of many."""
+    gear = gear_of(drive.motor)
+    for witness in {item.counted: item for item in drive.witnesses if item.counted is not None}.values():
+        place = witness.counted
+        assert place is not None
+
+        def one(path: Path, place: Path = place) -> bool:
+            return path[:2] == place[:2]
+
+        changed = replace(
+            drive,
+            witnesses=tuple(
+                replace(item, motors=1) if item.counted == place else item for item in drive.witnesses
+            ),
+            limits=tuple(replace(item, motors=1) if one(item.path) else item for item in drive.limits),
+            trains={
+                key: replace(train, motors=1) if one(key) else train for key, train in drive.trains.items()
+            },
+        )
+        same = gear is not None and math.isclose(gear, witness.motors, rel_tol=0.05)
+        help = "is it the gear ratio" if same else "did you mean 1"
+        help += "? motors_per_joint is how many motors drive one joint together"
+        yield Repair(tuple(relations(changed)), (place,), help)
 
 
 def _stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
@@ -231,7 +263,10 @@ def _lengths(value: SpecValue) -> Iterator[tuple[float, str, float]]:
                 0.0,
             )
         )
-    yield from _tens(value)
+    for factor, help, rare in _tens(value):
+        # In the unit that it is written in: m/rad is nobody's.
+        own = f"did you mean {float(amount) * factor:.4g} {unit}?" if unit else help
+        yield factor, own, rare
 
 
 def _inertias(value: SpecValue) -> Iterator[tuple[float, str, float]]:
