@@ -158,7 +158,7 @@ class Output:
 def output_of(name: str, motor: Motor) -> Output:
     """The figures of a motor that turns at its gearbox output."""
     path: Path = ("motors", name)
-    gear, efficiency = gear_of(motor), _efficiency(motor)
+    gear, efficiency = gear_of(motor), efficiency_of(motor)
     written: list[tuple[SpecValue | None, Path]] = [
         (getattr(motor, field), (*path, field))
         for field in ("stall_torque", "peak_torque", "continuous_torque")
@@ -218,7 +218,8 @@ def scaled(witness: Witness, trains: Mapping[Path, Train]) -> float:
     return 1.0 if witness.speed else float(witness.motors)
 
 
-def _efficiency(motor: Motor) -> float:
+def efficiency_of(motor: Motor) -> float:
+    """Of the gearbox; 1 where none is stated."""
     stages = [number(stage.efficiency) for stage in motor.gearbox or ()]
     return (number(motor.efficiency) or 1.0) * math.prod(part or 1.0 for part in stages)
 

@@ -31,6 +31,8 @@ FAR_ABOVE_FILE = 30.0
 ABOUT = 0.2
 """What is that far above may agree less well when it is corrected, by a factor of 2 [powers of ten]."""
 
+KEEP = "`sure: true` beside it keeps a number that is right"
+
 
 @dataclass(frozen=True, slots=True)
 class Relation:
@@ -146,4 +148,8 @@ def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: Sourc
     readings = dict.fromkeys(repair.help for repair in best if repair.help is not None)
     judged = [path for relation in broken for path in (relation.path, *relation.others)]
     error = any(relation.error for relation in broken)
-    return at(spans, told.code, told.message, where, "; or ".join(readings) or None, *judged, error=error)
+    help = "; or ".join(readings) or None
+    if told.code == "SPEC183":
+        # There are larger machines than robots.
+        help = f"{help or 'look for a wrong unit'}{'' if (help or '').endswith('?') else ';'} {KEEP}"
+    return at(spans, told.code, told.message, where, help, *judged, error=error)

@@ -68,7 +68,11 @@ LEAD = "motors.screw.gearbox[1].lead"
         # 1.2 N*m x 2 pi / 0.05e-3 m = 151 kN, 94 times 1600 N; 0.000477 m/s.
         ("0.05 mm/rev", "SPEC187", "did you mean 5 mm/rev?"),
         # 1508 kN is no slide's.
-        ("0.005 mm/rev", "SPEC183", "did you mean 0.005 m/rev?"),
+        (
+            "0.005 mm/rev",
+            "SPEC183",
+            "did you mean 0.005 m/rev? `sure: true` beside it keeps a number that is right",
+        ),
         # 60 rad/s x 5 m / 2 pi = 47.7 m/s.
         ("5 m/rev", "SPEC184", "did you mean 5 mm/rev?"),
         # 4.77 m/s and 15.1 N.
