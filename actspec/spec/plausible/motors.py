@@ -77,7 +77,7 @@ LEAST_OF_STALL = {"peak_torque": 0.015, "continuous_torque": 0.004}
 """Over the stall torque. Windings have a continuous torque of 0.02 of it (EC-i) and more, and a peak of 0.05
 (AK80-64); of mN*m read as N*m it is a thousandth."""
 BRAKES = 3.0
-"""Brake over drive torque, either way. Published: 1.17 (Unitree M107-15) to 1.79 (W4010-25); both are of one winding,
+"""Brake over drive torque, either way. Published: 1.16 (Unitree Go2HV) to 1.79 (W4010-25); both are of one winding,
 and friction and losses help to brake."""
 LEAST_EFFICIENCY = 0.1
 """Of a gearbox. Chosen: lead screws and worm gears have 0.2 to 0.4."""

@@ -50,7 +50,7 @@ CHECKS = (
         "an error. The largest peak in robots/motors is 1 times the stall torque. A warning for a continuous torque "
         "below 0.004 and a peak below 0.015 of it: windings have 0.02 (EC-i) and 0.05 (AK80-64) and more, and mN*m as "
         "N*m are a thousandth. Of a curve a warning for a brake torque above 3 times the drive torque or below a third "
-        "(1.17, Unitree M107-15, to 1.79, W4010-25).",
+        "(1.16, Unitree Go2HV, to 1.79, W4010-25).",
     ),
     Check(
         "SPEC181",
@@ -89,7 +89,8 @@ CHECKS = (
         "limit far above it; either of them far from the speed that the robot's file states; a transmission that is "
         "faster than any joint.",
         "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed "
-        "of the output), an output above 100 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 mN*m (micro motors are sold with 120000); behind a screw, a pinion or a lever "
+        "of the output), an output above 100 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 "
+        "mN*m (micro motors are sold with 120000); behind a screw, a pinion or a lever "
         "a slide above 30 m/s and a hinge above 100 rad/s (chosen: belts reach 10 m/s); an output above 1000 rad/s"
         " divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint."
         " Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
