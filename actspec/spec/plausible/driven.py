@@ -21,6 +21,8 @@ STRONGEST_SLIDE = 300e3
 """[N]. Chosen: roller screws of robots have 10 to 100 kN."""
 STRONGEST_HINGE = 3000.0
 """[N*m], behind a transmission."""
+LEADS = (1e-3, 0.02)
+"""Of usual screws [m/rev]."""
 LIMIT_ABOVE = 3.0
 """Effort limit over the largest of the motor's torques at the joint."""
 LIMIT_FAR_ABOVE = 30.0
@@ -71,6 +73,19 @@ def train_relations(drive: Drive, output: Output) -> Iterator[Relation]:
         yield from stage_relations(
             train.stages, train.root, "turns of the motor's output in one turn of the joint"
         )
+        for index, stage in enumerate(train.stages):
+            if stage.lead is not None and stage.lead.value:
+                # Any may be; of two corrections it tells which.
+                yield Relation(
+                    "SPEC184",
+                    stage.lead.value * 2.0 * math.pi,
+                    (0.0, math.inf),
+                    LEADS,
+                    "",
+                    train.place(index),
+                    None,
+                    about=f"lead {path} {index}",
+                )
         speed, torque = train.speed, train.torque
         if not 0.0 < speed < math.inf or not 0.0 < torque < math.inf:
             continue
