@@ -170,13 +170,14 @@ def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> 
         constant = motor.torque_constant
         if constant is None or constant.value is None or current is None or current.value is None:
             return None
+        unit = unit_of_kind(Kind.TORQUE_CONSTANT, quoted)
         product = Quantity(
             tidy(constant.value * current.value),
             unit_of_kind(Kind.TORQUE, quoted),
             Origin.DERIVED,
             source=constant.source or current.source,
             span=spec.span("motors", name, field),
-            formula=f"{format_quantity(constant.value, 'N*m/A')} (torque_constant) x "
+            formula=f"{format_quantity(constant.value, unit)} (torque_constant) x "
             f"{format_quantity(current.value, 'A')} ({field})",
         )
         found = scaled(product, to_torque)
@@ -271,7 +272,7 @@ def linear_faults(motor: Motor, drivetrain: Drivetrain) -> list[tuple[str, SpecV
     faults = [
         (field, value, kind) for field, value, kind in named if value is not None and unfit(value, kind)
     ]
-    currents = motor.nominal_current or motor.peak_current
-    if motor.torque_constant is not None and currents and quoted is JointKind.SLIDE:
-        faults.append(("torque_constant", motor.torque_constant, quoted))
+    constant, currents = motor.torque_constant, motor.nominal_current or motor.peak_current
+    if constant is not None and unfit(constant, quoted) and (currents or quoted is JointKind.HINGE):
+        faults.append(("torque_constant", constant, quoted))
     return faults

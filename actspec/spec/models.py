@@ -191,7 +191,7 @@ class Motor(Strict):
     efficiency: Efficiency | None = None
     """Of the gearbox, 0 to 1 [-]; scales motor-side torques. Default 1."""
     torque_constant: Annotated[SpecValue, Number(Kind.TORQUE_CONSTANT, above=0.0)] | None = None
-    """Torque per current [N*m/A], on the motor's `side`."""
+    """Torque per current [N*m/A or N/A], on the motor's `side`."""
     nominal_voltage: Annotated[SpecValue, Number(Kind.VOLTAGE, above=0.0)] | None = None
     """Supply for which stall torque and no-load speed hold [V]."""
     nominal_current: Annotated[SpecValue, Number(Kind.CURRENT, above=0.0)] | None = None

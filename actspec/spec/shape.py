@@ -32,6 +32,8 @@ _IN_A_VALUE = frozenset((*VALUE_KEYS, "derive", "nominal", "range", "sampling"))
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)", re.DOTALL)
 _NO_COLON = re.compile(r"([A-Za-z_][A-Za-z_0-9.-]*)\s+([\[{].*)", re.DOTALL)
 _NO_COLON_IN_BRACES = re.compile(r"([A-Za-z_][A-Za-z_0-9.-]*)\s+([-+.]?\d.*)", re.DOTALL)
+_TEXTS = ("title", "note", "page")
+"""Keys of texts that are read by people."""
 _NUMBER = re.compile(r"[-+.]?\d.*", re.DOTALL)
 _DIGITS = re.compile(r"[0-9]+(?:\s*[A-Za-z%°µ].*)?", re.DOTALL)
 
@@ -261,6 +263,10 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
             lacks = _NO_COLON_IN_BRACES.fullmatch(key) if value is None else None
             if value is None and last is not None and _is_whole(last[1]) and _DIGITS.fullmatch(key):
                 yield _comma(f"{last[1]},{key}", f"{last[1]}.{key}", (*path, last[0]))
+            elif value is None and last is not None and last[0] in _TEXTS and _is_text_on(last[1], key):
+                message = f"the comma behind `{short(last[1])}` ends the text of `{last[0]}`"
+                whole = short(f"{last[1]}, {key}".replace('"', "'"))
+                yield Misplaced(message, (*path, key), f'quote it: write `{last[0]}: "{whole}"`')
             elif bracket is not None:
                 rest = f"{bracket[1]}: {bracket[2]}: {value}"
                 yield Misplaced(f"`{bracket[1]}` has no `:`", (*path, key), f"write `{short(rest)}`")
@@ -290,6 +296,12 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
         else:
             for index, item in enumerate(node):
                 yield from _cut_apart(item, (*path, index))
+
+
+def _is_text_on(text: Any, rest: str) -> bool:
+    """Whether what stands behind a text and a comma is the rest of it, and no key with its value."""
+    first = next(iter(rest.split()), "")
+    return isinstance(text, str) and first.partition(":")[0] not in _IN_A_VALUE | fields_of(Source)
 
 
 def _is_value(node: Mapping[str, Any]) -> bool:

@@ -64,7 +64,7 @@ class Sidecar(Strict):
     torque_constant: dict[
         str, Annotated[SpecValue, Number(Kind.TORQUE_CONSTANT, above=0.0, unknown=False)]
     ] = Field(default_factory=dict)
-    """Joint, or pattern of joints, to its torque per current, at the joint: gears count [N*m/A]."""
+    """Joint, or pattern of joints, to its torque per current, at the joint: gears count [N*m/A or N/A]."""
     base: LogBase | None = None
     """How the base was held."""
     accuracy: Accuracy = Accuracy()

@@ -34,7 +34,7 @@ class Kind(Enum):
     RATIO = "ratio", "1", "1", True
     VOLTAGE = "voltage", "V", "V", True
     CURRENT = "current", "A", "A", True
-    TORQUE_CONSTANT = "torque constant", "N*m/A", "N*m/A", True
+    TORQUE_CONSTANT = "torque constant", "N*m/A", "N/A", True
     RESISTANCE = "resistance", "Ohm", "Ohm", True
 
     def __init__(self, noun: str, rotary_unit: str, linear_unit: str, bare: bool) -> None:

@@ -182,6 +182,29 @@ def test_a_linear_motor_on_a_slide() -> None:
     assert found.kp is not None and found.kp.unit == "N/m"
 
 
+def test_a_force_constant_of_a_slide() -> None:
+    """40 N/A x 12 A = 480 N, 40 N/A x 2.75 A = 110 N; with a number alone likewise."""
+    for constant in ("40 N/A", "40"):
+        figures = f"side: joint, torque_constant: {constant}, peak_current: 12 A, nominal_current: 2.75 A"
+        found = joint(
+            spec_of(
+                "legs: {joints: [slide], motor: m, level: ideal_pd, kp: 1, kd: 1}",
+                robot="name: leg, model: none, joints: [{name: slide, kind: slide}]",
+                motors=f"{{m: {{{figures}}}}}",
+            ),
+            "slide",
+        )
+        assert (found.peak_torque.value, found.peak_torque.unit) == (480.0, "N")
+        assert found.peak_torque.formula == "40 N/A (torque_constant) x 12 A (peak_current)"
+        assert found.continuous_torque.value == 110.0
+
+
+def test_a_force_constant_of_a_hinge_is_refused() -> None:
+    """N/A of what turns needs a radius, too."""
+    text = motor("motor", f"{FIGURES}, torque_constant: 40 N/A")
+    assert [line.split(":")[0] for line in refused(text)] == ["RES001 motors.m.torque_constant"]
+
+
 def test_a_torque_constant_on_a_slide_is_refused() -> None:
     """Torque per current gives no force: N*m/A needs the radius that nobody states."""
     text = spec_of(

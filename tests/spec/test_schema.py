@@ -97,7 +97,7 @@ def test_every_number_has_its_unit(name: str) -> None:
     units = {
         "torque": "[N*m or N]", "stiffness": "[N*m/rad or N/m]", "velocity_gain": "[N*m*s/rad or N*s/m]",
         "inertia": "[kg*m^2", "speed": "[rad/s or m/s]", "position": "[rad or m]", "time": "[s]",
-        "frequency": "[Hz]", "ratio": "[-]", "voltage": "[V]", "current": "[A]", "torque_constant": "[N*m/A]",
+        "frequency": "[Hz]", "ratio": "[-]", "voltage": "[V]", "current": "[A]", "torque_constant": "[N*m/A or N/A]",
         "length": "[m]", "lead": "[m/rad]",
     }  # fmt: skip
     for path, node in properties(name):

@@ -42,15 +42,25 @@ class Limit:
 
 @dataclass(frozen=True, slots=True)
 class Train:
-    """A transmission between the output of a motor, which turns, and a joint.
+    """What stands between the output of a motor, which turns, and a joint: a transmission, or a gearbox's end.
+
+    Of a gearbox whose output travels the stages from the first length on are such a train.
 
     Attributes:
         stages: From the motor to the joint.
         motors: How many drive one joint.
+        root: Where the stages are written.
+        first: Index of the first one there.
     """
 
     stages: tuple[Stage, ...]
     motors: int
+    root: Path
+    first: int = 0
+
+    def place(self, index: int) -> Path:
+        """Where the number of a stage is written."""
+        return stage_path(self.stages[index], (*self.root, self.first + index))
 
     @property
     def slide(self) -> bool:
@@ -82,8 +92,11 @@ class Witness:
         value: The limit, in its unit.
         unit: N*m, N, rad/s or m/s.
         speed: It is one of speed.
-        factor: What a figure at the motor's output is times at the joint; None: unknown.
+        factor: What a figure at the motor's output is times at the joint, beside train and motors; None: unknown.
         limit: Where the spec states the same limit; None: it does not.
+        train: Key of the train in the drive's `trains`; None: there is none.
+        motors: How many drive one joint, where no train has them.
+        counted: Where their number is written; None: it is not.
     """
 
     joint: str
@@ -92,6 +105,9 @@ class Witness:
     speed: bool
     factor: float | None
     limit: Path | None
+    train: Path | None = None
+    motors: int = 1
+    counted: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +119,7 @@ class Drive:
         motor: The motor.
         limits: Limits that the spec states.
         witnesses: Limits that the robot's file states.
-        trains: Transmissions to its joints, by where they are written.
+        trains: Transmissions to its joints, and the end of a gearbox whose output travels, each by a key of its own.
     """
 
     name: str
@@ -142,7 +158,7 @@ class Output:
 def output_of(name: str, motor: Motor) -> Output:
     """The figures of a motor that turns at its gearbox output."""
     path: Path = ("motors", name)
-    gear, efficiency = gear_of(motor), _efficiency(motor)
+    gear, efficiency = gear_of(motor), efficiency_of(motor)
     written: list[tuple[SpecValue | None, Path]] = [
         (getattr(motor, field), (*path, field))
         for field in ("stall_torque", "peak_torque", "continuous_torque")
@@ -184,7 +200,26 @@ def gear_of(motor: Motor) -> float | None:
     return product if None not in ratios and 0.0 < product < math.inf else None
 
 
-def _efficiency(motor: Motor) -> float:
+def cut_gearbox(motor: Motor) -> tuple[Motor, int] | None:
+    """A motor with the stages of its gearbox that turn, and their number; None where its output turns, too."""
+    stages = motor.gearbox or ()
+    first = next((index for index, stage in enumerate(stages) if stage_ratio(stage) is None), None)
+    if first is None or motor.side != "motor" or not all(is_one(stage) for stage in stages):
+        return None
+    # What is stated of its output is of what travels.
+    return motor.model_copy(update={"gearbox": stages[:first], "reflected_inertia": None}), first
+
+
+def scaled(witness: Witness, trains: Mapping[Path, Train]) -> float:
+    """What a figure at the motor's output is times at the joint of a witness, of its train and motors."""
+    if witness.train is not None:
+        train = trains[witness.train]
+        return 1.0 / train.speed if witness.speed else train.torque
+    return 1.0 if witness.speed else float(witness.motors)
+
+
+def efficiency_of(motor: Motor) -> float:
+    """Of the gearbox; 1 where none is stated."""
     stages = [number(stage.efficiency) for stage in motor.gearbox or ()]
     return (number(motor.efficiency) or 1.0) * math.prod(part or 1.0 for part in stages)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import Path
 from actspec.spec.gears import Stage
-from actspec.spec.plausible.drive import Drive, Output, number, stage_path
+from actspec.spec.plausible.drive import Drive, Output, number, scaled, stage_path
 from actspec.spec.plausible.relations import Relation
 from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import SpecValue
@@ -21,6 +21,8 @@ STRONGEST_SLIDE = 300e3
 """[N]. Chosen: roller screws of robots have 10 to 100 kN."""
 STRONGEST_HINGE = 3000.0
 """[N*m], behind a transmission."""
+LEADS = (1e-3, 0.02)
+"""Of usual screws [m/rev]."""
 LIMIT_ABOVE = 3.0
 """Effort limit over the largest of the motor's torques at the joint."""
 LIMIT_FAR_ABOVE = 30.0
@@ -40,6 +42,8 @@ NEVER_GEARED_UP = 0.05
 def stage_relations(stages: Sequence[Stage], path: Path, what: str) -> Iterator[Relation]:
     """Stages that make what is driven turn faster, at the one that does most of it."""
     ratios = [stage_ratio(stage) for stage in stages]
+    if not ratios:
+        return
     plain = [(ratio, index) for index, ratio in enumerate(ratios) if ratio is not None]
     if len(plain) < len(ratios):
         return
@@ -66,14 +70,29 @@ def stage_relations(stages: Sequence[Stage], path: Path, what: str) -> Iterator[
 def train_relations(drive: Drive, output: Output) -> Iterator[Relation]:
     """Speed and force of the joints behind a transmission."""
     for path, train in drive.trains.items():
-        yield from stage_relations(train.stages, path, "turns of the motor's output in one turn of the joint")
+        yield from stage_relations(
+            train.stages, train.root, "turns of the motor's output in one turn of the joint"
+        )
+        for index, stage in enumerate(train.stages):
+            if stage.lead is not None and stage.lead.value:
+                # Any may be; of two corrections it tells which.
+                yield Relation(
+                    "SPEC184",
+                    stage.lead.value * 2.0 * math.pi,
+                    (0.0, math.inf),
+                    LEADS,
+                    "",
+                    train.place(index),
+                    None,
+                    about=f"lead {path} {index}",
+                )
         speed, torque = train.speed, train.torque
         if not 0.0 < speed < math.inf or not 0.0 < torque < math.inf:
             continue
         lengths = [index for index, stage in enumerate(train.stages) if stage_ratio(stage) is None]
         index = lengths[-1] if lengths else 0
-        stage, place = train.stages[index], stage_path(train.stages[index], (*path, index))
-        given = getattr(stage, str(place[-1]))
+        place = train.place(index)
+        given = getattr(train.stages[index], str(place[-1]))
         written = f"a {place[-1]} of {given.written}" if lengths else "the transmission"
         slide = train.slide
         fast, unit = (FASTEST_SLIDE, "m/s") if slide else (FASTEST_OUTPUT, "rad/s")
@@ -135,7 +154,7 @@ def limit_relations(drive: Drive, output: Output) -> Iterator[Relation]:
                     "SPEC184",
                     stated / fastest,
                     (0.0, SPEED_LIMIT),
-                    (0.0, 1.5),
+                    (0.05, 1.5),
                     f"a velocity limit of {limit.value.written} is {format_quantity(stated / fastest, '', 3)} times "
                     f"the {format_quantity(fastest, limit.value.unit, 4)} at which the motor '{drive.name}' ends",
                     limit.path,
@@ -180,6 +199,7 @@ def witness_relations(drive: Drive, output: Output) -> Iterator[Relation]:
     # A winding's stall torque is many times what its drive gives.
     fields = ("peak_torque", "stall_torque") if motor.side == "joint" else ("peak_torque",)
     for witness in drive.witnesses:
+        times = (witness.factor or 0.0) * scaled(witness, drive.trains)
         stated = next((limit for limit in drive.limits if limit.path == witness.limit), None)
         given: list[tuple[str, SpecValue, float, Path]] = []
         if stated is not None and (size := stated.value.value):
@@ -188,21 +208,19 @@ def witness_relations(drive: Drive, output: Output) -> Iterator[Relation]:
             speed = motor.no_load_speed if motor.curve is None else motor.curve.no_load_speed
             if speed is not None and output.speed and witness.factor:
                 place = output.speed_path
-                given.append((str(place[-1]), speed, output.speed * witness.factor, place))
+                given.append((str(place[-1]), speed, output.speed * times, place))
         elif witness.factor:
             for field in fields:
                 torque: SpecValue | None = getattr(motor, field)
                 if torque is not None and (size := number(torque)):
-                    given.append((field, torque, size * to_output * witness.factor, (*root, field)))
+                    given.append((field, torque, size * to_output * times, (*root, field)))
         unit, what = witness.unit, "a velocity limit" if witness.speed else "an effort limit"
         for field, value, size, place in given:
             ratio = size / witness.value
             if not 0.0 < ratio < math.inf:
                 continue
             far = f"{format_quantity(max(ratio, 1 / ratio), '', 3)} times {'below' if ratio > 1 else 'above'}"
-            own = (stated is not None and place == stated.path) or (
-                motor.side == "joint" and witness.factor == 1.0
-            )
+            own = (stated is not None and place == stated.path) or (motor.side == "joint" and times == 1.0)
             there = "" if own else f", {format_quantity(size, unit, 4)} there"
             yield Relation(
                 "SPEC184" if witness.speed else "SPEC187",

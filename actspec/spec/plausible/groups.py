@@ -10,7 +10,7 @@ from actspec.diagnostics import Path, dotted
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, Motor, Randomize, SpecModel, Tunable
-from actspec.spec.plausible.drive import Drive, Limit, Train, is_one, output_of
+from actspec.spec.plausible.drive import Drive, Limit, Train, cut_gearbox, is_one, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import Gains, derived_doubts, gain_words
 from actspec.spec.plausible.table import Doubt, at
@@ -119,10 +119,12 @@ def _layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
 def drives_of(model: SpecModel) -> Iterator[Drive]:
     """Every motor, with the limits of the joints that it drives.
 
-    By a reduction that is doubted itself nothing is compared, nor behind a gearbox whose output travels.
+    By a reduction that is doubted itself nothing is compared, nor behind a gearbox whose output travels, but for a
+    motor whose own figures are the rotor's.
     """
     limits: dict[str, list[Limit]] = {}
     trains: dict[str, dict[Path, Train]] = {}
+    cuts = {name: cut for name, motor in model.motors.items() if (cut := cut_gearbox(motor)) is not None}
     for path, fields, group in _layers(model):
         name = fields.motor or group.motor
         if name is None:
@@ -138,7 +140,13 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             if motor is None or not _turns(motor) or not all(is_one(stage) for stage in stages):
                 continue
             train = (*(path if fields.transmission is not None else path[:2]), "transmission")
-            trains.setdefault(name, {})[train] = Train(stages, count)
+            trains.setdefault(name, {})[train] = Train(stages, count, train)
+        elif name in cuts and reduction is None:
+            first, train = cuts[name][1], (*path[:2], "gearbox")
+            gearbox = model.motors[name].gearbox or ()
+            trains.setdefault(name, {})[train] = Train(
+                gearbox[first:], count, ("motors", name, "gearbox"), first
+            )
         elif reduction is not None and _is_geared_up(reduction):
             continue
         for field in ("effort_limit", "velocity_limit"):
@@ -148,6 +156,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
                 limit = Limit(value, (*path, field), factor or 1.0, count, train)
                 limits.setdefault(name, []).append(limit)
     for name, motor in model.motors.items():
+        motor = cuts[name][0] if name in cuts else motor
         yield Drive(name, motor, tuple(limits.get(name, ())), trains=trains.get(name, {}))
 
 

@@ -12,6 +12,7 @@ from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible import check_numbers
+from actspec.spec.plausible.clamps import clamp_words
 from actspec.spec.plausible.gains import Gains, gain_words
 from actspec.spec.plausible.groups import friction_words
 from actspec.spec.plausible.relations import DEGREE
@@ -23,10 +24,6 @@ VISCOUS_SHARE = 0.5
 """Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
 POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """A default position may be this far beyond the range [rad or m]."""
-WIDE = 12.0
-"""Width of a clamp of position commands over the joint's range. Chosen: degrees are 57, mm 1000."""
-SAME_END = 0.15
-"""An end of a range in another unit is the joint's own if they differ by no more than this part of its width."""
 OF_MOTOR = (0.3, 3.0)
 """Armature over the inertia of the motor at the joint."""
 ARMATURE_RATE = (5.0, 3e5)
@@ -287,36 +284,18 @@ def _outside(
 
 
 def _command_range(joint: JointActuator) -> Iterator[_Found]:
-    """A clamp of commands of position that is many times as wide as the joint's range, or that range in degrees.
-
-    A power of ten for both ends, as 100 rad, is a placeholder: some programs have to state one.
-    """
+    """A clamp of commands of position that is many times as wide as the joint's range, or that range in degrees."""
     clamp, own = joint.command_range, joint.position_range
     if clamp is None or own is None or joint.command is not Command.POSITION or not _stated(clamp[0]):
         return
     low, high = clamp[0].value, clamp[1].value
-    width = own[1] - own[0]
-    if low is None or high is None or not 0.0 < width < math.inf or not low < high:
-        return
-    if -low == high and math.log10(high).is_integer():
+    if low is None or high is None:
         return
     unit = clamp[0].unit
-    slips = [(DEGREE, "degrees", "deg"), (1.0 / DEGREE, "rad", "rad")]
-    if joint.kind is JointKind.SLIDE:
-        slips = [(1e-3, "mm", "mm"), (1e3, "m", "m")]
-    help = next(
-        (
-            f"is it in {words}? Then write [{low:.5g} {short}, {high:.5g} {short}]"
-            if factor < 1.0
-            else f"did you mean [{low * factor:.4g} {short}, {high * factor:.4g} {short}]?"
-            for factor, words, short in slips
-            if max(abs(low * factor - own[0]), abs(high * factor - own[1])) <= SAME_END * width
-        ),
-        None,
-    )
-    ratio = (high - low) / width
-    if ratio <= WIDE and (help is None or ratio >= 1.0):
+    words = clamp_words((low, high), own, joint.kind is JointKind.HINGE)
+    if words is None:
         return
+    ratio, help = words
     far, *pair = format_quantity(ratio, "", 3), *(format_quantity(end, unit, 4) for end in (low, high, *own))
     yield _found(
         joint,
@@ -325,7 +304,7 @@ def _command_range(joint: JointActuator) -> Iterator[_Found]:
         max(ratio, 1.0 / ratio),
         f"a command range of {pair[0]} to {pair[1]} is {far} times as wide as the joint's range, {pair[2]} to "
         f"{pair[3]}",
-        help or "write `command_range: joint` for the joint's own range",
+        help,
         clamp[0],
     )
 

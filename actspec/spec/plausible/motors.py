@@ -31,8 +31,10 @@ LARGEST_TORQUE = 1000.0
 """[N*m] at the output."""
 LARGEST_POWER = 20e3
 """Stall torque times no-load speed [W]."""
-BEYOND = 3.0
-"""An error from this many times the largest on."""
+HOPELESS_TORQUE = 1e6
+"""An error from it on [N*m]. Chosen: slewing and hub drives of large machines have 500 kN*m."""
+HOPELESS_POWER = 1e6
+"""Likewise [W]. Chosen: the largest motors of vehicles have 700 kW."""
 WINDING = 10.0
 """A stall torque beside a peak torque may be this many times the largest: voltage over resistance, never reached."""
 SLOWEST_ROTOR = 60.0
@@ -41,12 +43,25 @@ SLOWEST_GEARED = 12.0
 """[rad/s] at the output, from which on a rotor may be slower. Chosen: a gimbal's motor behind a belt of 3 has 15.9."""
 FASTEST_ROTOR = 8000.0
 """[rad/s]."""
+MICRO = 1e-3
+"""A rotor of less is a micro motor's [N*m]."""
+FASTEST_MICRO = 15708.0
+"""Of a micro motor [rad/s], 150000 rpm. Chosen: such of 2 to 6 mm are sold with 100000 and 120000 rpm."""
 FASTEST_BY_TORQUE = 1000.0
 """No-load speed times the root of the torque, at the output [rad/s (N*m)^0.5]."""
 SLOWEST_BY_OUTPUT = 40.0
 """Of a rotor by the speed of its output [rad/s], which is often what the drive allows. Chosen: 100 x 0.5 rad/s."""
 ROTOR_ACCELERATION = (1500.0, 5e6)
 """Torque over inertia at the rotor [rad/s^2]."""
+MICRO_ACCELERATION = 5e7
+"""The most of a micro motor. Chosen: torque over inertia grows as the size falls."""
+STRONG = 1.0
+"""A rotor of so much is no small one [N*m]."""
+STRONG_ACCELERATION = 1e6
+"""The most of such a one. Published: 125000 (7520)."""
+PROMPT = 0.1
+"""A direct drive that reaches its speed in this time is not too heavy, however slow [s]. Chosen: hub motors of wheels
+take 0.03."""
 PEAK_ACCELERATION = 2500.0
 """The least by a peak torque, behind a gear. Published: 29400; chosen: large strain wave gears have 5000."""
 SPIN_UP = (0.5, 1.0)
@@ -61,6 +76,9 @@ LEAST_CONTINUOUS = 0.02
 LEAST_OF_STALL = {"peak_torque": 0.015, "continuous_torque": 0.004}
 """Over the stall torque. Windings have a continuous torque of 0.02 of it (EC-i) and more, and a peak of 0.05
 (AK80-64); of mN*m read as N*m it is a thousandth."""
+BRAKES = 3.0
+"""Brake over drive torque, either way. Published: 1.16 (Unitree Go2HV) to 1.79 (W4010-25); both are of one winding,
+and friction and losses help to brake."""
 LEAST_EFFICIENCY = 0.1
 """Of a gearbox. Chosen: lead screws and worm gears have 0.2 to 0.4."""
 
@@ -131,6 +149,21 @@ def _torques(name: str, motor: Motor) -> Iterator[Relation]:
             else "look for a wrong unit: mN*m",
             (at_end,),
             beyond=(0.0, beyond),
+        )
+
+    curve = motor.curve
+    if curve is not None and curve.brake_torque.value and curve.drive_torque.value:
+        ratio = curve.brake_torque.value / curve.drive_torque.value
+        yield Relation(
+            "SPEC180",
+            ratio,
+            (1.0 / BRAKES, BRAKES),
+            (0.9, 2.0),
+            f"brake_torque {curve.brake_torque.written} is {format_quantity(max(ratio, 1 / ratio), '', 3)} times "
+            f"{'above' if ratio > 1.0 else 'below'} drive_torque {curve.drive_torque.written}",
+            (*path, "curve", "brake_torque"),
+            "both are of one motor: look for a wrong unit, or the figure of another one",
+            ((*path, "curve", "drive_torque"),),
         )
 
 
@@ -232,13 +265,10 @@ def _efficient(drive: Drive) -> Iterator[Relation]:
     motor = drive.motor
     path: Path = ("motors", drive.name)
     written: list[tuple[SpecValue | None, Path]] = [(motor.efficiency, (*path, "efficiency"))]
-    staged = {(*path, "gearbox"): motor.gearbox or ()}
-    staged |= {place: train.stages for place, train in drive.trains.items()}
-    written += [
-        (stage.efficiency, (*place, index, "efficiency"))
-        for place, stages in staged.items()
-        for index, stage in enumerate(stages)
-    ]
+    staged = {(*path, "gearbox", index): stage for index, stage in enumerate(motor.gearbox or ())}
+    for train in drive.trains.values():
+        staged |= {(*train.root, train.first + index): stage for index, stage in enumerate(train.stages)}
+    written += [(stage.efficiency, (*place, "efficiency")) for place, stage in staged.items()]
     for value, place in written:
         share = number(value)
         if share and value is not None:
@@ -275,7 +305,7 @@ def _speed(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
         yield Relation(
             "SPEC184",
             rotor,
-            (slowest if behind else 0.0, FASTEST_ROTOR),
+            (slowest if behind else 0.0, FASTEST_MICRO if is_micro(output) else FASTEST_ROTOR),
             (150.0 if behind else 5.0, 2500.0),
             f"{where}{format_quantity(gear, '', 4)}: a rotor turns with {slowest:g} rad/s or more"
             if slow
@@ -330,7 +360,7 @@ def _beyond(name: str, output: Output) -> Iterator[Relation]:
         output.torque_path,
         help,
         others,
-        beyond=(0.0, BEYOND * LARGEST_TORQUE),
+        beyond=(0.0, HOPELESS_TORQUE),
     )
     if speed:
         yield Relation(
@@ -344,7 +374,7 @@ def _beyond(name: str, output: Output) -> Iterator[Relation]:
             output.torque_path,
             help,
             others,
-            beyond=(0.0, BEYOND * LARGEST_POWER),
+            beyond=(0.0, HOPELESS_POWER),
             about="power",
         )
     if output.winding:
@@ -358,7 +388,7 @@ def _beyond(name: str, output: Output) -> Iterator[Relation]:
             output.winding_path,
             help,
             others,
-            beyond=(0.0, BEYOND * WINDING * LARGEST_TORQUE),
+            beyond=(0.0, WINDING * HOPELESS_TORQUE),
             about="winding",
         )
 
@@ -371,21 +401,25 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
         at_rotor = field == "rotor_inertia"
         if value is None or not inertia or not torque or (at_rotor and not gear):
             continue
-        own = torque / (gear or 1.0) / output.efficiency if at_rotor else torque
-        low, high = ROTOR_ACCELERATION if at_rotor else OUTPUT_ACCELERATION
-        if at_rotor and is_geared(output) and number(motor.peak_torque):
-            low = PEAK_ACCELERATION
-        rate = own / inertia
+        # What is at the output is judged at the rotor, too, where the gear is known.
+        turns = gear or 1.0
+        own = torque if not at_rotor else torque / turns / output.efficiency
+        rate = own / inertia if at_rotor or not gear else own * turns / output.efficiency / inertia
+        low, high = _accelerations(output, at_rotor or gear is not None, bool(number(motor.peak_torque)))
+        what, shown = "a rotor", rate
+        if not at_rotor:
+            what, shown = "an inertia at the output", own / inertia
+        geared = f" there, {format_quantity(rate, 'rad/s^2', 3)} at the rotor" if shown != rate else ""
         yield Relation(
             "SPEC185",
             rate,
             (low, high),
-            (2e4, 2e5) if at_rotor else (50.0, 2e4),
-            f"a rotor of {value.written} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} with only "
-            f"{format_quantity(rate, 'rad/s^2', 3)}"
+            (2e4, 2e5) if at_rotor or gear else (50.0, 2e4),
+            f"{what} of {value.written} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} with only "
+            f"{format_quantity(shown, 'rad/s^2', 3)}{geared}"
             if rate < low
-            else f"the motor's {format_quantity(own, 'N*m', 3)} would turn a rotor of {value.written} with "
-            f"{format_quantity(rate, 'rad/s^2', 3)}",
+            else f"the motor's {format_quantity(own, 'N*m', 3)} would turn {what} of {value.written} with "
+            f"{format_quantity(shown, 'rad/s^2', 3)}{geared}",
             ("motors", name, field),
             "look for a wrong unit: g*cm^2 or kg*cm^2 as kg*m^2"
             if rate < low
@@ -396,17 +430,38 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
         if not output.speed:
             continue
         alone = output.torque_path[-1] == "continuous_torque"
-        fast = output.speed * (gear or 1.0) if at_rotor else output.speed
+        fast = output.speed * turns
         yield Relation(
             "SPEC185",
             fast / rate,
             (0.0, SPIN_UP[alone]),
             (2e-4, 0.1),
-            f"a rotor of {value.written} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} to its "
-            f"{format_quantity(fast, 'rad/s', 4)} in {format_quantity(fast / rate, 's', 3)}",
+            f"{what} of {value.written} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} to its "
+            f"{format_quantity(fast if at_rotor else output.speed, 'rad/s', 4)} in "
+            f"{format_quantity(fast / rate, 's', 3)}",
             ("motors", name, field),
             "look for a wrong unit: g*cm^2 or kg*cm^2 as kg*m^2",
             (output.torque_path, output.speed_path, ("motors", name, "gear_ratio")),
             beyond=(0.0, HOPELESS * SPIN_UP[alone]),
             about="spin up",
         )
+
+
+def _accelerations(output: Output, at_rotor: bool, peak: bool) -> tuple[float, float]:
+    """Bounds of torque over inertia, at the rotor where its gear is known, else at the output."""
+    if not at_rotor:
+        return OUTPUT_ACCELERATION
+    low, high = ROTOR_ACCELERATION
+    if is_geared(output):
+        low = PEAK_ACCELERATION if peak else low
+    elif output.speed:
+        low = min(low, output.speed * (output.gear or 1.0) / PROMPT)
+    if is_micro(output):
+        return low, MICRO_ACCELERATION
+    own = (output.torque or 0.0) / (output.gear or 1.0)
+    return low, STRONG_ACCELERATION if peak and own >= STRONG else high
+
+
+def is_micro(output: Output) -> bool:
+    """Whether a motor is known to be a tiny one, by its torque at the rotor."""
+    return output.gear is not None and 0.0 < (output.torque or 0.0) < MICRO * output.gear * output.efficiency

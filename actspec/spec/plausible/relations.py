@@ -26,6 +26,13 @@ NEAR = 1.0
 ALIKE = 0.1
 """Two readings of one number are both told if they differ by no more than this [powers of ten]."""
 
+FAR_ABOVE_FILE = 30.0
+"""A limit, or what a motor gives, over the limit of the robot's file: it is doubted whatever the file meant."""
+ABOUT = 0.2
+"""What is that far above may agree less well when it is corrected, by a factor of 2 [powers of ten]."""
+
+KEEP = "`sure: true` beside it keeps a number that is right"
+
 
 @dataclass(frozen=True, slots=True)
 class Relation:
@@ -97,13 +104,19 @@ class Repair:
 
 def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Repair]:
     """The best correction, with another of the same number that is as good; none where nothing explains all."""
-    refuted = {_about(relation) for relation in before if relation.witnessed and relation.broken}
+    refuted = {
+        _about(relation): relation.value for relation in before if relation.witnessed and relation.broken
+    }
     was = {_about(relation): 0.0 if relation.broken else relation.excess for relation in before}
     found: list[tuple[float, Repair]] = []
     for repair in repairs:
         if any(relation.broken for relation in repair.after):
             continue
-        if refuted and all(relation.excess for relation in repair.after if _about(relation) in refuted):
+        if refuted and all(
+            relation.excess > (ABOUT if refuted[_about(relation)] > FAR_ABOVE_FILE else 0.0)
+            for relation in repair.after
+            if _about(relation) in refuted
+        ):
             # The robot's file does not say this, either.
             continue
         further = sum(max(0.0, relation.excess - was.get(_about(relation), 0.0)) for relation in repair.after)
@@ -135,4 +148,8 @@ def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: Sourc
     readings = dict.fromkeys(repair.help for repair in best if repair.help is not None)
     judged = [path for relation in broken for path in (relation.path, *relation.others)]
     error = any(relation.error for relation in broken)
-    return at(spans, told.code, told.message, where, "; or ".join(readings) or None, *judged, error=error)
+    help = "; or ".join(readings) or None
+    if told.code == "SPEC183":
+        # There are larger machines than robots.
+        help = f"{help or 'look for a wrong unit'}{'' if (help or '').endswith('?') else ';'} {KEEP}"
+    return at(spans, told.code, told.message, where, help, *judged, error=error)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
 from actspec.spec.gears import Stage
 from actspec.spec.models import Motor
-from actspec.spec.plausible.drive import GEARED, Drive, gear_of, number, stage_path
+from actspec.spec.plausible.drive import GEARED, Drive, efficiency_of, gear_of, number, stage_path
 from actspec.spec.plausible.motors import GEAR_INVERSE, relations
 from actspec.spec.plausible.relations import DEGREE, RARE, RPM, Relation, Repair, explained, explanation
 from actspec.spec.plausible.table import Doubt
@@ -23,6 +24,10 @@ SERVO = 10.0
 """Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
 SWAPPED = 0.2
 """What an exchange of two torques costs beside a wrong unit, as `RARE`."""
+SIDED = 0.15
+"""What it costs that all torques are those of the other side, and the speed is not, as `RARE`."""
+ONE_SIDED = 0.25
+"""What it costs that one of several torques is."""
 PROVED = 1.25
 """A torque is what its current gives if they agree by this factor; then it was not exchanged for another."""
 PROVED_COST = 1.0
@@ -103,19 +108,25 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         return changed(result, paths, help, rare)
 
     torques = [path for path in TORQUES if number(_at(motor, path))]
+    # Through a gearbox of which no efficiency is stated a torque is only about so large.
+    passed, about = efficiency_of(motor), "" if _is_efficient(motor) else "about "
     there, here = ("gearbox output", "rotor") if motor.side == "motor" else ("rotor", "gearbox output")
     # What a torque that is quoted at the other side is at this one; speeds go the other way.
     across = None
-    if gear is not None and gear >= GEARED and motor.side is not None:
+    travels = any(train.root[0] == "motors" for train in drive.trains.values())
+    if gear is not None and gear >= GEARED and motor.side is not None and not travels:
         across = 1.0 / gear if motor.side == "motor" else gear
         other = "joint" if motor.side == "motor" else "motor"
         help = f"are the figures those of the {there}? Then write `side: {other}`"
         yield changed(motor.model_copy(update={"side": other}), [("side",)], help)
 
-    def sided(path: Path, factor: float) -> Repair:
+    def sided(path: Path, factor: float, lossy: bool, rare: float = 0.0) -> Repair:
+        factor *= (passed if factor > 1.0 else 1.0 / passed) if lossy else 1.0
         meant = _shown(_times(_at(motor, path), factor))
-        return moved([path], factor, f"is it quoted at the {there}? At the {here} it is {meant}")
+        help = f"is it quoted at the {there}? At the {here} it is {about if lossy else ''}{meant}"
+        return moved([path], factor, help, rare)
 
+    yield from _forgotten(drive, moved)
     if number(motor.gear_ratio) and motor.gear_ratio is not None:
         ratio = motor.gear_ratio.value or 1.0
         if ratio < 1.0:
@@ -129,8 +140,9 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if speed is not None and number(speed):
             yield from (moved([path], *slip) for slip in _slips(speed, speed=True))
             if across is not None:
-                yield sided(path, 1.0 / across)
+                yield sided(path, 1.0 / across, lossy=False)
     yield from _stages(drive)
+    yield from _counts(drive)
     if number(motor.nominal_current) and number(motor.peak_current):
         update = {"nominal_current": motor.peak_current, "peak_current": motor.nominal_current}
         help = "are nominal_current and peak_current swapped? The thermal limit is the lower one"
@@ -140,7 +152,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if value is not None and number(value):
             yield from (moved([(field,)], *slip) for slip in _slips(value))
             if field == "torque_constant" and across is not None:
-                yield sided((field,), across)
+                yield sided((field,), across, lossy=True)
     plain = [path for path in torques if len(path) == 1]
     for one, two in itertools.combinations(plain, 2):
         result = _with(_with(motor, one, _at(motor, two)), two, _at(motor, one))
@@ -149,13 +161,16 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?", cost)
     for path in torques:
         yield from (moved([path], *slip) for slip in _slips(_given(motor, path)))
+        if across is not None and len(plain) > 1 and path in plain:
+            yield sided(path, across, lossy=True, rare=ONE_SIDED)
     if torques:
         first = _given(motor, torques[0])
         names = listed([str(path[-1]) for path in torques], 5)
         if across is not None:
-            meant = _shown(_times(first, across))
+            factor = across * (passed if across > 1.0 else 1.0 / passed)
+            meant = about + _shown(_times(first, factor))
             help = f"is it quoted at the {there} ({names})? At the {here} {_shown(first)} is {meant}"
-            yield moved(torques, across, help)
+            yield moved(torques, factor, help, SIDED)
         yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
         if len(torques) > 1 and all("kgf" not in _given(motor, path).written for path in torques):
             # A torque constant is in N*m/A on every sheet.
@@ -171,6 +186,31 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             yield changed(
                 motor.model_copy(update={field: None, "reflected_inertia": inertia}), [(field,)], help, 0.15
             )
+        elif field == "reflected_inertia" and gear is not None and gear >= GEARED and not travels:
+            help = "is it the rotor's own, before the gear? Then write `rotor_inertia`"
+            yield changed(motor.model_copy(update={field: None, "rotor_inertia": inertia}), [(field,)], help)
+
+
+def _is_efficient(motor: Motor) -> bool:
+    """Whether an efficiency of the gearbox is stated."""
+    stages = [stage.efficiency for stage in motor.gearbox or ()]
+    return any(number(value) is not None for value in (motor.efficiency, *stages))
+
+
+def _forgotten(drive: Drive, moved: Callable[[Sequence[Path], float, str], Repair]) -> Iterator[Repair]:
+    """A gear where the motor has none, if effort and speed of the robot's file both ask for one."""
+    if number(drive.motor.gear_ratio) != 1.0:
+        return
+    asked = [
+        (relation.code, relation.value)
+        for relation in relations(drive)
+        if relation.witnessed and relation.broken and relation.path[0] == "motors"
+    ]
+    weak = [1.0 / value for code, value in asked if code == "SPEC187" and value < 1.0]
+    if weak and any(code == "SPEC184" and value > 1.0 for code, value in asked):
+        gear = min(weak)
+        help = "is a gear forgotten? gear_ratio is rotor turns in one output turn"
+        yield moved([("gear_ratio",)], gear, help)
 
 
 def _is_proved(motor: Motor, field: str) -> bool:
@@ -191,13 +231,42 @@ def _stages(drive: Drive) -> Iterator[Repair]:
             motor = drive.motor.model_copy(update={"gearbox": stages})
             place = stage_path(stage, ("motors", drive.name, "gearbox", index))
             yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
-    for path, train in drive.trains.items():
+    for train in {train.root: train for train in drive.trains.values()}.values():
         for index, stage in enumerate(train.stages):
             for other, help, rare in _stage_slips(stage):
                 stages = (*train.stages[:index], other, *train.stages[index + 1 :])
-                trains = {**drive.trains, path: replace(train, stages=stages)}
-                place = stage_path(stage, (*path, index))
-                yield Repair(tuple(relations(replace(drive, trains=trains))), (place,), help, rare)
+                trains = {
+                    key: replace(same, stages=stages) if same.root == train.root else same
+                    for key, same in drive.trains.items()
+                }
+                after = tuple(relations(replace(drive, trains=trains)))
+                yield Repair(after, (train.place(index),), help, rare)
+
+
+def _counts(drive: Drive) -> Iterator[Repair]:
+    """One motor in place of many."""
+    gear = gear_of(drive.motor)
+    for witness in {item.counted: item for item in drive.witnesses if item.counted is not None}.values():
+        place = witness.counted
+        assert place is not None
+
+        def one(path: Path, place: Path = place) -> bool:
+            return path[:2] == place[:2]
+
+        changed = replace(
+            drive,
+            witnesses=tuple(
+                replace(item, motors=1) if item.counted == place else item for item in drive.witnesses
+            ),
+            limits=tuple(replace(item, motors=1) if one(item.path) else item for item in drive.limits),
+            trains={
+                key: replace(train, motors=1) if one(key) else train for key, train in drive.trains.items()
+            },
+        )
+        same = gear is not None and math.isclose(gear, witness.motors, rel_tol=0.05)
+        help = "is it the gear ratio" if same else "did you mean 1"
+        help += "? motors_per_joint is how many motors drive one joint together"
+        yield Repair(tuple(relations(changed)), (place,), help)
 
 
 def _stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
@@ -231,7 +300,10 @@ def _lengths(value: SpecValue) -> Iterator[tuple[float, str, float]]:
                 0.0,
             )
         )
-    yield from _tens(value)
+    for factor, help, rare in _tens(value):
+        # In the unit that it is written in: m/rad is nobody's.
+        own = f"did you mean {float(amount) * factor:.4g} {unit}?" if unit else help
+        yield factor, own, rare
 
 
 def _inertias(value: SpecValue) -> Iterator[tuple[float, str, float]]:

@@ -44,11 +44,13 @@ CHECKS = (
     Check(
         "SPEC180",
         "torque-above-stall",
-        "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it.",
+        "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it; a brake "
+        "torque far from the drive torque.",
         "A peak above the line is a warning from 2 % on and an error from 3 times on; a continuous torque above it is "
         "an error. The largest peak in robots/motors is 1 times the stall torque. A warning for a continuous torque "
         "below 0.004 and a peak below 0.015 of it: windings have 0.02 (EC-i) and 0.05 (AK80-64) and more, and mN*m as "
-        "N*m are a thousandth.",
+        "N*m are a thousandth. Of a curve a warning for a brake torque above 3 times the drive torque or below a third "
+        "(1.16, Unitree Go2HV, to 1.79, W4010-25).",
     ),
     Check(
         "SPEC181",
@@ -73,7 +75,8 @@ CHECKS = (
         "beyond-any-motor",
         "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot, or of the robot's size; "
         "force behind a transmission.",
-        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed), an error from three times that. "
+        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed): joints of large industrial arms have "
+        "8 kN*m, slews of excavators 400. An error above 1e6 N*m or 1 MW (chosen). "
         "Largest published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). "
         "A stall torque beside a peak torque is a winding's, and may be ten times that. Chosen: 300 kN and 3000 "
         "N*m behind a transmission. Of robots with six hinges or more also the effort limit of a joint with a "
@@ -86,20 +89,23 @@ CHECKS = (
         "limit far above it; either of them far from the speed that the robot's file states; a transmission that is "
         "faster than any joint.",
         "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed "
-        "of the output), an output above 100 rad/s; a rotor above 8000 rad/s; behind a screw, a pinion or a lever "
+        "of the output), an output above 100 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 "
+        "mN*m (micro motors are sold with 120000); behind a screw, a pinion or a lever "
         "a slide above 30 m/s and a hinge above 100 rad/s (chosen: belts reach 10 m/s); an output above 1000 rad/s"
         " divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint."
         " Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
         "to 439 (ankle of the H2), velocity limits to 1 times the speed. From 5 times above or below the file's "
-        "limit on, where a slip in one figure makes them agree to a quarter, and a limit above 30 times it in any "
-        "case; 0 and powers of ten are placeholders.",
+        "limit on, where a slip in one figure makes them agree to a quarter (by a factor of 2 from 30 times above "
+        "on), and a limit above 30 times it in any case; 0 and powers of ten are placeholders.",
     ),
     Check(
         "SPEC185",
         "rotor-inertia",
         "A rotor that its own torque would turn too slowly or too fast: inertia in another unit or on the other side.",
         "Torque over inertia at the rotor from 1500 to 5e6 rad/s^2 (from 2500 by a peak torque behind a gear of "
-        "3), at the output from 1 to 1e6; the peak torque counts where it is stated. Also a rotor that takes more "
+        "3; to 1e6 by one of 1 N*m or more, to 5e7 below 1 mN*m), at an output without a stated gear from 1 to 1e6; "
+        "the peak torque counts where it is stated. A direct drive that reaches its speed in 0.1 s is not too heavy "
+        "(hub motors of wheels: 0.03 s). Also a rotor that takes more "
         "than 0.5 s to its own speed without load (0.005 to 0.052 s; 1 s by a continuous torque that stands "
         "alone). A warning outside, an error outside of a hundred times that. Published: 29400 (Unitree 4010) to "
         "125000 (7520) at the rotor, 114 (STS3215) to 8640 at the output.",

@@ -10,16 +10,13 @@ from actspec.diagnostics import Span
 from actspec.ir import JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import SourceMap
 from actspec.spec.models import SpecModel
-from actspec.spec.plausible.drive import Drive, Witness, number, output_of
+from actspec.spec.plausible.drive import Drive, Witness, number, output_of, scaled
 from actspec.spec.plausible.driven import AGREES
 from actspec.spec.plausible.groups import drives_of
-from actspec.spec.plausible.relations import DEGREE
+from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE
 from actspec.spec.plausible.repairs import witness_doubts
 from actspec.spec.plausible.table import Doubt
 from actspec.units import format_quantity
-
-FAR_ABOVE_FILE = 30.0
-"""A limit over that of the robot's file."""
 
 
 def file_doubts(
@@ -111,13 +108,33 @@ def _witnesses(joint: JointActuator, drive: Drive, model: SpecModel, spans: Sour
         # An exporter's own.
         return
     paths = {spans.value(limit.path): limit.path for limit in drive.limits}
+    here = [key for key in drive.trains if key[:2] == ("actuators", joint.group)]
+    count, counted = group.motors_per_joint or 1, ("actuators", joint.group, "motors_per_joint")
+    if len(here) > 1 or any(other.motors_per_joint or other.motor for other in group.overrides.values()):
+        # Of which layer the joint is, is not told here.
+        here, count = [], 1
     for value, is_speed, at_joint, at_output, stated in (
         (efforts, False, most, output.torque, joint.effort_limit),
         (speeds, True, fast, output.speed, joint.velocity_limit),
     ):
         if value is not None:
-            factor = at_joint / at_output if at_joint and at_output else None
-            yield Witness(joint.joint, value, stated.unit, is_speed, factor, _path(paths, stated))
+            witness = Witness(
+                joint.joint,
+                value,
+                stated.unit,
+                is_speed,
+                at_joint / at_output if at_joint and at_output else None,
+                _path(paths, stated),
+                here[0] if here else None,
+                count,
+                counted if count > 1 else None,
+            )
+            times = scaled(witness, drive.trains)
+            if witness.factor and 0.0 < times < math.inf:
+                witness = replace(witness, factor=witness.factor / times)
+            else:
+                witness = replace(witness, factor=None)
+            yield witness
 
 
 def _path(paths: dict[Span, tuple[str | int, ...]], stated: Quantity) -> tuple[str | int, ...] | None:

@@ -78,12 +78,24 @@ def check_motor(name: str, motor: Motor, breaches: Breaches) -> None:
     if motor.curve is not None:
         knee, free = motor.curve.knee_speed, motor.curve.no_load_speed
         if knee.value is not None and free.value is not None and knee.value >= free.value:
+            there, help = _is_it_rpm(knee, free)
             breaches.error(
                 "SPEC134",
-                f"knee_speed {knee.written} is not below no_load_speed {free.written}",
+                f"knee_speed {knee.written} is not below no_load_speed {free.written}{there}",
                 (*path, "curve", "knee_speed"),
-                "the full torque ends at the knee, all torque at no_load_speed",
+                help or "the full torque ends at the knee, all torque at no_load_speed",
             )
+
+
+def _is_it_rpm(knee: SpecValue, free: SpecValue) -> tuple[str, str | None]:
+    """A speed in rpm beside a knee that is in rad/s: what it is there, and whether the knee is in rpm, too."""
+    if knee.value is None or knee.linear or "rpm" in knee.written or "rpm" not in free.written:
+        return "", None
+    size = knee.value * math.pi / 30.0
+    there = f", {format_quantity(free.value, 'rad/s', 3)}"
+    if size >= (free.value or 0.0):
+        return there, None
+    return there, f"is it in rpm? {knee.value:g} rpm is {format_quantity(size, 'rad/s', 3)}"
 
 
 def _efficiencies(path: Path, motor: Motor) -> Iterator[tuple[Path, SpecValue | None]]:

@@ -58,11 +58,44 @@ def codes(text: str, model: str | None = None) -> list[str]:
         ("gear_ratio: 1", []),
         ("gear_ratio: 0.99", ["SPEC182"]),
         ("gear_ratio: 0.04", ["SPEC182!"]),
-        # 10 x 100; 10.1 x 100 x 0.9 with an efficiency; 3030 N*m.
+        # 10 x 100; 10.1 x 100 x 0.9 with an efficiency; 53 x 171 x 0.85 = 7704 N*m of a large arm; 408 kN*m of an
+        # excavator; 1.01e6 N*m.
         ("side: motor, gear_ratio: 100, peak_torque: 10", []),
         ("side: motor, gear_ratio: 100, peak_torque: 10.1", ["SPEC183"]),
         ("side: motor, gear_ratio: 100, efficiency: 0.9, peak_torque: 10.1", []),
-        ("side: motor, gearbox: [{ratio: 10}, {ratio: 30}], peak_torque: 10.1", ["SPEC183!"]),
+        ("side: motor, gear_ratio: 171, efficiency: 0.85, peak_torque: 53", ["SPEC183"]),
+        ("side: motor, gearbox: [{ratio: 40}, {ratio: 25}], peak_torque: 408", ["SPEC183"]),
+        ("side: motor, gearbox: [{ratio: 100}, {ratio: 100}], peak_torque: 101", ["SPEC183!"]),
+        # A direct drive of 38 rad/s: 15 / 0.012 = 1250 rad/s^2, 0.03 s. At 0.04 kg*m^2 375 rad/s^2, 0.101 s.
+        ("side: joint, gear_ratio: 1, peak_torque: 15, no_load_speed: 38 rad/s, rotor_inertia: 0.012", []),
+        (
+            "side: joint, gear_ratio: 1, peak_torque: 15, no_load_speed: 38 rad/s, rotor_inertia: 0.04",
+            ["SPEC185"],
+        ),
+        # 120 N*m at the output, 13.3 N*m at the rotor: 120 x 9 / 1.08e-3 is 1e6 rad/s^2. Of less than 1 N*m 5e6.
+        ("side: joint, gear_ratio: 9, peak_torque: 120, reflected_inertia: 1.09e-3", []),
+        ("side: joint, gear_ratio: 9, peak_torque: 120, reflected_inertia: 1.07e-3", ["SPEC185"]),
+        ("side: joint, gear_ratio: 10, peak_torque: 9.9, reflected_inertia: 2e-5", []),
+        # 2500 rad/s^2 at the rotor behind a gear are 250 at the output of a gear of 10.
+        ("side: joint, gear_ratio: 10, peak_torque: 10, reflected_inertia: 0.039", []),
+        ("side: joint, gear_ratio: 10, peak_torque: 10, reflected_inertia: 0.041", ["SPEC185"]),
+        # 150000 rpm are 15708 rad/s, of a micro motor below 1 mN*m.
+        ("side: motor, gear_ratio: 1, peak_torque: 0.9e-3, no_load_speed: 149000 rpm", []),
+        ("side: motor, gear_ratio: 1, peak_torque: 0.9e-3, no_load_speed: 151000 rpm", ["SPEC184"]),
+        ("side: motor, gear_ratio: 1, peak_torque: 1.1e-3, no_load_speed: 100000 rpm", ["SPEC184"]),
+        # Three times, either way.
+        (
+            "side: joint, curve: {drive_torque: 20, brake_torque: 60, knee_speed: 1 rad/s, no_load_speed: 9 rad/s}",
+            [],
+        ),
+        (
+            "side: joint, curve: {drive_torque: 20, brake_torque: 61, knee_speed: 1 rad/s, no_load_speed: 9 rad/s}",
+            ["SPEC180"],
+        ),
+        (
+            "side: joint, curve: {drive_torque: 20, brake_torque: 6.6, knee_speed: 1 rad/s, no_load_speed: 9 rad/s}",
+            ["SPEC180"],
+        ),
         # 900 x 23 = 20.7 kW (and 23 x sqrt(900) = 690); 900 x 22 = 19.8 kW.
         ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s", ["SPEC183"]),
         ("side: joint, stall_torque: 900, no_load_speed: 22 rad/s", []),

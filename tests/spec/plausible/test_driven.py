@@ -220,6 +220,8 @@ def test_a_pose_of_the_wrong_sign(tmp_path: Path, pose: str, help: str) -> None:
         # -1.2 and 0.9 rad are -68.75 and 51.57 deg.
         ("[-69 rad, 52 rad]", "is it in degrees? Then write [-69 deg, 52 deg]"),
         ("[-1.2 deg, 0.9 deg]", "did you mean [-1.2 rad, 0.9 rad]?"),
+        # 57.3 times a part of it.
+        ("[-25 rad, 25 rad]", "is it in degrees? Then write [-25 deg, 25 deg]"),
         ("[-181 rad, 181 rad]", "write `command_range: joint` for the joint's own range"),
     ],
 )
@@ -237,7 +239,11 @@ def test_a_command_range_in_the_wrong_unit(tmp_path: Path, ends: str, help: str)
             "are nominal_current and peak_cu",
         ),
         # 1.5 N*m/A x 30 A = 45 N*m: the peak is right.
-        ({"stall_torque": "35"}, "stall_torque", "did you mean 350 N*m?"),
+        (
+            {"stall_torque": "35"},
+            "stall_torque",
+            "is it quoted at the rotor? At the gearbox output it is about 315",
+        ),
         # Nothing proves the peak.
         (
             {"stall_torque": "35", "peak_current": "unknown"},

@@ -125,7 +125,7 @@ def test_the_sheet_is_sound() -> None:
             {"torque_constant": "2"},
             "SPEC181",
             "torque_constant",
-            "is it quoted at the gearbox output? At the rotor it is 0.04 N*m/A",
+            "is it quoted at the gearbox output? At the rotor it is about 0.04 N*m/A",
         ),
         # 0.6 x 50 and 0.2 x 50 N*m, of the output.
         (
@@ -133,7 +133,21 @@ def test_the_sheet_is_sound() -> None:
             "SPEC183",
             "stall_torque",
             "is it quoted at the gearbox output (stall_torque, peak_torque, continuous_torque)? At the rotor 30 N*m is "
-            "0.6 N*m",
+            "about 0.6 N*m",
+        ),
+        # 0.85 x 50 x 0.6 = 25.5 N*m: with the efficiency the number is known.
+        (
+            {"efficiency": "0.85", "peak_torque": "25.5"},
+            "SPEC180",
+            "peak_torque",
+            "is it quoted at the gearbox output? At the rotor it is 0.6 N*m",
+        ),
+        # 0.04 x 0.85 x 50.
+        (
+            {"efficiency": "0.85", "torque_constant": "1.7"},
+            "SPEC181",
+            "torque_constant",
+            "is it quoted at the gearbox output? At the rotor it is 0.04 N*m/A",
         ),
         (
             {"peak_torque": "0.2", "continuous_torque": "0.6"},
@@ -172,7 +186,10 @@ def test_the_sheet_is_sound() -> None:
 )
 def test_the_wrong_number_is_blamed(wrong: dict[str, str], code: str, place: str, help: str) -> None:
     (found,) = said(**wrong)
-    assert (found.code, found.where, found.help) == (code, f"motors.m.{place}", help)
+    keep = "`sure: true` beside it keeps a number that is right"
+    said_help = (found.help or "").removesuffix(keep).rstrip("; ")
+    assert (found.code == "SPEC183") == (found.help or "").endswith(keep)
+    assert (found.code, found.where, said_help) == (code, f"motors.m.{place}", help)
 
 
 @pytest.mark.parametrize(
@@ -281,6 +298,16 @@ def test_a_correction_that_leaves_a_doubt_is_none() -> None:
     (found,) = said(sheet="side: joint, peak_torque: 10, torque_constant: 0.1, peak_current: 33 A")
     assert found.where == "motors.m.torque_constant"
     assert found.help == "torque = torque constant x current, voltage = torque constant x speed"
+
+
+def test_the_rotors_own_as_reflected() -> None:
+    """1.2e-4 x 6^2 = 0.00432 kg*m^2: 24 N*m x 6 / 1.2e-4 = 1.2e6 rad/s^2 at a rotor of 4 N*m, which has 33333."""
+    sheet = "side: joint, peak_torque: 24, no_load_speed: 30 rad/s, gear_ratio: 6, reflected_inertia: {}"
+    assert said(sheet=sheet.format("0.00432")) == []
+    (found,) = said(sheet=sheet.format("1.2e-4"))
+    assert (found.code, found.where) == ("SPEC185", "motors.m.reflected_inertia")
+    assert found.help == "is it the rotor's own, before the gear? Then write `rotor_inertia`"
+    assert "with 200000 rad/s^2 there, 1200000 rad/s^2 at the rotor" in found.message
 
 
 def test_one_power_of_ten_is_offered() -> None:

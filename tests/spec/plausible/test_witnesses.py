@@ -51,7 +51,7 @@ def said(
     ("sheet", "effort", "speed", "wrong", "code", "place", "help"),
     [
         # 120 rad/s and 0.6 N*m at the joint: ten times the speed and a tenth of the torque.
-        (GEARED, 6, 12, {"gear_ratio": "1"}, "SPEC187", "gear_ratio", "did you mean 10?"),
+        (GEARED, 6, 12, {"gear_ratio": "1"}, "SPEC187", "gear_ratio", "is a gear forgotten? gear_ratio is"),
         (GEARED, 6, 12, {"peak_torque": "6"}, "SPEC187", "peak_torque", "is it quoted at the gearbox output"),
         # Of 6 N*m.
         (

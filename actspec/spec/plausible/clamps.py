@@ -1,0 +1,53 @@
+"""A range of commands of position against the joint's own: how much wider it is, and the unit that it may be in."""
+
+from __future__ import annotations
+
+import math
+
+from actspec.spec.plausible.relations import DEGREE
+
+WIDE = 12.0
+"""Width of a clamp of position commands over the joint's range. Chosen: degrees are 57, mm 1000."""
+SAME_END = 0.15
+"""An end of a range in another unit is the joint's own if they differ by no more than this part of its width."""
+PART = 0.2
+"""What is inside of the joint's range in another unit is meant so if it is this part of it."""
+
+
+def clamp_words(
+    clamp: tuple[float, float], own: tuple[float, float], hinge: bool
+) -> tuple[float, str] | None:
+    """How many times as wide as the joint's range a clamp is, and a help; None where it may be meant.
+
+    A power of ten for both ends, as 100 rad, is a placeholder: some programs have to state one.
+
+    Args:
+        clamp: Range of the commands [rad or m].
+        own: Range of the joint [rad or m].
+        hinge: The joint turns.
+    """
+    (low, high), width = clamp, own[1] - own[0]
+    if not 0.0 < width < math.inf or not low < high or (-low == high and math.log10(high).is_integer()):
+        return None
+    ratio = (high - low) / width
+    small, words, short, si = (DEGREE, "degrees", "deg", "rad") if hinge else (1e-3, "mm", "mm", "m")
+    if _is_like(low * small, high * small, own) or (
+        ratio > WIDE and _is_part(low * small, high * small, own)
+    ):
+        return ratio, f"is it in {words}? Then write [{low:.5g} {short}, {high:.5g} {short}]"
+    low, high = low / small, high / small
+    if ratio < 1.0 and _is_like(low, high, own):
+        return ratio, f"did you mean [{low:.4g} {si}, {high:.4g} {si}]?"
+    return (ratio, "write `command_range: joint` for the joint's own range") if ratio > WIDE else None
+
+
+def _is_like(low: float, high: float, own: tuple[float, float]) -> bool:
+    """Whether a range is the joint's own, about."""
+    return max(abs(low - own[0]), abs(high - own[1])) <= SAME_END * (own[1] - own[0])
+
+
+def _is_part(low: float, high: float, own: tuple[float, float]) -> bool:
+    """Whether a range lies inside of the joint's own, and is not a tiny part of it."""
+    slack = SAME_END * (own[1] - own[0])
+    inside = own[0] - slack <= low and high <= own[1] + slack
+    return inside and high - low >= PART * (own[1] - own[0])

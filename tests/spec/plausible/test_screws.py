@@ -1,0 +1,121 @@
+"""Motors whose gearbox ends in a screw, and how many drive one joint: judged by the robot's file as others are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.diagnostics import ActspecError, Diagnostic
+from actspec.resolution import resolve
+from actspec.robot.load import joints_of_text
+from actspec.spec.document import document_from_text
+from actspec.spec.plausible import BY_CODE
+from actspec.spec.validate import validate
+
+URDF = """<robot name="lift"><link name="a"/><link name="b"/><link name="c"/>
+  <joint name="lift" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.6" effort="{effort}" velocity="0.05"/></joint>
+  <joint name="hip" type="revolute"><parent link="b"/><child link="c"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="{torque}" velocity="12"/></joint>
+</robot>
+"""
+SPEC = """actspec: 1
+robot: {{name: lift, model: lift.urdf}}
+motors:
+  screw:
+    side: motor
+    peak_torque: 0.6 N*m
+    no_load_speed: 120 rad/s
+    rotor_inertia: {inertia}
+    gearbox: [{{teeth: {{driving: 20, driven: 40}}}}, {{lead: {lead}}}]
+  geared: {{side: motor, peak_torque: 0.6 N*m, no_load_speed: 120 rad/s, gear_ratio: 10}}
+actuators:
+  lift: {{joints: [lift], motor: screw, level: ideal_pd, effort_limit: peak, kp: 4e4 N/m, kd: 4e3 N*s/m{more}}}
+  hip: {{joints: [hip], motor: geared, motors_per_joint: {motors}, level: ideal_pd, effort_limit: peak, kp: 40, kd: 1}}
+"""
+"""1.2 N*m and 60 rad/s at the screw: by 5 mm/rev 1508 N and 0.0477 m/s. 6 N*m and 12 rad/s at the hip."""
+
+
+def said(
+    folder: Path,
+    *,
+    lead: str = "5 mm/rev",
+    inertia: str = "100 g*cm^2",
+    motors: int = 1,
+    more: str = "",
+    effort: float = 1600,
+    torque: float = 6.5,
+) -> list[Diagnostic]:
+    """What is said of the two motors beside a file with these efforts."""
+    path = folder / "lift.urdf"
+    path.write_text(URDF.format(effort=effort, torque=torque), encoding="utf-8")
+    text = SPEC.format(lead=lead, inertia=inertia, motors=motors, more=more)
+    try:
+        spec = validate(document_from_text(text, str(folder / "s.yaml")))
+        found = [*resolve(spec, joints_of_text(str(path))).diagnostics]
+    except ActspecError as err:
+        found = [*err.diagnostics]
+    return [item for item in found if item.code in BY_CODE]
+
+
+LEAD = "motors.screw.gearbox[1].lead"
+
+
+@pytest.mark.parametrize(
+    ("lead", "code", "help"),
+    [
+        # 1.2 N*m x 2 pi / 0.05e-3 m = 151 kN, 94 times 1600 N; 0.000477 m/s.
+        ("0.05 mm/rev", "SPEC187", "did you mean 5 mm/rev?"),
+        # 1508 kN is no slide's.
+        (
+            "0.005 mm/rev",
+            "SPEC183",
+            "did you mean 0.005 m/rev? `sure: true` beside it keeps a number that is right",
+        ),
+        # 60 rad/s x 5 m / 2 pi = 47.7 m/s.
+        ("5 m/rev", "SPEC184", "did you mean 5 mm/rev?"),
+        # 4.77 m/s and 15.1 N.
+        ("500 mm/rev", "SPEC187", "did you mean 5 mm/rev?"),
+    ],
+)
+def test_a_lead_in_another_unit(tmp_path: Path, lead: str, code: str, help: str) -> None:
+    assert said(tmp_path) == []
+    (found,) = said(tmp_path, lead=lead)
+    assert (found.code, found.where, found.help) == (code, LEAD, help)
+
+
+def test_the_lead_is_told_beside_a_limit_of_speed(tmp_path: Path) -> None:
+    """0.5 mm/rev is 0.00477 m/s, of a limit of 0.05 m/s: ten times."""
+    more = ", velocity_limit: 0.05 m/s"
+    assert said(tmp_path, more=more) == []
+    (found,) = said(tmp_path, more=more, lead="0.5 mm/rev")
+    assert (found.where, found.help) == (LEAD, "did you mean 5 mm/rev?")
+
+
+def test_a_rotor_of_a_screw(tmp_path: Path) -> None:
+    """0.6 N*m over 0.01 kg*m^2 are 60 rad/s^2."""
+    (found,) = said(tmp_path, inertia="100 kg*cm^2")
+    assert (found.code, found.where) == ("SPEC185", "motors.screw.rotor_inertia")
+    assert found.help == "is it in g*cm^2? 100 g*cm^2 is 1e-05 kg*m^2"
+
+
+def test_many_motors_of_one_joint(tmp_path: Path) -> None:
+    """40 times 6 N*m are 240 N*m, 37 times 6.5 N*m; 18 N*m may be."""
+    (found,) = said(tmp_path, motors=40)
+    assert (found.code, found.where) == ("SPEC187", "actuators.hip.motors_per_joint")
+    assert "36.9" in found.message
+    assert found.help == "did you mean 1? motors_per_joint is how many motors drive one joint together"
+    assert said(tmp_path, motors=3) == []
+
+
+def test_far_above_may_agree_less_well(tmp_path: Path) -> None:
+    """240 N*m of 4 N*m are 60 times: one motor has 1.5 times of it. 24 N*m are 6 times: which may be meant."""
+    (found,) = said(tmp_path, motors=40, torque=4)
+    assert found.where == "actuators.hip.motors_per_joint"
+    assert said(tmp_path, motors=4, torque=4) == []
+
+
+@pytest.mark.parametrize("effort", [0, 1, 10, 1000, 0.05])
+def test_placeholders_of_the_file(tmp_path: Path, effort: float) -> None:
+    assert said(tmp_path, effort=effort) == []
