@@ -336,7 +336,9 @@ def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, 
         yield 1e3, f"did you mean {_shown(_times(value, 1e3))}?", 0.0
     servo = value.unit == "N*m" and "kgf" not in value.written and size * KGF_CM < SERVO
     if servo:
-        yield KGF_CM, _kgf_cm(value), RARE
+        # A point in the wrong place is so near that nobody can tell.
+        tenth = f"or did you mean {_shown(_times(value, 0.1))}?"
+        yield KGF_CM, f"{_kgf_cm(value)}; {tenth}", RARE
     yield from _tens(value)
 
 

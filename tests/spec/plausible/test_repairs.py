@@ -241,7 +241,7 @@ def test_limits_of_the_joint_are_evidence(limits: str, wrong: dict[str, str], pl
             "1.91",
             "19.5",
             "peak_torque",
-            "is it in kgf*cm? 19.5 kgf*cm is 1.912",
+            "is it in kgf*cm? 19.5 kgf*cm is 1.912 N*m; or did you mean 1.95 N*m?",
         ),
         (
             "stall_torque: 4.1, peak_torque: 4.1",
