@@ -18,6 +18,12 @@ from actspec.readings.dynamics import figure
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import LIKENESS, SHARE, agreement, are_one_body, joint_names, last_numbers, series
 
+_Stated = tuple[str, float]
+"""Name of the field that a file states, and its value."""
+
+_StatedBy = Mapping[int, Mapping[str, _Stated]]
+"""What the artifacts of a robot state, by joint."""
+
 SAME = 0.01
 """Chosen: figures of two motors that agree so far are one, as `tolerance` of the rules."""
 
@@ -100,34 +106,48 @@ def disagreements(
     """
     blamed = set()
     for robot in case.robots:
-        every = tuple(_of_robot(case, robot, fields, tolerance, absolute)) if len(robot.artifacts) > 1 else ()
-        stated = _stated_by_kinds(case, robot, fields) if every else {}
+        if len(robot.artifacts) < 2:
+            continue
+        stated = {index: _stated_joints(case, index, fields) for index in robot.artifacts}
+        every = tuple(_of_robot(case, robot, stated, tolerance, absolute))
+        by_kinds = _stated_by_kinds(case, stated) if every else {}
+        holders = _holders(case, stated) if every else {}
         for found in every:
             wrong = _by_what_is_published(case, found)
             if not wrong.published:
-                wrong = _by_kinds(wrong, stated)
+                wrong = _by_kinds(wrong, by_kinds)
             # Several files may be right beside one that is not.
             at = (wrong.rows[0].artifact, wrong.rows[0].joint)
             if wrong is found or at not in blamed:
                 yield wrong
             blamed.add(at)
-            for copy in _copies(case, robot, wrong):
+            for copy in _copies(case, wrong, holders):
                 at = (copy.rows[0].artifact, copy.rows[0].joint)
                 if at not in blamed:
                     yield copy
                 blamed.add(at)
 
 
-def _copies(case: Case, robot: Robot, wrong: Disagreement) -> Iterator[Disagreement]:
+def _holders(case: Case, stated: _StatedBy) -> dict[tuple[FileKind, str, _Stated], list[int]]:
+    """The artifacts that state a figure, by kind of file, joint and figure."""
+    found: dict[tuple[FileKind, str, _Stated], list[int]] = {}
+    for index, joints in stated.items():
+        for joint, figure_of in joints.items():
+            found.setdefault((case.artifacts[index].kind, joint, figure_of), []).append(index)
+    return found
+
+
+def _copies(
+    case: Case, wrong: Disagreement, holders: Mapping[tuple[FileKind, str, _Stated], Sequence[int]]
+) -> Iterator[Disagreement]:
     """The same of other files of the kind that have the figure of the one that departs."""
     mine = wrong.rows[0]
-    for index in robot.artifacts:
-        artifact = case.artifacts[index]
-        if artifact.kind is not case.artifacts[mine.artifact].kind or artifact.path == mine.file:
-            continue
-        rows = case.joints_by_artifact.get(index, {}).get(mine.joint, ())
-        stated = _stated(rows, (wrong.field,)) if rows else None
-        if stated is not None and stated[1] == wrong.mine.value:
+    if wrong.mine.value is None:
+        return
+    key = case.artifacts[mine.artifact].kind, mine.joint, (wrong.field, wrong.mine.value)
+    for index in holders.get(key, ()):
+        if case.artifacts[index].path != mine.file:
+            rows = case.joints[index, mine.joint]
             yield replace(wrong, rows=rows, mine=figure(rows, wrong.field), copy=True)
 
 
@@ -172,13 +192,11 @@ def _by_kinds(found: Disagreement, stated: Mapping[str, Mapping[FileKind, set[fl
     return replace(found.turned if mine > theirs else found, backed=True)
 
 
-def _stated_by_kinds(
-    case: Case, robot: Robot, fields: Sequence[str]
-) -> dict[str, dict[FileKind, set[float]]]:
+def _stated_by_kinds(case: Case, stated: _StatedBy) -> dict[str, dict[FileKind, set[float]]]:
     """What the files that are run state, by joint and kind of file."""
     found: dict[str, dict[FileKind, set[float]]] = {}
-    for index in robot.artifacts:
-        for joint, (name, value) in _stated_joints(case, index, fields).items():
+    for index, joints in stated.items():
+        for joint, (name, value) in joints.items():
             if not case.is_idle(_place(case.joints[index, joint], name)):
                 found.setdefault(joint, {}).setdefault(case.artifacts[index].kind, set()).add(value)
     return found
@@ -215,10 +233,6 @@ def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) ->
     return False
 
 
-_Stated = tuple[str, float]
-"""Name of the field that a file states, and its value."""
-
-
 @dataclass(frozen=True, slots=True)
 class _Held:
     """What files of a robot state of one joint.
@@ -240,11 +254,11 @@ class _Held:
 def _of_robot(
     case: Case,
     robot: Robot,
-    fields: Sequence[str],
+    said: _StatedBy,
     tolerance: float,
     absolute: float,
 ) -> Iterator[Disagreement]:
-    stated = _departing(case, robot, fields)
+    stated = _departing(said)
     # Most robots have files of one kind, which are only held to each other.
     kinds_here = {case.artifacts[index].kind for index in robot.artifacts}
     referred = {each for kind in kinds_here for kinds in _REFERENCES.get(kind, ()) for each in kinds}
@@ -323,9 +337,8 @@ def _last_numbers(case: Case) -> list[dict[tuple[str, str], int]]:
     ]
 
 
-def _departing(case: Case, robot: Robot, fields: Sequence[str]) -> dict[int, dict[str, _Stated]]:
+def _departing(stated: _StatedBy) -> _StatedBy:
     """What each artifact of a robot states, by joint, of the joints on which not all agree to the last digit."""
-    stated = {index: _stated_joints(case, index, fields) for index in robot.artifacts}
     values: dict[str, set[float]] = {}
     for joints in stated.values():
         for joint, (_, value) in joints.items():

@@ -84,7 +84,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
     options: ClassVar[dict[str, float]] = {"relative": 0.01, "angle": 0.02}
 
     def subjects(self, case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
-        yield from _pairs(case)
+        yield from case.once(_pairs)
 
     def judge(
         self, case: Case, subject: tuple[Sequence[LedgerRow], Sequence[LedgerRow]]
@@ -232,7 +232,7 @@ def _follows(case: Case, row: LedgerRow) -> bool:
 def doubted_limits(case: Case) -> frozenset[tuple[int, str]]:
     """Joints, each with its artifact, whose effort limit is far from that of the other side: evidence of nothing."""
     found = set()
-    for left, right in _pairs(case):
+    for left, right in case.once(_pairs):
         one, other = left[0].effort_limit, right[0].effort_limit
         if (
             one is not None
@@ -248,7 +248,7 @@ def unlike_sides(case: Case) -> frozenset[tuple[int, str]]:
     """Joints, each with its artifact, whose effort limit is not that of the other side: no gear is told from it."""
     return frozenset(
         (rows[0].artifact, rows[0].joint)
-        for left, right in _pairs(case)
+        for left, right in case.once(_pairs)
         for rows in (left, right)
         if left[0].effort_limit is not None
         and right[0].effort_limit is not None
@@ -257,8 +257,12 @@ def unlike_sides(case: Case) -> frozenset[tuple[int, str]]:
     )
 
 
-def _pairs(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
+def _pairs(case: Case) -> tuple[tuple[Sequence[LedgerRow], Sequence[LedgerRow]], ...]:
     """Rows of left and right joints, in one file or in two."""
+    return tuple(_each_pair(case))
+
+
+def _each_pair(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
     joints = case.joints_by_artifact
     single = []
     for artifact, own in joints.items():
@@ -341,7 +345,7 @@ def _without_limits(case: Case) -> frozenset[int]:
     """Artifacts with a pair of joints of which neither has a limit but 0."""
     return frozenset(
         left[0].artifact
-        for left, right in _pairs(case)
+        for left, right in case.once(_pairs)
         if left[0].artifact == right[0].artifact and left[0].effort_limit == 0.0 == right[0].effort_limit
     )
 
@@ -349,7 +353,7 @@ def _without_limits(case: Case) -> frozenset[int]:
 def _identified(case: Case) -> frozenset[int]:
     """Artifacts in which at least half of all pairs differ in what friction and rotors do: measured joint by joint."""
     differ: dict[int, list[bool]] = {}
-    for left, right in _pairs(case):
+    for left, right in case.once(_pairs):
         own = (
             (getattr(a, field), getattr(b, field))
             for field in _PASSIVE
