@@ -13,11 +13,10 @@ from actspec.diagnostics import Span
 from actspec.fields import BY_IR, FIELDS, Role, unit_of
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import JointActuator
-from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind
 from actspec.readings.compare import Figure
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.networks import network_paths
-from actspec.readings.pair import matching
 from actspec.robot.view import ActuatorView, JointView
 
 SETTING_NOUNS = {
@@ -141,31 +140,6 @@ def settings_of(artifact: Artifact) -> dict[str, float | str]:
     return found
 
 
-def friction_setting(artifact: Artifact, row: LedgerRow, *names: str) -> tuple[float, Span] | None:
-    """What an Isaac Lab configuration writes for a joint's friction, whatever its unit there.
-
-    Args:
-        artifact: Of the row.
-        row: Of one joint.
-        names: Fields of the class (`friction`, `dynamic_friction`); the first that is written counts.
-
-    Returns: The number as written, and its place; None where none is written or it could not be folded.
-    """
-    config, group = artifact.config, _group(artifact, row)
-    if config is None or group is None or config.framework is not Framework.ISAACLAB:
-        return None
-    for name in names:
-        setting = group.settings.get(name)
-        if setting is None or setting.unknown is not None or isinstance(setting.value, bool):
-            continue
-        value: object = setting.value
-        if isinstance(value, Mapping):
-            value = next((number for key, number in value.items() if _covers(config, key, row.joint)), None)
-        if isinstance(value, int | float):
-            return float(value), setting.span
-    return None
-
-
 def _group(artifact: Artifact, row: LedgerRow) -> ActuatorGroup | None:
     """The actuator cfg that a row is made from."""
     groups = artifact.config.groups if artifact.config is not None else ()
@@ -177,10 +151,6 @@ def _network_name(artifact: Artifact, row: LedgerRow) -> str | None:
     group = _group(artifact, row)
     setting = group.settings.get("network_file") if group is not None else None
     return setting.value if setting is not None and isinstance(setting.value, str) else None
-
-
-def _covers(config: RobotConfig, key: str, joint: str) -> bool:
-    return key == joint or bool(matching(config.framework, key, (joint,)))
 
 
 def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:

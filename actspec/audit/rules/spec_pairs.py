@@ -12,7 +12,7 @@ from actspec.audit.rules.source_rule import shown
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure, times, torque_slip
-from actspec.readings.dynamics import figure, friction_setting
+from actspec.readings.dynamics import figure
 from actspec.readings.joint import SERVOS
 from actspec.readings.ledger import LedgerRow
 from actspec.units import format_number
@@ -112,13 +112,13 @@ def unit_confused(case: Case, joint: SpecJoint, tolerance: float) -> tuple[Figur
         return None
     first = joint.rows[0]
     found = joint.mine("frictionloss")
-    written = friction_setting(case.artifacts[first.artifact], first, "friction")
+    written, place = first.more.get("friction_setting"), first.place("friction_setting")
     if found is None and written is not None:
-        found = Figure(written[0], wanted.unit, written[1], True)
+        found = Figure(written, wanted.unit, place, True)
         coefficient = _coefficient(case)
-        if coefficient is not None and math.isclose(written[0], wanted.value, rel_tol=tolerance):
-            return Figure(written[0], "", written[1], True), (
-                f"is {format_number(written[0], 3)}, the spec's {shown(wanted.value, wanted.unit)}: in {coefficient} "
+        if coefficient is not None and math.isclose(written, wanted.value, rel_tol=tolerance):
+            return Figure(written, "", place, True), (
+                f"is {format_number(written, 3)}, the spec's {shown(wanted.value, wanted.unit)}: in {coefficient} "
                 "the field is a coefficient without unit, and the joint's load decides on the torque"
             )
     if found is None or not found.value:

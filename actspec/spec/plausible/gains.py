@@ -89,24 +89,24 @@ def gain_words(gains: Gains) -> tuple[str, str, str | None] | None:
 def _relations(gains: Gains) -> Iterator[Relation]:
     if gains.kp and gains.kd:
         pair = f"kd {gains.shown_kd} beside kp {gains.shown_kp}"
-        time = format_quantity(gains.kd / gains.kp, "s", 3)
+        back, damped = gains.kd / gains.kp, (gains.kd + gains.viscous) / gains.kp
+        hardly = f"{pair}: hardly any damping, kd/kp is {format_quantity(1000.0 * back, 'ms', 3)}"
         yield Relation(
             "SPEC192",
-            gains.kd / gains.kp,
+            back,
             (0.0, RETURN[1]),
             USUAL_RETURN,
-            f"{pair}: the joint would take {time} to come back to its command",
+            f"{pair}: the joint would take {format_quantity(back, 's', 3)} to come back to its command",
             ("kp",),
             None,
             about="slow",
         )
-        damped = (gains.kd + gains.viscous) / gains.kp
         yield Relation(
             "SPEC192",
             damped,
             (RETURN[0] if gains.driven else 0.0, math.inf),
             (0.0, math.inf),
-            f"{pair}: hardly any damping, kd/kp is {format_quantity(1000.0 * gains.kd / gains.kp, 'ms', 3)}",
+            hardly,
             ("kp",),
             None,
             about="undamped",
@@ -114,11 +114,10 @@ def _relations(gains: Gains) -> Iterator[Relation]:
         if gains.driven:
             yield Relation(
                 "SPEC192",
-                gains.kd / gains.kp,
+                back,
                 (LEAST_RETURN, math.inf),
                 (0.0, math.inf),
-                f"{pair}: hardly any damping, kd/kp is "
-                f"{format_quantity(1000.0 * gains.kd / gains.kp, 'ms', 3)}",
+                hardly,
                 ("kp",),
                 None,
                 about="undamped by kd",
