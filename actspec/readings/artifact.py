@@ -308,7 +308,8 @@ class FileReading:
         unnamed: Of a model in a folder whose programs name models there: whether neither they nor a model that they
             name name it.
         written: Figures of models that programs of its folder write over when they have loaded one; `urdf_effort` where
-            they ask no URDF for it, `drive` where they leave a configuration's gains to a simulator of their own.
+            they ask no URDF for it, `urdf_limit` where none is of a trainer that takes a URDF's for the drive's,
+            `drive` where they leave a configuration's gains to a simulator of their own.
         idle: Configurations in a folder that no program there imports, where one imports others.
     """
 

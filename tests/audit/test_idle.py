@@ -641,6 +641,35 @@ def test_effort_of_a_urdf_that_nothing_asks_for(program: str, severity: Severity
     assert [item.severity for item in found] == [severity]
 
 
+@pytest.mark.parametrize(
+    ("name", "program", "severity"),
+    [
+        ("run.py", "load('go1.urdf')\n", Severity.INFO),
+        ("view.launch", '<launch><param textfile="$(find dog)/models/go1.urdf"/></launch>', Severity.INFO),
+        ("run.py", "from isaacgym import gymapi\nload('go1.urdf')\n", Severity.WARNING),
+        ("run.py", "# isaacgym\nload('go1.urdf')\n", Severity.INFO),
+        ("run.py", "load('go1.urdf')\nself.torque_limits[i] = props['effort'][i].item()\n", Severity.WARNING),
+        ("run.jl", 'parse_urdf("go1.urdf")\n[b.upper for b in effort_bounds(joint)]\n', Severity.WARNING),
+        ("notes.md", "isaacgym\n", Severity.INFO),
+    ],
+)
+def test_a_limit_of_a_urdf_that_no_trainer_takes(name: str, program: str, severity: Severity) -> None:
+    """Where it is no drive's limit, a URDF is there for its links; whoever names it wants to know. 33.5 is an A1's."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    names = [f"{leg}_{part}" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")]
+    joint = """<joint name="{0}_joint" type="revolute"><parent link="base"/><child link="{0}"/>
+    <limit lower="-1" upper="1" effort="33.5" velocity="20"/></joint>"""
+    links = "".join(f'<link name="{each}"/>' for each in names)
+    Path("r/models/go1.urdf").write_text(
+        f'<robot name="go1"><link name="base"/>{links}{"".join(map(joint.format, names))}</robot>'
+    )
+    Path("r", name).write_text(program)
+    for named, expected in (["r"], severity), (["r/models/go1.urdf"], Severity.WARNING):
+        found = audit(named, Settings(select=("KNW101",))).findings
+        assert {item.severity for item in found} == {expected}
+
+
 def test_speeds_and_damping_of_a_urdf_by_side() -> None:
     """Few programs that load one read them; the effort they do."""
     for name, effort, speed in (("one", 20, 18), ("two", 30, 9)):

@@ -36,7 +36,7 @@ _SEVERAL = 4
 class EffortLimit(SourceRule):
     code = "SRC101"
     name = "effort-limit-disagrees"
-    written_over = frozenset({"effort_limit", "urdf_effort"})
+    written_over = frozenset({"effort_limit", "urdf_effort", "urdf_limit"})
     groups = (("effort_limit",),)
     needs = "an effort limit of one joint"
 
