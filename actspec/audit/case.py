@@ -18,9 +18,9 @@ MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 """Files of a robot itself, to which the others give drives."""
 
 _WRITTEN: dict[FileKind | None, frozenset[str]] = {
-    FileKind.MJCF: frozenset({"effort_limit", "timestep"}),
+    FileKind.MJCF: frozenset({"effort_limit", "timestep", "dampratio"}),
     FileKind.URDF: frozenset({"urdf_effort", "urdf_limit"}),
-    FileKind.CFG: frozenset({"drive"}),
+    FileKind.CFG: frozenset({"drive", "actuators"}),
 }
 """What of a kind of file a program can write over."""
 

@@ -79,10 +79,10 @@ files, and what actspec writes."""
 
 TIMES = {
     "physics_dt": ("physics_dt", "simulation_dt", "sim_dt"),
-    "control_dt": ("control_dt", "step_dt", "policy_dt"),
+    "control_dt": ("policy_dt", "control_dt", "step_dt"),
     "decimation": ("decimation", "control_decimation"),
 }
-"""Robot-wide setting to its keys."""
+"""Robot-wide setting to its keys, the first counts: beside `policy_dt` a `control_dt` is the loop of the drive."""
 
 OWN_FORMAT = "actspec-deploy/"
 """What `format` begins with in a file that actspec wrote, whose other lists are known too."""

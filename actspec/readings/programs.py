@@ -18,7 +18,7 @@ _MARKUP = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 _COMMENTS: dict[str, re.Pattern[bytes]] = {
     **dict.fromkeys(
-        (".py", ".ipynb", ".jl", ".yaml", ".yml", ".toml", ".cfg", ".ini", ".sh", ".bash"), _HASH
+        (".py", ".ipynb", ".jl", ".yaml", ".yml", ".toml", ".cfg", ".ini", ".sh", ".bash", ".txt"), _HASH
     ),
     **dict.fromkeys(
         (".c", ".cc", ".cpp", ".cxx", ".h", ".hh", ".hpp", ".hxx", ".cu", ".rs", ".js", ".ts", ".json"),
@@ -30,6 +30,9 @@ _COMMENTS: dict[str, re.Pattern[bytes]] = {
 
 _NO_PROGRAMS = ("setup.py",)
 """They name what they install, all of it."""
+
+_REQUIREMENTS = re.compile(r"requirements[\w.-]*\.txt")
+"""Of texts only those that say what is installed."""
 
 _EXPORTED = frozenset(("display.launch", "gazebo.launch"))
 """Written by a CAD exporter beside its URDF, both of them, and run by nobody who has written another program.
@@ -43,12 +46,18 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     "timestep": re.compile(rb"\bopt(?:ion)?\.timestep\s*=(?!=)"),
     "urdf_effort": re.compile(rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""),
     "drive": re.compile(rb"\.control_dofs_position\("),
+    "dampratio": re.compile(
+        rb"\bmujoco(?![-\w])[^\n]*?"
+        rb"(?:==[ \t]*(?:2\.|3\.(?:\d|1[0-4])(?!\d))|<[ \t]*3(?:\.(?:\d|1[0-5])(?!\d)|(?![\d.])))"
+    ),
+    "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
 }
 """What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names.
 
 Forks of legged_gym clip at limits of the configuration in place of the URDF's effort. And by what it hands a
 configuration's drive to the simulator: Genesis integrates the gains of control_dofs_position implicitly
-(RigidOptions.integrator is approximate_implicitfast).
+(RigidOptions.integrator is approximate_implicitfast); what puts actuators that it made into any configuration of
+Isaac Lab has their limits from elsewhere. A MuJoCo that is held below 3.15 has one meaning of dampratio.
 """
 
 _CLIPS = re.compile(
@@ -85,6 +94,14 @@ _REGISTERED = re.compile(rb"\.register\((?:[^()]|\([^()]*\))*\)")
 
 _CLASS = re.compile(rb"^[ \t]*class[ \t]+(\w+)[ \t]*\(([^()]*)\)", re.MULTILINE)
 """A class and its bases."""
+
+_LAW = re.compile(
+    rb"^([ \t]+)def[ \t]+_compute_torques\b[^\n]*\n((?:\1[ \t]+[^\n]*\n|[ \t]*\n)*)", re.MULTILINE
+)
+"""What a task of legged_gym makes of gains and actions, and how far it goes."""
+
+_GAINS = (b"p_gains", b"d_gains")
+"""What legged_gym's own law takes of the configuration."""
 
 _MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)")
 _REFERENCE = re.compile(rb"\.(urdf|xml|mjcf|usd[acz]?|xacro)\b")
@@ -201,6 +218,7 @@ def programs_in(folder: str, exclude: Callable[[str, bool], bool] | None) -> tup
         for path in files_in(folder, exclude)
         if os.path.splitext(path)[1].lower() in (*_COMMENTS, ".xml")
         and os.path.basename(path) not in _NO_PROGRAMS
+        and (not path.endswith(".txt") or _REQUIREMENTS.fullmatch(os.path.basename(path)))
         and not ASIDE.search(os.path.relpath(path, folder))
     )
 
@@ -228,7 +246,7 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     texts = dict(_texts(path for path in programs if kinds.get(path) not in (FileKind.MJCF, FileKind.URDF)))
     others = any(True for path, text in texts.items() if path not in configs for _ in _names(text))
     alone = _idle_configs(configs, texts, others)
-    for path, unused in _unregistered(members, texts).items():
+    for path, unused in _no_tasks(members, texts).items():
         alone[path] = alone.get(path, frozenset()) | unused
     # A configuration that nobody runs runs no model.
     running = {
@@ -474,10 +492,13 @@ def _idle_configs(
     return result
 
 
-def _unregistered(
+def _no_tasks(
     members: Mapping[str, FileReading], programs: Mapping[str, bytes]
 ) -> dict[str, frozenset[bytes]]:
-    """Path to classes of legged_gym that are no task, nor the base of one, where programs register others."""
+    """Path to classes of legged_gym that are no task, nor the base of one, where programs register others.
+
+    Nor are those of a task whose torques are not made of a configuration's gains.
+    """
     own = {
         path: {
             artifact.config.name.encode()
@@ -486,26 +507,35 @@ def _unregistered(
         }
         for path, reading in members.items()
     }
-    named = {
-        word
-        for text in programs.values()
-        for call in _REGISTERED.finditer(text)
-        for word in re.findall(rb"\w+", call[0])
-    }
-    if named.isdisjoint(set().union(*own.values())):
+    tasks = [
+        re.findall(rb"\w+", call[0]) for text in programs.values() for call in _REGISTERED.finditer(text)
+    ]
+    if set().union(*tasks).isdisjoint(set().union(*own.values())):
         return {}
-    bases: dict[bytes, set[bytes]] = {}
+    bases: dict[bytes, list[bytes]] = {}
+    laws: dict[bytes, bool] = {}
     for text in programs.values():
-        for found in _CLASS.finditer(text):
-            bases.setdefault(found[1], set()).update(re.findall(rb"\w+", found[2]))
+        classes = list(_CLASS.finditer(text))
+        for found, following in zip(classes, [*classes[1:], None], strict=False):
+            bases.setdefault(found[1], []).extend(re.findall(rb"\w+", found[2]))
+            law = _LAW.search(text, found.end(), following.start() if following else len(text))
+            if law:
+                laws[found[1]] = laws.get(found[1], False) or any(name in law[2] for name in _GAINS)
     used: set[bytes] = set()
-    left = list(named)
-    while left:
-        name = left.pop()
-        if name not in used:
-            used.add(name)
-            left += bases.get(name, ())
+    for words in tasks:
+        # The environment is the first of its words that is a class with a law, or that inherits one.
+        law_of = (laws.get(name) for word in words for name in _lineage(word, bases))
+        if next((law for law in law_of if law is not None), True):
+            used |= {name for word in words for name in _lineage(word, bases)}
     return {path: frozenset(names - used) for path, names in own.items() if names - used}
+
+
+def _lineage(name: bytes, bases: Mapping[bytes, Sequence[bytes]]) -> list[bytes]:
+    """A class and its bases, the closest first."""
+    found = [name]
+    for each in found:
+        found += [base for base in bases.get(each, ()) if base not in found]
+    return found
 
 
 def _read(path: str) -> bytes:

@@ -298,24 +298,37 @@ def test_a_model_that_is_aside(folder: str) -> None:
     assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
 
 
-@pytest.mark.parametrize(("more", "severity"), [(", 'flat/dog.urdf'", "error"), ("", "info")])
-def test_the_odd_one_of_three(more: str, severity: str) -> None:
-    """A configuration and a URDF agree against another URDF: that is blamed, an error where it is run."""
+@pytest.mark.parametrize("odd", ["dog.py", "dog.urdf", "dog.xml"])
+def test_the_odd_one_of_three(odd: str) -> None:
+    """Two kinds of file agree against the third: an error of a configuration, in a folder a note of any other.
+
+    URDFs and models of folders are mostly there for their links; 30 is twice 15.
+    """
     for path in Path("r/models").iterdir():
         path.unlink()
-    Path("r/models/flat").mkdir()
-    for name, effort in (("dog", 30), ("flat/dog", 15)):
-        joints = JOINT.format(side="left", effort=effort) + JOINT.format(side="right", effort=effort)
-        Path(f"r/models/{name}.urdf").write_text(
-            f'<robot name="dog"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
-        )
+    effort = {name: 15 if name == odd else 30 for name in ("dog.py", "dog.urdf", "dog.xml")}
+    joints = "".join(JOINT.format(side=side, effort=effort["dog.urdf"]) for side in ("left", "right"))
+    Path("r/models/dog.urdf").write_text(
+        f'<robot name="dog"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
+    )
     text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
-    Path("r/dog.py").write_text(text.replace("damping=1.0", "damping=1.0, effort_limit_sim=30.0"))
-    Path("r/run.py").write_text(f"FILES = ['models/dog.urdf'{more}]\n")
-    said = audit(["r"], Settings(select=("SRC101",))).findings
-    assert {(item.finding.span.path, item.severity.value) for item in said} == {
-        ("r/models/flat/dog.urdf", severity)
-    }
+    Path("r/dog.py").write_text(
+        text.replace("damping=1.0", f"damping=1.0, effort_limit_sim={effort['dog.py']}.0")
+    )
+    bodies = "".join(f'<body><joint name="{n}_knee"/><geom size="0.1"/></body>' for n in ("left", "right"))
+    motors = "".join(
+        f'<motor joint="{n}_knee" forcerange="-{effort["dog.xml"]} {effort["dog.xml"]}"/>'
+        for n in ("left", "right")
+    )
+    Path("r/models/dog.xml").write_text(
+        f'<mujoco model="dog"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
+    )
+    files = ["r/dog.py", "r/models/dog.urdf", "r/models/dog.xml"]
+    for named, severity in (["r"], "error" if odd == "dog.py" else "info"), (files, "error"):
+        said = audit(named, Settings(select=("SRC101",))).findings
+        assert {(Path(item.finding.span.path).name, item.severity.value) for item in said} == {
+            (odd, severity)
+        }
 
 
 @pytest.mark.parametrize(
@@ -361,9 +374,12 @@ def test_one_limit_for_all_is_no_evidence(limits: tuple[int, ...], severity: str
     assert {(item.finding.span.path, item.severity.value) for item in found} == {("r/dog.py", severity)}
 
 
-@pytest.mark.parametrize(("kind", "severity"), [("urdf", "info"), ("xml", "warning")])
-def test_one_limit_for_all_beside_a_urdf(kind: str, severity: str) -> None:
-    """Two URDFs of a folder may be of two arms; a model that has 100 N*m for all was made of one that has not."""
+@pytest.mark.parametrize("kind", ["urdf", "xml"])
+def test_one_limit_for_all_beside_a_urdf(kind: str) -> None:
+    """Files of a folder may be of two arms, or there for their links; who names them says that they are one.
+
+    100 is 1.67 times 60 and 10 times 10.
+    """
     for path in Path("r/models").iterdir():
         path.unlink()
     names = ("base", "arm", "elbow", "wrist")
@@ -382,10 +398,11 @@ def test_one_limit_for_all_beside_a_urdf(kind: str, severity: str) -> None:
     model = f'<mujoco model="arm"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
     Path("r/models/arm_5.urdf").write_text(urdf((60, 60, 30, 10)))
     Path(f"r/models/arm_7.{kind}").write_text(urdf((100,) * 4) if kind == "urdf" else model)
-    said = audit(["r"], Settings(select=("SRC101",))).findings
-    assert {(Path(item.finding.span.path).name, item.severity.value) for item in said} == {
-        (f"arm_7.{kind}", severity)
-    }
+    for named, severity in (["r"], "info"), (["r/models/arm_5.urdf", f"r/models/arm_7.{kind}"], "error"):
+        said = audit(named, Settings(select=("SRC101",))).findings
+        assert {(Path(item.finding.span.path).name, item.severity.value) for item in said} == {
+            (f"arm_7.{kind}", severity)
+        }
 
 
 def test_a_spec_is_there_for_every_file() -> None:
@@ -561,42 +578,86 @@ def test_rotors_and_friction_by_side(attribute: str) -> None:
 @pytest.mark.parametrize(
     ("program", "codes"),
     [
-        ("load('models/dog.xml')\n", {"STB101", "SRC101"}),
-        ("load('models/dog.xml')\nmodel.opt.timestep = 0.0001\n", {"SRC101"}),
-        ("load('models/dog.xml')\nif model.opt.timestep == 0.1: pass\n", {"STB101", "SRC101"}),
-        ("load('models/dog.xml')\nmodel.actuator_forcerange[:, 0] = -tau\n", {"STB101"}),
-        ("load('models/dog.xml')\nrobot.set_dofs_force_range(-tau, tau)\n", {"STB101"}),
+        ("", {"STB101", "KNW101"}),
+        ("model.opt.timestep = 0.0001\n", {"KNW101"}),
+        ("if model.opt.timestep == 0.1: pass\n", {"STB101", "KNW101"}),
+        ("model.actuator_forcerange[:, 0] = -tau\n", {"STB101"}),
+        ("robot.set_dofs_force_range(-tau, tau)\n", {"STB101"}),
     ],
 )
 def test_what_a_program_writes_over(program: str, codes: set[str]) -> None:
     """A figure of a model that a program sets when it has loaded it is not the one that runs.
 
-    A ball of 0.1 m has 2/5 * 4.19 kg * 0.01 m^2 = 0.0168 kg*m^2: 2 ms * 50 / 0.0168 = 6, where 2 diverges.
+    A ball of 0.1 m has 2/5 * 4.19 kg * 0.01 m^2 = 0.0168 kg*m^2: 2 ms * 50 / 0.0168 = 6, where 2 diverges. 33.5 N*m is
+    an A1's, 1.41 times a Go1's.
     """
     for path in Path("r/models").iterdir():
         path.unlink()
-    joints = JOINT.format(side="left", effort=20) + JOINT.format(side="right", effort=20)
-    Path("r/models/dog.urdf").write_text(
-        f'<robot name="dog"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
-    )
-    bodies = "".join(
-        f'<body><joint name="{side}_knee" range="-1 1"/><geom size="0.1"/></body>'
-        for side in ("left", "right")
-    )
-    drives = "".join(
-        f'<position joint="{side}_knee" kp="9" kv="50" forcerange="-40 40"/>' for side in ("left", "right")
-    )
-    Path("r/models/dog.xml").write_text(
-        f'<mujoco model="dog"><compiler angle="radian"/><worldbody>{bodies}</worldbody>'
+    names = [f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")]
+    bodies = "".join(f'<body><joint name="{n}" range="-1 1"/><geom size="0.1"/></body>' for n in names)
+    drives = "".join(f'<position joint="{n}" kp="9" kv="50" forcerange="-33.5 33.5"/>' for n in names)
+    Path("r/models/go1.xml").write_text(
+        f'<mujoco model="go1"><compiler angle="radian"/><worldbody>{bodies}</worldbody>'
         f"<actuator>{drives}</actuator></mujoco>"
     )
-    Path("r/run.py").write_text(f"load('models/dog.urdf')\n{program}")
-    # It has the URDF's limit, without which the two models are word against word.
-    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
-    Path("r/dog.py").write_text(text.replace("damping=1.0", "damping=1.0, effort_limit_sim=20.0"))
-    found = audit(["r"], Settings(select=("STB101", "SRC101"))).findings
+    Path("r/run.py").write_text(f"load('models/go1.xml')\n{program}")
+    found = audit(["r"], Settings(select=("STB101", "KNW101"))).findings
     assert {item.finding.code for item in found if item.severity is not Severity.INFO} == codes
-    assert {item.finding.code for item in found} == {"STB101", "SRC101"}
+    assert {item.finding.code for item in found} == {"STB101", "KNW101"}
+
+
+@pytest.mark.parametrize(
+    ("program", "severity"),
+    [
+        ("env.robot = ROBOT_CFG.replace(prim_path='/World/Robot')\n", Severity.WARNING),
+        (
+            "env.robot = ANY_CFG.replace(prim_path='/World', init=init(q), actuators=actuators)\n",
+            Severity.INFO,
+        ),
+        (
+            "env.robot = DOG.replace(actuators={'legs': DOG.actuators['legs'].replace(damping=1)})\n",
+            Severity.WARNING,
+        ),
+    ],
+)
+def test_actuators_that_a_program_makes(program: str, severity: Severity) -> None:
+    """What puts actuators of its own into any configuration has their limits from elsewhere. 33.5 as above."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    text = CONFIGS.format(one="GO1_CFG", two="GO1_2_CFG").partition("GO1_2_CFG")[0]
+    joints = '["[FR][LR]_hip_joint", "[FR][LR]_thigh_joint", "[FR][LR]_calf_joint"]'
+    text = text.replace('["left_knee", "right_knee"]', joints)
+    text = text.replace('{"left_knee": 10.0, "right_knee": 20.0}', "20.0, effort_limit_sim=50.0")
+    Path("r/go1.py").write_text(text)
+    Path("r/run.py").write_text(f"from go1 import GO1_CFG\nuse(GO1_CFG)\n{program}")
+    found = audit(["r"], Settings(select=("KNW101",))).findings
+    assert {item.severity for item in found} == {severity}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "severity"),
+    [
+        ("requirements.txt", "mujoco==3.1.6\n", Severity.INFO),
+        ("requirements-sim.txt", "mujoco >=3.2, <3.15\n", Severity.INFO),
+        ("requirements.txt", "mujoco>=3.2,<3.16\n", Severity.WARNING),
+        ("requirements.txt", "# mujoco==3.1.6\nmujoco\n", Severity.WARNING),
+        ("requirements.txt", "mujoco-py==2.1.2.14\n", Severity.WARNING),
+        ("notes.txt", "mujoco==3.1.6\n", Severity.WARNING),
+        ("pyproject.toml", '[project]\ndependencies = ["mujoco==3.14.0", "numpy"]\n', Severity.INFO),
+        ("pyproject.toml", '[project]\ndependencies = ["mujoco==3.15.0"]\n', Severity.WARNING),
+        ("environment.yml", "dependencies:\n  - pip:\n    - mujoco<3\n    - numpy\n", Severity.INFO),
+    ],
+)
+def test_one_meaning_of_dampratio(name: str, text: str, severity: Severity) -> None:
+    """It changed in MuJoCo 3.15: whoever installs an older one has the old damping."""
+    Path("r/leg.xml").write_text(
+        '<mujoco model="leg"><worldbody><body><joint name="hip"/><geom size="0.1"/><body pos="0 0 0.3">'
+        '<joint name="knee"/><geom size="0.1" fromto="0 0 0 0.4 0 0" type="capsule"/></body></body></worldbody>'
+        '<actuator><position joint="hip" kp="90" dampratio="1"/></actuator></mujoco>'
+    )
+    Path("r", name).write_text(text)
+    found = audit(["r"], Settings(select=("VER101",))).findings
+    assert {item.severity for item in found} == {severity}
 
 
 @pytest.mark.parametrize(
@@ -718,15 +779,26 @@ def test_gains_that_a_simulator_integrates(program: str, severity: Severity) -> 
         ("task_registry.register('dog', Robot, DogCfg(), DogCfgPPO())\n", Severity.INFO),
         ("# task_registry.register('leg', Robot, LegCfg())\nregister(DogCfg)\n", Severity.WARNING),
         (
+            "class Robot(Base):\n    def _compute_torques(self, a):\n        return self.kp * a - self.kd * self.v\n"
+            "\n    def step(self):\n        self.d_gains = 1\n"
+            "task_registry.register('leg', Robot, LegCfg(), LegCfgPPO())\n",
+            Severity.INFO,
+        ),
+        (
+            "class Base:\n    def _compute_torques(self, a):\n\n        return self.p_gains * a - self.d_gains * v\n"
+            "class Robot(Base):\n    pass\ntask_registry.register('leg', Robot, LegCfg(), LegCfgPPO())\n",
+            Severity.WARNING,
+        ),
+        (
             "class Rough(LegCfg):\n    pass\nclass Rougher(Rough):\n    pass\n"
             "task_registry.register('dog', Robot, DogCfg())\ntask_registry.register('leg', Robot, Rougher())\n",
             Severity.WARNING,
         ),
     ],
-    ids=["its own", "another's", "none", "as a base"],
+    ids=["its own", "another's", "none", "a law of its own", "the law that it inherits", "as a base"],
 )
 def test_a_task_that_is_not_registered(tasks: str, severity: Severity) -> None:
-    """legged_gym runs what is registered; where nothing is, somebody else registers."""
+    """legged_gym runs what is registered; where nothing is, somebody else registers. Another law has other gains."""
     Path("r/leg.xml").write_text(
         '<mujoco model="leg"><worldbody><body><joint name="knee"/>'
         '<inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody></mujoco>'

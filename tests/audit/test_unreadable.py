@@ -130,11 +130,11 @@ def test_a_folder_of_files_without_their_parts_is_one_entry() -> None:
 
 
 def test_what_an_old_file_alone_speaks_against() -> None:
-    """A limit that a backup and a configuration speak against is a note; where the file is in use, an error.
+    """A limit that a backup and a model speak against is a note; where the file is in use, an error.
 
-    Two kinds of file have 40 N*m there, where one has 10.
+    Two kinds of file have 40 N*m there, where the configuration has 10.
     """
-    joint = '<joint name="knee" actuatorfrcrange="-10 10"/>'
+    joint = '<joint name="knee" actuatorfrcrange="-40 40"/>'
     joint += "".join(
         f'<joint name="{n}" axis="{n == "hip":d} 1 0" actuatorfrcrange="-5 5"/>' for n in ("hip", "toe")
     )
@@ -153,20 +153,20 @@ def test_what_an_old_file_alone_speaks_against() -> None:
     Path("robots/leg.py").write_text(
         "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
         'LEG_CFG = ArticulationCfg(actuators={"leg": ImplicitActuatorCfg(joint_names_expr=["knee", "hip", "toe"],\n'
-        '    effort_limit_sim={"knee": 40.0, "hip": 5.0, "toe": 5.0}, stiffness=9.0, damping=1.0)})\n'
+        '    effort_limit_sim={"knee": 10.0, "hip": 5.0, "toe": 5.0}, stiffness=9.0, damping=1.0)})\n'
     )
     settings = Settings(select=("SRC101",))
 
     def said() -> list[tuple[str, Severity]]:
         return [(item.finding.span.path, item.severity) for item in audit(["robots"], settings).findings]
 
-    assert said() == [("robots/leg.xml", Severity.INFO)]
+    assert said() == [("robots/leg.py", Severity.INFO)]
     Path("robots/leg_old.urdf").rename("robots/leg_b.urdf")
-    assert said() == [("robots/leg.xml", Severity.ERROR)]
+    assert said() == [("robots/leg.py", Severity.ERROR)]
     # One word against another.
-    Path("robots/leg.py").unlink()
-    assert said() == [("robots/leg.xml", Severity.INFO)]
-    assert [i.severity for i in audit(["robots/leg.xml", "robots/leg_b.urdf"], settings).findings] == [
+    Path("robots/leg.xml").unlink()
+    assert said() == [("robots/leg.py", Severity.INFO)]
+    assert [i.severity for i in audit(["robots/leg.py", "robots/leg_b.urdf"], settings).findings] == [
         Severity.ERROR
     ]
 

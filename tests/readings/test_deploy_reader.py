@@ -42,6 +42,15 @@ def test_lists_go_by_the_names(tmp_path: Path) -> None:
     assert config.settings["joint_order"].value == ("knee", "hip")
 
 
+def test_the_policys_period(tmp_path: Path) -> None:
+    """Where a file has both, the loop of the drive is another one."""
+    path = tmp_path / "deploy.yaml"
+    path.write_text("joint_names: [knee, hip]\nkps: [60, 25]\ncontrol_dt: 0.004\npolicy_dt: 0.02\n")
+    config = read_file(str(path)).artifacts[0].config
+    assert config is not None
+    assert (config.settings["control_dt"].value, config.settings["control_dt"].span.line) == (0.02, 4)
+
+
 def test_lists_in_the_policys_order(tmp_path: Path) -> None:
     """rl_sar: the third value of a list is of the joint in place joint_mapping[2] = 1 among the names."""
     text = "joint_names: [hip, knee, ankle]\nfixed_kp: [60, 25, 10]\njoint_mapping: [2, 0, 1]\n"

@@ -28,6 +28,7 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
     aliases: ClassVar[dict[str, str]] = {"FRC001": "dry-friction-above-the-limit"}
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    noted_in_folders = True
     paired = True
     needs = "no joint with dry friction and an effort limit among the files"
 

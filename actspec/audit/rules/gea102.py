@@ -15,6 +15,7 @@ class NotGearSquared(RuleInParts):
     name = "armature-is-not-gear-squared"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    noted_in_folders = True
     paired = True
     needs = "no armature beside a rotor's inertia, or limits that show a reduction"
     options: ClassVar[dict[str, float]] = {"ratio": 1.5}

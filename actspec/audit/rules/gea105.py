@@ -25,6 +25,7 @@ class JointSideBehindGear(RuleOver[_Subject]):
     name = "gear-with-joint-side-figures"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    noted_in_folders = True
     paired = True
     needs = "no MJCF with an actuator on a joint among the files"
 

@@ -19,7 +19,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
     name = "limit-is-not-the-published-one"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
-    written_over = frozenset({"effort_limit", "urdf_effort", "urdf_limit"})
+    written_over = frozenset({"effort_limit", "urdf_effort", "urdf_limit", "actuators"})
     options: ClassVar[dict[str, float]] = {"times": 1.2}
     needs = "no robot among the files whose limits are published"
 

@@ -36,6 +36,7 @@ class NotTheServoMeant(RuleInParts):
     }
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    noted_in_folders = True
     fix = Safety.UNSAFE
     needs = NO_ACTUATORS
     options: ClassVar[dict[str, float]] = {"plausible": 3.0, "relative": 0.01}

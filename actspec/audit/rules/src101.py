@@ -18,7 +18,6 @@ from actspec.audit.rules.source_rule import (
     is_of_control,
     is_small,
     is_times_off,
-    is_word_against_word,
     shown,
 )
 from actspec.diagnostics import SEVERITIES, Severity
@@ -36,7 +35,7 @@ _SEVERAL = 4
 class EffortLimit(SourceRule):
     code = "SRC101"
     name = "effort-limit-disagrees"
-    written_over = frozenset({"effort_limit", "urdf_effort", "urdf_limit"})
+    written_over = frozenset({"effort_limit", "urdf_effort", "urdf_limit", "actuators"})
     groups = (("effort_limit",),)
     needs = "an effort limit of one joint"
 
@@ -86,12 +85,10 @@ class EffortLimit(SourceRule):
             return []
         unit = held[0].mine.unit
         worst = max(found, key=lambda one: SEVERITIES.index(one.severity or self.severity))
-        if all(is_of_control(case, side.rows) for side in held) or _is_for_links(case, held[0]):
-            # A range for whatever the task commands is no motor's, and a URDF beside others is there for its links.
+        if all(is_of_control(case, side.rows) for side in held) or case.is_met(held[0].rows[0].artifact):
+            # A range for whatever the task commands is no motor's; a file of a folder may be there for its links, or of
+            # another robot (docs/survey.md).
             worst = replace(worst, severity=Severity.INFO, confidence=Confidence.LOW)
-        elif all(_is_unlike_the_urdf(case, side) for side in held):
-            # The URDF's were looked up, and this file's were not.
-            worst = replace(worst, severity=self.severity, confidence=self.confidence)
         message = (
             f"the effort limit is {shown(held[0].mine.value, unit)} on every joint of this file, and "
             f"{shown(limits[0], unit)} to {shown(limits[-1], unit)} in another file of the robot: unlike motors have "
@@ -111,6 +108,14 @@ class EffortLimit(SourceRule):
             )
             for joint, side in joints.items()
         ]
+
+    def finding(self, case: Case, found: Disagreement) -> Finding:
+        """A note of a file of a folder that is no configuration: of those fewer than half were in force."""
+        said = super().finding(case, found)
+        blamed = found.rows[0].artifact
+        if case.is_met(blamed) and case.artifacts[blamed].kind is not FileKind.CFG:
+            return replace(said, severity=Severity.INFO, confidence=Confidence.LOW)
+        return said
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where nothing meets the limit, where 1 is a control's range, and of a robot program's margin."""
@@ -149,18 +154,6 @@ def _is_margin(case: Case, found: Disagreement) -> bool:
     """Whether a robot's program stays below the limit that its models have, by less than half: on purpose."""
     is_program = case.artifacts[found.rows[0].artifact].kind is FileKind.DEPLOY
     return is_program and found.ratio is not None and 1.0 / GRAVE < found.ratio < 1.0
-
-
-def _is_for_links(case: Case, side: Disagreement) -> bool:
-    """Whether one limit for all is of a URDF met in a folder, and the other of a file of another kind."""
-    one, other = (case.artifacts[rows[0].artifact].kind for rows in (side.rows, side.others))
-    return one is FileKind.URDF is not other and case.is_met(side.rows[0].artifact)
-
-
-def _is_unlike_the_urdf(case: Case, side: Disagreement) -> bool:
-    """Whether one limit for all is of a model or configuration that nothing but a URDF speaks against."""
-    one, other = (case.artifacts[rows[0].artifact].kind for rows in (side.rows, side.others))
-    return is_word_against_word(case, side) and one is not FileKind.URDF is other
 
 
 def _is_set_up_twice(one: LedgerRow, other: LedgerRow) -> bool:

@@ -16,6 +16,7 @@ class Timing(RuleInParts):
     name = "timing-disagrees"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    noted_in_folders = True
     paired = True
     needs = "no deploy file and configuration of one robot state a control period"
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}

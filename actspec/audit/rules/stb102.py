@@ -62,12 +62,18 @@ class ExplicitDrive(RuleOver[_Subject]):
         if kd <= 0.0 or not math.isfinite(figure) or figure < self.option(case, "near"):
             return
         beyond = figure >= LIMIT
-        least = figure if row.inertia_free_max is None else drive.figure(row.inertia_free_max)
+        most = inertia if row.inertia_free_max is None else row.inertia_free_max
+        least = drive.figure(most)
         # What has the larger share is what to lower.
         gain = "kp" if StepDrive(step, 0.0, kd, drive.implicit).figure(inertia) < 0.5 * figure else "kd"
         value = row.kp if gain == "kp" else kd
         what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
         pose = "" if least >= LIMIT or not beyond else f" in some poses, {least:.3g} in others"
+        beside = _damping_beside(case, row)
+        damped = StepDrive(step, row.kp or 0.0, kd, max(drive.implicit, beside)).figure(most)
+        if least >= LIMIT > damped:
+            damping = shown(row, "kd", beside)
+            pose = f", or {damped:.3g} where the simulator takes the URDF's damping of {damping} implicitly"
         yield Finding(
             self.code,
             f"the drive ({row.control}) takes {gain} {shown(row, gain, value)} explicitly: with a step of "
@@ -83,10 +89,19 @@ class ExplicitDrive(RuleOver[_Subject]):
             else f"state the true armature, shorten the step, lower {gain}, or use an implicit class",
             # Which poses a file that is run already takes, nobody knows.
             severity=self.severity
-            if (figure >= RINGING if concerned else least >= LIMIT and not _is_wheel(case, row))
+            if (figure >= RINGING if concerned else damped >= LIMIT and not _is_wheel(case, row))
             else Severity.INFO,
             confidence=Confidence.HIGH if beyond else self.confidence,
         )
+
+
+def _damping_beside(case: Case, row: LedgerRow) -> float:
+    """The damping of the URDF beside a configuration of legged_gym, which the simulator may take implicitly, or not."""
+    config = case.artifacts[row.artifact].config
+    if config is None or config.framework is not Framework.LEGGED_GYM:
+        return 0.0
+    beside = (model.joint_damping for model in partner_rows(case, row, FileKind.URDF))
+    return max((damping for damping in beside if damping), default=0.0)
 
 
 def _is_wheel(case: Case, row: LedgerRow) -> bool:

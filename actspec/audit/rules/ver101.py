@@ -30,6 +30,7 @@ class RatioChangedMeaning(RuleInParts):
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     fix = Safety.UNSAFE
+    written_over = frozenset({"dampratio"})
     needs = NO_ACTUATORS
     options: ClassVar[dict[str, float]] = {"change": 0.01}
 
