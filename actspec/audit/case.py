@@ -151,8 +151,9 @@ class Case:
 
 
 def _files(case: Case) -> dict[str, FileReading]:
-    """The files by their paths."""
-    return {file.path: file for file in case.files}
+    """The files by their paths, and what they include that is none of them."""
+    parts = {part.path: file for file in case.files for part in file.files}
+    return parts | {file.path: file for file in case.files}
 
 
 def _met(case: Case) -> dict[str, bool]:

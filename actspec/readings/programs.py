@@ -246,13 +246,16 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     texts = dict(_texts(path for path in programs if kinds.get(path) not in (FileKind.MJCF, FileKind.URDF)))
     others = any(True for path, text in texts.items() if path not in configs for _ in _names(text))
     alone = _idle_configs(configs, texts, others)
-    for path, unused in _no_tasks(members, texts).items():
-        alone[path] = alone.get(path, frozenset()) | unused
+    no_task, own_law = _tasks(members, texts)
+    for path, names in no_task.items():
+        alone[path] = alone.get(path, frozenset()) | names
     # A configuration that nobody runs runs no model.
     running = {
         path: text for path, text in texts.items() if alone.get(path) != configs.get(path, frozenset())
     }
     run = _Models(models, running).run()
+    for path, names in own_law.items():
+        alone[path] = alone.get(path, frozenset()) | names
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
         _written(tuple(texts.values())),
@@ -492,12 +495,12 @@ def _idle_configs(
     return result
 
 
-def _no_tasks(
+def _tasks(
     members: Mapping[str, FileReading], programs: Mapping[str, bytes]
-) -> dict[str, frozenset[bytes]]:
-    """Path to classes of legged_gym that are no task, nor the base of one, where programs register others.
+) -> tuple[dict[str, frozenset[bytes]], dict[str, frozenset[bytes]]]:
+    """Of classes of legged_gym, by path: those that are no task, nor the base of one, where programs register others.
 
-    Nor are those of a task whose torques are not made of a configuration's gains.
+    And those of tasks alone whose torques are not made of a configuration's gains.
     """
     own = {
         path: {
@@ -511,7 +514,7 @@ def _no_tasks(
         re.findall(rb"\w+", call[0]) for text in programs.values() for call in _REGISTERED.finditer(text)
     ]
     if set().union(*tasks).isdisjoint(set().union(*own.values())):
-        return {}
+        return {}, {}
     bases: dict[bytes, list[bytes]] = {}
     laws: dict[bytes, bool] = {}
     for text in programs.values():
@@ -519,15 +522,20 @@ def _no_tasks(
         for found, following in zip(classes, [*classes[1:], None], strict=False):
             bases.setdefault(found[1], []).extend(re.findall(rb"\w+", found[2]))
             law = _LAW.search(text, found.end(), following.start() if following else len(text))
-            if law:
+            if law and b"super()" not in law[2]:
                 laws[found[1]] = laws.get(found[1], False) or any(name in law[2] for name in _GAINS)
-    used: set[bytes] = set()
+    run: set[bytes] = set()
+    by_gains: set[bytes] = set()
     for words in tasks:
-        # The environment is the first of its words that is a class with a law, or that inherits one.
-        law_of = (laws.get(name) for word in words for name in _lineage(word, bases))
-        if next((law for law in law_of if law is not None), True):
-            used |= {name for word in words for name in _lineage(word, bases)}
-    return {path: frozenset(names - used) for path, names in own.items() if names - used}
+        names = [name for word in words for name in _lineage(word, bases)]
+        run |= set(names)
+        # The environment is the first that has a law, or inherits one.
+        if next((laws[name] for name in names if name in laws), True):
+            by_gains |= set(names)
+    return (
+        {path: frozenset(names - run) for path, names in own.items() if names - run},
+        {path: others for path, names in own.items() if (others := frozenset(names & run - by_gains))},
+    )
 
 
 def _lineage(name: bytes, bases: Mapping[bytes, Sequence[bytes]]) -> list[bytes]:

@@ -645,6 +645,7 @@ def test_actuators_that_a_program_makes(program: str, severity: Severity) -> Non
         ("notes.txt", "mujoco==3.1.6\n", Severity.WARNING),
         ("pyproject.toml", '[project]\ndependencies = ["mujoco==3.14.0", "numpy"]\n', Severity.INFO),
         ("pyproject.toml", '[project]\ndependencies = ["mujoco==3.15.0"]\n', Severity.WARNING),
+        ("part/requirements.txt", "mujoco==3.1.6\n", Severity.INFO),
         ("environment.yml", "dependencies:\n  - pip:\n    - mujoco<3\n    - numpy\n", Severity.INFO),
     ],
 )
@@ -655,6 +656,13 @@ def test_one_meaning_of_dampratio(name: str, text: str, severity: Severity) -> N
         '<joint name="knee"/><geom size="0.1" fromto="0 0 0 0.4 0 0" type="capsule"/></body></body></worldbody>'
         '<actuator><position joint="hip" kp="90" dampratio="1"/></actuator></mujoco>'
     )
+    Path("r/part").mkdir()
+    if name.startswith("part/"):
+        # The actuators are in a part, which is where the finding is.
+        whole = Path("r/leg.xml").read_text()
+        head, tail = whole[: whole.index("<actuator>")], whole[whole.index("<actuator>") : -len("</mujoco>")]
+        Path("r/leg.xml").write_text(f'{head}<include file="part/drives.xml"/></mujoco>')
+        Path("r/part/drives.xml").write_text(f"<mujoco>{tail}</mujoco>")
     Path("r", name).write_text(text)
     found = audit(["r"], Settings(select=("VER101",))).findings
     assert {item.severity for item in found} == {severity}
@@ -785,6 +793,11 @@ def test_gains_that_a_simulator_integrates(program: str, severity: Severity) -> 
             Severity.INFO,
         ),
         (
+            "class Robot(Base):\n    def _compute_torques(self, a):\n        return super()._compute_torques(a)\n"
+            "task_registry.register('leg', Robot, LegCfg(), LegCfgPPO())\n",
+            Severity.WARNING,
+        ),
+        (
             "class Base:\n    def _compute_torques(self, a):\n\n        return self.p_gains * a - self.d_gains * v\n"
             "class Robot(Base):\n    pass\ntask_registry.register('leg', Robot, LegCfg(), LegCfgPPO())\n",
             Severity.WARNING,
@@ -795,7 +808,15 @@ def test_gains_that_a_simulator_integrates(program: str, severity: Severity) -> 
             Severity.WARNING,
         ),
     ],
-    ids=["its own", "another's", "none", "a law of its own", "the law that it inherits", "as a base"],
+    ids=[
+        "its own",
+        "another's",
+        "none",
+        "a law of its own",
+        "as its base",
+        "the law that it inherits",
+        "as a base",
+    ],
 )
 def test_a_task_that_is_not_registered(tasks: str, severity: Severity) -> None:
     """legged_gym runs what is registered; where nothing is, somebody else registers. Another law has other gains."""
