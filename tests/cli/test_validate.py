@@ -328,3 +328,92 @@ def test_nothing_is_told_twice(folder: Path, capsys: pytest.CaptureFixture[str])
     assert main(["validate", "leg.yaml"]) == 2
     said = capsys.readouterr().err
     assert said.count("SPEC182") == 1 and said.count("BIND001") == 1
+
+
+def variants(**texts: str) -> str:
+    """Variants by their names."""
+    return "variants:\n" + "".join(f"  {name}: {text}\n" for name, text in texts.items())
+
+
+@pytest.mark.parametrize(
+    ("texts", "said"),
+    [
+        pytest.param(
+            {"a": "{robot: {model: leg.urdf}}", "b": "{actuators: {g1: {joints: [kne]}}}"},
+            [
+                "leg.yaml:8:33: BIND001 actuators.g1.joints[0] (variant b): the pattern 'kne' matches no joint of 'MuJoCo "
+                "Model'\n  help: did you mean 'knee'? (matches knee)"
+            ],
+            id="a pattern",
+        ),
+        pytest.param(
+            {"a": "{robot: {model: long.xml}}", "b": "{}", "c": "{robot: {model: long.xml}}"},
+            [
+                "leg.yaml:5:17: BIND001 actuators.g1.joints[0] (variants a, c): the pattern 'knee' matches no joint of "
+                "'MuJoCo Model'\n  help: did you mean 'knee.*'? (matches knee_2)"
+            ],
+            id="the same in two of three",
+        ),
+        pytest.param(
+            {"a": "{robot: {model: log.xml}}"},
+            [
+                "leg.yaml:7:22: ROBOT101 robot.model (variant a): there is no model 'log.xml'\n"
+                "  help: did you mean 'long.xml'?"
+            ],
+            id="a model that is not there",
+        ),
+        pytest.param(
+            {"a": "{robot: {packages: {legs: no}}}"},
+            [
+                "leg.yaml:7:32: ROBOT101 (variant a): there is no folder 'no' of the package 'legs'\n  help: write the "
+                "package's own folder, relative to the spec's, the one with its package.xml; or name it with --package "
+                "legs=FOLDER"
+            ],
+            id="a package that is not there",
+        ),
+    ],
+)
+def test_variants_are_held_to_their_models(
+    folder: Path, texts: dict[str, str], said: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What `--variant` finds is found without it, once, with the names of the variants that have it."""
+    (folder / "long.xml").write_text(MJCF.replace("knee", "knee_2"), encoding="utf-8")
+    (folder / "leg.yaml").write_text(spec("leg.xml", "hip", "knee") + variants(**texts), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", "\n".join(said) + "\n")
+    for name in texts:
+        concerned = f"variant {name})" in err or f"variants {name}," in err or f", {name})" in err
+        assert main(["validate", "leg.yaml", "--variant", name]) == (2 if concerned else 0)
+
+
+def test_a_fault_of_the_spec_itself_is_no_variants(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is told once and names no variant, and what is wrong in a variant alone is told beside it."""
+    text = spec("leg.xml", "hip", "kne") + variants(a="{}", b="{robot: {model: log.xml}}")
+    (folder / "leg.yaml").write_text(text, encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    err = capsys.readouterr().err
+    assert err.count("BIND001 actuators.g1.joints[0]: ") == err.count("BIND001") == 1
+    assert err.count("ROBOT101 robot.model (variant b): ") == err.count("ROBOT101") == 1
+
+
+def test_what_is_doubtful_in_a_variant(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The hip turns from 0 to 1 rad: 1.2 rad are a warning, with --strict a refusal; a variant's own summary names none."""
+    pose = "{robot: {default_pose: {hip: 1.2 rad}}}"
+    text = spec("leg.urdf", "hip|knee") + "variant: c\n" + variants(a=pose, b="{robot: {model: herd.xml}}")
+    (folder / "leg.yaml").write_text(text, encoding="utf-8")
+    unread = "not checked against the joints of herd.xml: its <replicate> makes joints that its text does not name"
+    assert main(["validate", "leg.yaml"]) == 0
+    out, err = capsys.readouterr()
+    assert out == f"leg.yaml: valid: leg, 1 group, variants a, b, c (variant b: {unread})\n"
+    assert err.startswith("leg.yaml:7:35: SPEC190 [warning] robot.default_pose (variant a): hip: ")
+    assert main(["validate", "leg.yaml", "--strict"]) == 1
+    out, err = capsys.readouterr()
+    assert out.startswith("leg.yaml: valid, but not to --strict: leg, 1 group, variants a, b, c")
+    assert "--strict: 1 number that can hardly be right\n" in err
+    assert main(["validate", "leg.yaml#b", "--strict"]) == 0
+    assert capsys.readouterr() == (f"leg.yaml#b: valid: leg, 1 group ({unread})\n", "")
+    assert main(["validate", "leg.yaml#c", "--strict"]) == 0
+    assert capsys.readouterr() == ("leg.yaml#c: valid: leg, 1 group\n", "")
