@@ -227,7 +227,7 @@ def _resolved(
         placed,
     )
     from actspec.targets.check import check_options
-    from actspec.targets.choose import choose_targets
+    from actspec.targets.choose import check_accepted, choose_targets
 
     collector = Collector()
     targets = choose_targets(spec, (), None, False, collector)
@@ -255,6 +255,9 @@ def _resolved(
             actuators = resolve(spec, robot)
             managed = [actuator.joint for actuator in actuators.joints]
             found = actuators.diagnostics
+            if not spec.model.variants:
+                # Another variant may lose what this one does not.
+                check_accepted(spec, actuators, (), (), collector)
         except ResolveError as err:
             found = err.diagnostics
         before = {*spec.diagnostics, *robot.diagnostics}

@@ -133,6 +133,19 @@ def test_nothing_lost(spec: Path, capsys: Any) -> None:
     assert lines[-1] == "no approximation; 0 warnings"
 
 
+def test_what_strict_refuses_is_counted_as_above(spec: Path, capsys: Any) -> None:
+    """Two approximations, of three joints: the summary and --strict have one count."""
+    capsys.readouterr()
+    assert main(["compile", "arm.yaml", "--strict"]) == 1
+    out, err = capsys.readouterr()
+    assert out.splitlines()[-1].startswith("2 approximations, ")
+    assert err.splitlines()[-4:-1] == [
+        "--strict: 2 approximations that the spec does not accept; nothing was written",
+        "  mjlab.delay (1 joint)",
+        "  mjlab.velocity_limit (2 joints)",
+    ]
+
+
 def test_strict_says_not_written(spec: Path, capsys: Any) -> None:
     """Where --strict refuses, no file is called written."""
     lines = _said(capsys, "--strict")

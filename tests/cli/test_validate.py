@@ -124,6 +124,35 @@ def test_accept_of_a_check_that_finds_nothing(folder: Path, capsys: pytest.Captu
     assert err.count("SPEC164") == 1
 
 
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("spec182", "SPEC162 accept.spec.spec182: no check of a spec's numbers is called spec182\n"
+         "  help: did you mean 'spec.SPEC182'?"),
+        ("STB102", "SPEC162 accept.spec.STB102: no check of a spec's numbers is called STB102\n"
+         "  help: remove it: --strict refuses nothing of STB102"),
+        ("gear_below_one", "SPEC164 [warning] accept.spec.gear_below_one: the spec itself has no approximation of this "
+         "name: nothing is accepted by it\n  help: did you mean 'spec.SPEC182'?"),
+        ("linkage", "SPEC164 [warning] accept.spec.linkage: the spec itself has no approximation of this name: nothing "
+         "is accepted by it\n  help: remove it; it loses nothing"),
+    ],
+)  # fmt: skip
+def test_accept_of_what_the_spec_does_not_lose(
+    folder: Path, key: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What compile says of a key of the spec itself is told without it."""
+    accept = f"accept:\n  spec.{key}: why\n"
+    (folder / "leg.yaml").write_text(spec("leg.xml", "hip", "knee") + accept, encoding="utf-8")
+    main(["validate", "leg.yaml"])
+    assert capsys.readouterr().err == f"leg.yaml:7:3: {said}\n"
+    (folder / "leg.yaml").write_text(
+        spec("leg.xml", "hip", "knee") + accept + "variants: {a: {}}\n", encoding="utf-8"
+    )
+    main(["validate", "leg.yaml"])
+    # A warning may be what another variant needs.
+    assert capsys.readouterr().err == f"leg.yaml:7:3: {said}\n" * ("SPEC162" in said)
+
+
 def test_listed_joints(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Without a model the spec's own joints are those to match."""
     (folder / "leg.yaml").write_text(spec("none", "hip", more=", joints: [hip, knee]"), encoding="utf-8")
