@@ -91,6 +91,15 @@ def test_a_spec_that_fits(folder: Path, model: str, capsys: pytest.CaptureFixtur
     assert capsys.readouterr() == ("leg.yaml: valid: leg, 2 groups\n", "")
 
 
+def test_a_xacro_whose_joints_are_there(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Properties make no joints, and what xacro made may name its namespace."""
+    head = '<robot name="leg" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:property name="a" value="1"/>'
+    (folder / "leg.urdf").write_text(URDF.replace('<robot name="leg">', head), encoding="utf-8")
+    (folder / "leg.yaml").write_text(spec("leg.urdf", "hip", "knee"), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 0
+    assert capsys.readouterr() == ("leg.yaml: valid: leg, 2 groups\n", "")
+
+
 @pytest.mark.parametrize("inertia", ["joint", "reflected"])
 @pytest.mark.parametrize("model", ["leg.xml", "leg.urdf"])
 def test_a_gain_of_the_joints_inertia_waits_for_a_compilation(
@@ -208,7 +217,18 @@ def test_what_strict_makes_of_it(
     ("model", "said"),
     [
         ("broken.xml", "broken.xml:1:9: ROBOT004: the file ends before <mujoco>"),
-        ("leg.usd", "leg.usd:1:1: ROBOT004: this is not XML"),
+        (
+            "leg.usd",
+            "leg.usd:1:1: ROBOT104: this is a USD, which is not read as a robot's model\n"
+            "  help: name the MJCF or URDF that it was made of; or write `model: none`, and the `joints`",
+        ),
+        ("crate.usd", "crate.usd:1:1: ROBOT104: this is a USD"),
+        (
+            "macro.xacro",
+            "macro.xacro:2:3: ROBOT104: <xacro:macro> has to be expanded by xacro first: it may make joints\n"
+            "  help: xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that in the spec",
+        ),
+        ("parts.xacro", "parts.xacro:2:3: ROBOT104: <x:include> has to be expanded by xacro first"),
         ("page.xml", "page.xml:1:1: ROBOT104: the root element is <html>"),
     ],
 )
@@ -217,11 +237,15 @@ def test_a_model_that_is_no_model(
 ) -> None:
     """An error as for `compile`, at its place in the model, without --strict too."""
     (folder / "leg.usd").write_text("#usda 1.0\n", encoding="utf-8")
+    (folder / "crate.usd").write_bytes(b"PXR-USDC\0\x08\0\xff")
+    xacro = '<robot name="leg" xmlns:{0}="http://ros.org/wiki/xacro">\n  <{0}:{1} name="leg"/></robot>'
+    (folder / "macro.xacro").write_text(xacro.format("xacro", "macro"), encoding="utf-8")
+    (folder / "parts.xacro").write_text(xacro.format("x", "include"), encoding="utf-8")
     (folder / "page.xml").write_text("<html/>", encoding="utf-8")
     (folder / "leg.yaml").write_text(spec(model, "no_such_joint"), encoding="utf-8")
     assert main(["validate", "leg.yaml"]) == 2
     out, err = capsys.readouterr()
-    assert out == "" and err.startswith(said) and err.count("ROBOT") == 1
+    assert out == "" and err.startswith(said) and err.count(": ROBOT") == 1
     assert main(["compile", "leg.yaml"]) == 2
     assert said in capsys.readouterr().err
 
