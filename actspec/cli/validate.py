@@ -244,7 +244,9 @@ def _resolved(
                 views[path] = joints_of_text(path)
             robot = views[path]
     except (JointsNotNamed, RobotNotInstalled) as err:
-        unread = f"not checked against the joints of {one_line(model)}: {one_line(err.diagnostics[0].message)}"
+        unread = (
+            f"not checked against the joints of {one_line(model)}: {one_line(err.diagnostics[0].message)}"
+        )
         lacking = err.diagnostics if isinstance(err, RobotNotInstalled) else ()
     except RobotError as err:
         for item in placed(spec, err):

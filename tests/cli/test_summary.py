@@ -149,7 +149,9 @@ def test_what_strict_refuses_is_counted_as_above(spec: Path, capsys: Any) -> Non
 @pytest.mark.parametrize("stated", [True, False])
 def test_a_step_that_nobody_states(spec: Path, stated: bool, capsys: Any) -> None:
     """Summary and files say whose the 2 ms are: a list of joints has no step, and the spec none."""
-    spec.write_text(SPEC.replace("5 ms", "2 ms") if stated else SPEC.replace("timing: {physics_dt: 5 ms}\n", ""))
+    spec.write_text(
+        SPEC.replace("5 ms", "2 ms") if stated else SPEC.replace("timing: {physics_dt: 5 ms}\n", "")
+    )
     lines = _said(capsys, "-t", "isaaclab", "-t", "mjlab", "-t", "deploy")
     whose = "MuJoCo's default: neither the spec nor its model states one"
     assert lines[0].endswith(", physics 2 ms" if stated else f", physics 2 ms ({whose})")

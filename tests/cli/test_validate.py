@@ -394,8 +394,8 @@ def variants(**texts: str) -> str:
         pytest.param(
             {"a": "{robot: {model: leg.urdf}}", "b": "{actuators: {g1: {joints: [kne]}}}"},
             [
-                "leg.yaml:8:33: BIND001 actuators.g1.joints[0] (variant b): the pattern 'kne' matches no joint of 'MuJoCo "
-                "Model'\n  help: did you mean 'knee'? (matches knee)"
+                "leg.yaml:8:33: BIND001 actuators.g1.joints[0] (variant b): the pattern 'kne' matches no joint of "
+                "'MuJoCo Model'\n  help: did you mean 'knee'? (matches knee)"
             ],
             id="a pattern",
         ),
@@ -440,9 +440,7 @@ def test_variants_are_held_to_their_models(
         assert main(["validate", "leg.yaml", "--variant", name]) == (2 if concerned else 0)
 
 
-def test_a_fault_of_the_spec_itself_is_no_variants(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_fault_of_the_spec_itself_is_no_variants(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is told once and names no variant, and what is wrong in a variant alone is told beside it."""
     text = spec("leg.xml", "hip", "kne") + variants(a="{}", b="{robot: {model: log.xml}}")
     (folder / "leg.yaml").write_text(text, encoding="utf-8")
@@ -453,11 +451,13 @@ def test_a_fault_of_the_spec_itself_is_no_variants(
 
 
 def test_what_is_doubtful_in_a_variant(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The hip turns from 0 to 1 rad: 1.2 rad are a warning, with --strict a refusal; a variant's own summary names none."""
+    """The hip turns from 0 to 1 rad: 1.2 rad are a warning, with --strict a refusal; a variant's summary names none."""
     pose = "{robot: {default_pose: {hip: 1.2 rad}}}"
     text = spec("leg.urdf", "hip|knee") + "variant: c\n" + variants(a=pose, b="{robot: {model: herd.xml}}")
     (folder / "leg.yaml").write_text(text, encoding="utf-8")
-    unread = "not checked against the joints of herd.xml: its <replicate> makes joints that its text does not name"
+    unread = (
+        "not checked against the joints of herd.xml: its <replicate> makes joints that its text does not name"
+    )
     assert main(["validate", "leg.yaml"]) == 0
     out, err = capsys.readouterr()
     assert out == f"leg.yaml: valid: leg, 1 group, variants a, b, c (variant b: {unread})\n"

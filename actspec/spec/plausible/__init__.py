@@ -34,7 +34,11 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
         if whose == SPEC_ITSELF and _CODE.fullmatch(code) and code not in BY_CODE:
             # What another family reports is no misspelt check.
             akin = [f"{SPEC_ITSELF}.{known}" for known in BY_CODE if known[:3] == code[:3].upper()]
-            none = "its checks: " + listed(akin, 40) if akin else f"remove it: --strict refuses nothing of {code}"
+            none = (
+                "its checks: " + listed(akin, 40)
+                if akin
+                else f"remove it: --strict refuses nothing of {code}"
+            )
             help = did_you_mean(f"{SPEC_ITSELF}.{code.upper()}", akin, none)
             collector.at(f"accept.{key}", document.spans.key(("accept", key))).error(
                 "SPEC162", f"no check of a spec's numbers is called {code}", help
