@@ -63,14 +63,11 @@ def read_table(path: str) -> Table:
         raise LogError.of(
             "LOG002", message, Span(path), help="split the recording, or leave columns out"
         ) from err
-    except (NotRegular, OSError, ValueError) as err:
-        missing = isinstance(err, FileNotFoundError)
-        help = (
-            "name the recording of a run; `actspec.Recorder` makes one (docs/diagnose.md)"
-            if missing
-            else None
-        )
+    except FileNotFoundError as err:
+        help = "name the recording of a run; `actspec.Recorder` makes one (docs/diagnose.md)"
         raise LogError.of("LOG001", f"the log cannot be read: {why(err)}", Span(path), help=help) from err
+    except (NotRegular, OSError, ValueError) as err:
+        raise LogError.of("LOG001", f"the log cannot be read: {why(err)}", Span(path)) from err
     if data.startswith(b"\x80"):
         message = "the log is a pickle, which is not read: it may run code"
         raise LogError.of("LOG003", message, Span(path), help="write CSV, NPZ or Parquet")
