@@ -416,6 +416,12 @@ class ActuatorSet:
         return self.robot + (f" ({self.variant})" if self.variant else "")
 
     @property
+    def assumed_step(self) -> str:
+        """Whose physics step it is where nobody states one; "" where somebody does."""
+        stated = self.physics_dt.origin is not Origin.DEFAULT
+        return "" if stated else "MuJoCo's default: neither the spec nor its model states one"
+
+    @property
     def spec_lines(self) -> tuple[str, ...]:
         """Which spec this is of, and which variant, for the heads of files."""
         return (f"spec sha256 {self.spec_sha256}", *((f"variant {self.variant}",) if self.variant else ()))

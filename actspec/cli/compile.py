@@ -22,6 +22,7 @@ from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, one_line
 from actspec.placing import finish
 from actspec.report.compile import summary
 from actspec.report.doubts import doubts, refusal
+from actspec.report.tables import many
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named, split
 from actspec.targets.base import Approximation
@@ -115,10 +116,10 @@ def _refusals(losses: list[Approximation]) -> Iterator[str]:
     if not losses:
         return
     keys = sorted({loss.key for loss in losses})
-    yield f"--strict: {len(losses)} approximations that the spec does not accept; nothing was written"
+    yield f"--strict: {many(len(keys), 'approximation')} that the spec does not accept; nothing was written"
     for key in keys:
         count = sum(loss.key == key for loss in losses)
-        yield f"  {key} ({count} joint{'s' * (count != 1)})"
+        yield f"  {key} ({many(count, 'joint')})"
     yield f'  help: accept one with `accept: {{{keys[0]}: "the reason"}}` in the spec'
 
 

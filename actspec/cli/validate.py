@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.cli.options import add_format, add_packages, add_specs, add_variant, describe
@@ -19,16 +20,19 @@ from actspec.diagnostics import (
     ResolveError,
     RobotError,
     Severity,
+    TooManyErrors,
     listed,
     one_line,
 )
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.report.doubts import doubts, refusal
+from actspec.report.tables import many
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named, split
 from actspec.spec.yaml_text import MAX_BYTES, is_spec
 
 if TYPE_CHECKING:
+    from actspec.robot.view import RobotView
     from actspec.spec.validate import Spec
 
 
@@ -59,9 +63,6 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Check every spec; all of them, whatever is wrong with the first."""
-    from actspec.robot.load import check_packages
-    from actspec.spec.validate import load_spec, validate_variants
-
     failed = False
     doubtful: list[Diagnostic] = []
     not_installed: list[Diagnostic] = []
@@ -69,49 +70,116 @@ def run(arguments: argparse.Namespace) -> int:
     for path in arguments.spec:
         if arguments.skip_other and _is_other(path):
             continue
-        diagnostics: tuple[Diagnostic, ...] = ()
-        summary = ""
-        try:
-            path = named(path, arguments.variant)
-            spec = load_spec(path).with_packages(
-                {name: os.path.abspath(at) for name, at in arguments.package}
-            )
-            check_packages(spec)
-            diagnostics = (*spec.diagnostics, *validate_variants(spec))
-            unchecked, lacking, found = _resolved(spec)
-            not_installed += lacking
-            model = spec.model
-            groups = len(model.actuators)
-            summary = f"{one_line(path)}: valid: {model.robot.name}, {groups} group{'s' * (groups != 1)}"
-            if model.variants and arguments.variant is None:
-                summary += f", variants {listed(sorted({*model.variants, *filter(None, [model.variant])}))}"
-            summary += unchecked
-            diagnostics = (*diagnostics, *found)
-        except ActspecError as err:
-            failed, summary = True, ""
-            diagnostics += err.diagnostics
+        path = named(path, arguments.variant)
+        checked = _with_variants(path, {name: os.path.abspath(at) for name, at in arguments.package})
+        diagnostics = _told_once(checked)
+        valid = not any(item.severity is Severity.ERROR for item in diagnostics)
+        refused = False
+        failed |= not valid
         if arguments.strict:
-            doubtful += doubts(diagnostics)
+            doubts_here = doubts(diagnostics)
+            lacking = [item for check in checked.values() for item in check.lacking]
+            refused = bool(doubts_here or lacking)
+            doubtful += doubts_here
+            not_installed += lacking
         if arguments.output_format == "json":
             records.append(
-                {
-                    "path": path,
-                    "valid": bool(summary),
-                    "diagnostics": [diagnostic_record(d) for d in diagnostics],
-                }
+                {"path": path, "valid": valid, "diagnostics": [diagnostic_record(d) for d in diagnostics]}
             )
             continue
         print_diagnostics(diagnostics)
-        if summary:
-            print_lines([summary])
+        if valid:
+            print_lines([_summary(path, checked, refused)])
     if arguments.output_format == "json":
         print_json({"format": "actspec-validate/1", "files": records})
     else:
         print_lines(refusal(doubtful), sys.stderr)
-        print_lines(_not_checked(not_installed if arguments.strict else ()), sys.stderr)
+        print_lines(_not_checked(not_installed), sys.stderr)
     if failed:
         return EXIT_FAILED
-    return EXIT_FINDINGS if arguments.strict and (doubtful or not_installed) else EXIT_CLEAN
+    return EXIT_FINDINGS if doubtful or not_installed else EXIT_CLEAN
+
+
+@dataclass(frozen=True, slots=True)
+class _Checked:
+    """A spec, or a variant of one, that was checked.
+
+    Attributes:
+        spec: The spec; None: it could not be loaded.
+        found: What is to be said of it.
+        unread: Why it was not held to the joints of its model; "" where it was.
+        lacking: Why its model is not installed, if that is why.
+    """
+
+    spec: Spec | None
+    found: tuple[Diagnostic, ...]
+    unread: str = ""
+    lacking: tuple[Diagnostic, ...] = ()
+
+
+def _with_variants(path: str, packages: Mapping[str, str]) -> dict[str, _Checked]:
+    """A spec, under the name "", and each of its variants under its own; of `FILE#VARIANT` that one alone."""
+    views: dict[str, RobotView] = {}
+    checked = {"": _check(path, packages, views)}
+    spec = checked[""].spec
+    if spec is not None and split(path)[1] is None:
+        for name in spec.model.variants:
+            checked[name] = _check(named(spec.document.path, name), packages, views)
+    return checked
+
+
+def _check(path: str, packages: Mapping[str, str], views: dict[str, RobotView]) -> _Checked:
+    """Check a spec; `views` has the models that are read already, by their paths, and takes this one."""
+    from actspec.robot.load import check_packages
+    from actspec.spec.validate import load_spec
+
+    spec = None
+    found: tuple[Diagnostic, ...] = ()
+    try:
+        spec = load_spec(path).with_packages(packages)
+        found = spec.diagnostics
+        check_packages(spec)
+        unread, lacking, more = _resolved(spec, views)
+    except ActspecError as err:
+        return _Checked(spec, (*found, *err.diagnostics))
+    return _Checked(spec, (*found, *more), unread, lacking)
+
+
+def _told_once(checked: Mapping[str, _Checked]) -> tuple[Diagnostic, ...]:
+    """What is to be said of a spec and its variants: what holds for the spec itself, and what for variants alone."""
+    variants: dict[Diagnostic, list[str]] = {}
+    for name, check in checked.items():
+        for item in check.found:
+            variants.setdefault(item, []).append(name)
+    collector = Collector()
+    try:
+        for item, names in variants.items():
+            if "" not in names:
+                told = f"variant{'s' * (len(names) > 1)} {listed(names)}"
+                item = replace(item, where=f"{item.where} ({told})".lstrip())
+            collector.add(item)
+    except TooManyErrors as err:
+        return err.diagnostics
+    return collector.sorted()
+
+
+def _summary(path: str, checked: Mapping[str, _Checked], refused: bool) -> str:
+    """The line of a valid spec."""
+    spec = checked[""].spec
+    assert spec is not None
+    model = spec.model
+    text = f"{one_line(path)}: valid{', but not to --strict' * refused}: {model.robot.name}, "
+    text += many(len(model.actuators), "group")
+    if len(checked) > 1:
+        text += f", variants {listed(sorted({*filter(None, checked), *filter(None, [model.variant])}))}"
+    reasons: dict[str, list[str]] = {}
+    for name, check in checked.items():
+        if check.unread:
+            reasons.setdefault(check.unread, []).append(name)
+    for reason, names in reasons.items():
+        of = "" if "" in names else f"variant{'s' * (len(names) > 1)} {listed(names)}: "
+        text += f" ({of}{reason})"
+    return text
 
 
 def _not_checked(lacking: Sequence[Diagnostic]) -> Iterator[str]:
@@ -132,13 +200,19 @@ def _is_other(path: str) -> bool:
         return False
 
 
-def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
+def _resolved(
+    spec: Spec, views: dict[str, RobotView]
+) -> tuple[str, tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
     """Resolve a spec against the text of its model; what only a compilation tells, inertia above all, is unknown there.
 
     Of its targets versions are checked, and joints that they name.
 
-    Returns: What could not be checked, for behind the summary, "" where the joints could be read; why the model is not
-        installed, if that is why; and warnings.
+    Args:
+        spec: The spec.
+        views: The models that are read already, by their paths; takes its own.
+
+    Returns: Why it was not held to its model's joints, "" where it was; why the model is not installed, if that is why;
+        and warnings.
 
     Raises:
         ResolveError: as for `compile`; the model's file is not there, or cannot be read.
@@ -153,7 +227,7 @@ def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...], tuple[Diagnostic
         placed,
     )
     from actspec.targets.check import check_options
-    from actspec.targets.choose import choose_targets
+    from actspec.targets.choose import check_accepted, choose_targets
 
     collector = Collector()
     targets = choose_targets(spec, (), None, False, collector)
@@ -165,10 +239,13 @@ def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...], tuple[Diagnostic
         if model == "none":
             robot = listed_robot(spec)
         else:
-            robot = joints_of_text(find_model(model, os.path.dirname(spec.document.path)))
+            path = find_model(model, os.path.dirname(spec.document.path))
+            if path not in views:
+                views[path] = joints_of_text(path)
+            robot = views[path]
     except (JointsNotNamed, RobotNotInstalled) as err:
         unread = (
-            f" (not checked against the joints of {one_line(model)}: {one_line(err.diagnostics[0].message)})"
+            f"not checked against the joints of {one_line(model)}: {one_line(err.diagnostics[0].message)}"
         )
         lacking = err.diagnostics if isinstance(err, RobotNotInstalled) else ()
     except RobotError as err:
@@ -180,6 +257,9 @@ def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...], tuple[Diagnostic
             actuators = resolve(spec, robot)
             managed = [actuator.joint for actuator in actuators.joints]
             found = actuators.diagnostics
+            if not spec.model.variants:
+                # Another variant may lose what this one does not.
+                check_accepted(spec, actuators, (), (), collector)
         except ResolveError as err:
             found = err.diagnostics
         before = {*spec.diagnostics, *robot.diagnostics}

@@ -63,6 +63,9 @@ def read_table(path: str) -> Table:
         raise LogError.of(
             "LOG002", message, Span(path), help="split the recording, or leave columns out"
         ) from err
+    except FileNotFoundError as err:
+        help = "name the recording of a run; `actspec.Recorder` makes one (docs/diagnose.md)"
+        raise LogError.of("LOG001", f"the log cannot be read: {why(err)}", Span(path), help=help) from err
     except (NotRegular, OSError, ValueError) as err:
         raise LogError.of("LOG001", f"the log cannot be read: {why(err)}", Span(path)) from err
     if data.startswith(b"\x80"):

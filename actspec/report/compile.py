@@ -60,6 +60,8 @@ def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
     groups = len({a.group for a in actuators.joints})
     step = actuators.physics_dt
     timing = f"physics {format_quantity(step.require() * 1e3, 'ms')}"
+    if actuators.assumed_step:
+        timing += f" ({actuators.assumed_step})"
     if actuators.decimation is not None:
         timing += f", control {format_quantity(1.0 / (step.require() * actuators.decimation), 'Hz')}"
     yield (

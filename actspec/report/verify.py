@@ -40,7 +40,10 @@ def text(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
     marked = list(_marked(agreement))
     if marked:
         yield ""
-        yield "  known approximations (see --strict and `accept`)"
+        open_ = {loss.key for loss in compilation.unaccepted}
+        taken = open_.isdisjoint(key for row in agreement.rows for key in row.approximations)
+        how = ", as the spec accepts" if taken else " (see --strict and `accept`)"
+        yield f"  known approximations of what was compared{how}"
         yield from table(marked, indent="    ", headings=0)
     if any(SOFT in row.approximations for row in agreement.rows):
         yield ""
@@ -263,6 +266,14 @@ def _summary(compilation: Compilation, agreement: Agreement) -> str:
         verdict = f"{many(len(faults), 'disagreement')} in {listed(bad)}"
     asked = len({row.target for row in agreement.rows if row.quantity in _HISTORIES})
     engines = f"the torque of {asked} of {len(compilation.targets)} was computed by the simulator's own code"
+    own = compilation.actuators.approximations
+    if own:
+        # The law is that of the resolved spec, which has them already.
+        worst = worst_error(own)
+        fields = listed(dict.fromkeys(loss.field for loss in own))
+        verdict += (
+            f"; the spec itself approximates {fields}{f' ({worst})' if worst else ''}, alike in every target"
+        )
     return f"{verdict}; {engines}"
 
 

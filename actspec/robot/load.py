@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, listed, nearest
+from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, listed, nearest, shortened
 from actspec.files import path_of_name
 from actspec.joints import JointKind
 from actspec.robot.view import JointView, ModelFormat, RobotView
@@ -128,6 +128,7 @@ def load_robot(path: str) -> RobotView:
     if tag == "robot":
         from actspec.robot.read_urdf import read_urdf
 
+        _check_expanded(document)
         return read_urdf(document.files, document)
     raise _no_robot(document)
 
@@ -153,6 +154,7 @@ def joints_of_text(path: str) -> RobotView:
     if tag == "robot":
         from actspec.robot.read_urdf import read_urdf
 
+        _check_expanded(document)
         return replace(read_urdf(document.files, document, refusal=reason), uncompiled=True)
     if tag != "mujoco":
         raise _no_robot(document)
@@ -166,6 +168,16 @@ def joints_of_text(path: str) -> RobotView:
     from actspec.robot.read_mjcf_text import read_mjcf_text
 
     return replace(read_mjcf_text(document, reason), uncompiled=True)
+
+
+def _check_expanded(document: XmlDocument) -> None:
+    """Refuse a xacro whose joints are not there yet: what its macros, includes and conditions make."""
+    from actspec.robot.read_urdf import EXPAND, unexpanded
+
+    for element in unexpanded(document):
+        if element.tag.partition(":")[2] not in ("arg", "property"):
+            message = f"<{shortened(element.tag)}> has to be expanded by xacro first: it may make joints"
+            raise RobotError.of("ROBOT104", message, document.span(element), help=EXPAND)
 
 
 def _no_robot(document: XmlDocument) -> RobotError:

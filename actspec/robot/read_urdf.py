@@ -9,7 +9,7 @@ robot is that of the robot with its base held.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -40,6 +40,22 @@ _UNITS = {
     JointKind.FREE: ("N", "m/s"),
     JointKind.BALL: ("N*m", "rad/s"),
 }
+
+EXPAND = "xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that in the spec"
+"""What to do with a xacro."""
+
+
+def unexpanded(document: XmlDocument) -> Iterator[Element]:
+    """Elements that xacro has yet to expand. What it made may still name its namespace."""
+    prefixes = {"xacro"}
+    for element in document.walk():
+        prefixes.update(
+            name.partition(":")[2]
+            for name, value in element.values.items()
+            if name.startswith("xmlns:") and "xacro" in value
+        )
+        if element.tag.partition(":")[0] in prefixes and ":" in element.tag:
+            yield element
 
 
 def read_urdf(

@@ -77,7 +77,13 @@ def open_document(path: str) -> XmlDocument:
 
     Raises: RobotError: a file cannot be read, is not well-formed, or is not fit to be included.
     """
-    return _assemble(read_main(path), on_disk)
+    main = read_main(path)
+    if main.data.startswith((b"#usda ", b"PXR-USDC")):
+        help = "name the MJCF or URDF that it was made of; or write `model: none`, and the `joints`"
+        raise RobotError.of(
+            "ROBOT104", "this is a USD, which is not read as a robot's model", Span(path, 1, 1), help=help
+        )
+    return _assemble(main, on_disk)
 
 
 def read_main(path: str) -> ModelFile:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from actspec.diagnostics import Collector, Diagnostic, Path, Span, SpecError, did_you_mean, listed
+from actspec.diagnostics import Collector, Path, Span, SpecError, did_you_mean, listed
 from actspec.patterns import apart
 from actspec.spec.document import INCLUDED_KEYS, Breaches, Document, load_document, path_inside
 from actspec.spec.models import (
@@ -443,32 +443,6 @@ def salvaged(data: dict[str, Any], faults: Iterable[Path]) -> tuple[SpecModel, f
     if any(path[:1] == ("targets",) for path in left_out):
         left_out.add(("accept",))
     return model, frozenset(left_out)
-
-
-def validate_variants(spec: Spec) -> tuple[Diagnostic, ...]:
-    """What is to be said of the variants of a spec, beyond what holds for the spec itself.
-
-    Raises:
-        SpecError: with every error of every variant.
-    """
-    from actspec.spec.variants import named
-
-    if spec.document.variant is not None:
-        return ()
-    collector = Collector()
-    said = {replace(item, where="") for item in spec.diagnostics}
-    for name in spec.model.variants:
-        found: tuple[Diagnostic, ...]
-        try:
-            found = load_spec(named(spec.document.path, name)).diagnostics
-        except SpecError as err:
-            found = err.diagnostics
-        for item in found:
-            if replace(item, where="") not in said:
-                said.add(replace(item, where=""))
-                collector.add(replace(item, where=f"{item.where} (variant {name})"))
-    collector.raise_if_failed(SpecError)
-    return collector.sorted()
 
 
 _RESULTS = "results are a relative path inside the folder of the spec, such as results/legs.yaml"

@@ -172,6 +172,9 @@ def check_accepted(
         if target not in lost or field in lost[target] or (target == SPEC_ITSELF and field in BY_CODE):
             continue
         guess = nearest(field, list(lost[target]))
+        if guess is None and target == SPEC_ITSELF:
+            codes = {check.name: code for code, check in BY_CODE.items()}
+            guess = codes.get(nearest(field.lower(), list(codes)) or "")
         whose = "the spec itself" if target == SPEC_ITSELF else f"the target '{target}'"
         others = f"its losses are {listed(lost[target])}" if lost[target] else "it loses nothing"
         collector.at(f"accept.{key}", spec.document.spans.key(("accept", key))).warning(

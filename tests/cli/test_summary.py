@@ -133,6 +133,36 @@ def test_nothing_lost(spec: Path, capsys: Any) -> None:
     assert lines[-1] == "no approximation; 0 warnings"
 
 
+def test_what_strict_refuses_is_counted_as_above(spec: Path, capsys: Any) -> None:
+    """Two approximations, of three joints: the summary and --strict have one count."""
+    capsys.readouterr()
+    assert main(["compile", "arm.yaml", "--strict"]) == 1
+    out, err = capsys.readouterr()
+    assert out.splitlines()[-1].startswith("2 approximations, ")
+    assert err.splitlines()[-4:-1] == [
+        "--strict: 2 approximations that the spec does not accept; nothing was written",
+        "  mjlab.delay (1 joint)",
+        "  mjlab.velocity_limit (2 joints)",
+    ]
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_step_that_nobody_states(spec: Path, stated: bool, capsys: Any) -> None:
+    """Summary and files say whose the 2 ms are: a list of joints has no step, and the spec none."""
+    spec.write_text(
+        SPEC.replace("5 ms", "2 ms") if stated else SPEC.replace("timing: {physics_dt: 5 ms}\n", "")
+    )
+    lines = _said(capsys, "-t", "isaaclab", "-t", "mjlab", "-t", "deploy")
+    whose = "MuJoCo's default: neither the spec nor its model states one"
+    assert lines[0].endswith(", physics 2 ms" if stated else f", physics 2 ms ({whose})")
+    for path, line in (
+        ("isaaclab/arm_cfg.py", f"\nThe step is {whose}.\n"),
+        ("mjlab/arm_cfg.py", f"\n# The step is {whose}.\n"),
+        ("deploy/arm_deploy.yaml", f"  physics_dt: 0.002  # s, of the simulation; {whose}\n"),
+    ):
+        assert (line in Path("build/arm", path).read_text()) is not stated
+
+
 def test_strict_says_not_written(spec: Path, capsys: Any) -> None:
     """Where --strict refuses, no file is called written."""
     lines = _said(capsys, "--strict")

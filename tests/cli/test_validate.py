@@ -91,6 +91,15 @@ def test_a_spec_that_fits(folder: Path, model: str, capsys: pytest.CaptureFixtur
     assert capsys.readouterr() == ("leg.yaml: valid: leg, 2 groups\n", "")
 
 
+def test_a_xacro_whose_joints_are_there(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Properties make no joints, and what xacro made may name its namespace."""
+    head = '<robot name="leg" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:property name="a" value="1"/>'
+    (folder / "leg.urdf").write_text(URDF.replace('<robot name="leg">', head), encoding="utf-8")
+    (folder / "leg.yaml").write_text(spec("leg.urdf", "hip", "knee"), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 0
+    assert capsys.readouterr() == ("leg.yaml: valid: leg, 2 groups\n", "")
+
+
 @pytest.mark.parametrize("inertia", ["joint", "reflected"])
 @pytest.mark.parametrize("model", ["leg.xml", "leg.urdf"])
 def test_a_gain_of_the_joints_inertia_waits_for_a_compilation(
@@ -122,6 +131,35 @@ def test_accept_of_a_check_that_finds_nothing(folder: Path, capsys: pytest.Captu
         "leg.yaml:7:3: SPEC164 [warning] accept.spec.SPEC183: SPEC183 finds nothing in this spec"
     )
     assert err.count("SPEC164") == 1
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("spec182", "SPEC162 accept.spec.spec182: no check of a spec's numbers is called spec182\n"
+         "  help: did you mean 'spec.SPEC182'?"),
+        ("STB102", "SPEC162 accept.spec.STB102: no check of a spec's numbers is called STB102\n"
+         "  help: remove it: --strict refuses nothing of STB102"),
+        ("gear_below_one", "SPEC164 [warning] accept.spec.gear_below_one: the spec itself has no approximation of this "
+         "name: nothing is accepted by it\n  help: did you mean 'spec.SPEC182'?"),
+        ("linkage", "SPEC164 [warning] accept.spec.linkage: the spec itself has no approximation of this name: nothing "
+         "is accepted by it\n  help: remove it; it loses nothing"),
+    ],
+)  # fmt: skip
+def test_accept_of_what_the_spec_does_not_lose(
+    folder: Path, key: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What compile says of a key of the spec itself is told without it."""
+    accept = f"accept:\n  spec.{key}: why\n"
+    (folder / "leg.yaml").write_text(spec("leg.xml", "hip", "knee") + accept, encoding="utf-8")
+    main(["validate", "leg.yaml"])
+    assert capsys.readouterr().err == f"leg.yaml:7:3: {said}\n"
+    (folder / "leg.yaml").write_text(
+        spec("leg.xml", "hip", "knee") + accept + "variants: {a: {}}\n", encoding="utf-8"
+    )
+    main(["validate", "leg.yaml"])
+    # A warning may be what another variant needs.
+    assert capsys.readouterr().err == f"leg.yaml:7:3: {said}\n" * ("SPEC162" in said)
 
 
 def test_listed_joints(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -179,7 +217,18 @@ def test_what_strict_makes_of_it(
     ("model", "said"),
     [
         ("broken.xml", "broken.xml:1:9: ROBOT004: the file ends before <mujoco>"),
-        ("leg.usd", "leg.usd:1:1: ROBOT004: this is not XML"),
+        (
+            "leg.usd",
+            "leg.usd:1:1: ROBOT104: this is a USD, which is not read as a robot's model\n"
+            "  help: name the MJCF or URDF that it was made of; or write `model: none`, and the `joints`",
+        ),
+        ("crate.usd", "crate.usd:1:1: ROBOT104: this is a USD"),
+        (
+            "macro.xacro",
+            "macro.xacro:2:3: ROBOT104: <xacro:macro> has to be expanded by xacro first: it may make joints\n"
+            "  help: xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that in the spec",
+        ),
+        ("parts.xacro", "parts.xacro:2:3: ROBOT104: <x:include> has to be expanded by xacro first"),
         ("page.xml", "page.xml:1:1: ROBOT104: the root element is <html>"),
     ],
 )
@@ -188,11 +237,15 @@ def test_a_model_that_is_no_model(
 ) -> None:
     """An error as for `compile`, at its place in the model, without --strict too."""
     (folder / "leg.usd").write_text("#usda 1.0\n", encoding="utf-8")
+    (folder / "crate.usd").write_bytes(b"PXR-USDC\0\x08\0\xff")
+    xacro = '<robot name="leg" xmlns:{0}="http://ros.org/wiki/xacro">\n  <{0}:{1} name="leg"/></robot>'
+    (folder / "macro.xacro").write_text(xacro.format("xacro", "macro"), encoding="utf-8")
+    (folder / "parts.xacro").write_text(xacro.format("x", "include"), encoding="utf-8")
     (folder / "page.xml").write_text("<html/>", encoding="utf-8")
     (folder / "leg.yaml").write_text(spec(model, "no_such_joint"), encoding="utf-8")
     assert main(["validate", "leg.yaml"]) == 2
     out, err = capsys.readouterr()
-    assert out == "" and err.startswith(said) and err.count("ROBOT") == 1
+    assert out == "" and err.startswith(said) and err.count(": ROBOT") == 1
     assert main(["compile", "leg.yaml"]) == 2
     assert said in capsys.readouterr().err
 
@@ -328,3 +381,92 @@ def test_nothing_is_told_twice(folder: Path, capsys: pytest.CaptureFixture[str])
     assert main(["validate", "leg.yaml"]) == 2
     said = capsys.readouterr().err
     assert said.count("SPEC182") == 1 and said.count("BIND001") == 1
+
+
+def variants(**texts: str) -> str:
+    """Variants by their names."""
+    return "variants:\n" + "".join(f"  {name}: {text}\n" for name, text in texts.items())
+
+
+@pytest.mark.parametrize(
+    ("texts", "said"),
+    [
+        pytest.param(
+            {"a": "{robot: {model: leg.urdf}}", "b": "{actuators: {g1: {joints: [kne]}}}"},
+            [
+                "leg.yaml:8:33: BIND001 actuators.g1.joints[0] (variant b): the pattern 'kne' matches no joint of "
+                "'MuJoCo Model'\n  help: did you mean 'knee'? (matches knee)"
+            ],
+            id="a pattern",
+        ),
+        pytest.param(
+            {"a": "{robot: {model: long.xml}}", "b": "{}", "c": "{robot: {model: long.xml}}"},
+            [
+                "leg.yaml:5:17: BIND001 actuators.g1.joints[0] (variants a, c): the pattern 'knee' matches no joint of "
+                "'MuJoCo Model'\n  help: did you mean 'knee.*'? (matches knee_2)"
+            ],
+            id="the same in two of three",
+        ),
+        pytest.param(
+            {"a": "{robot: {model: log.xml}}"},
+            [
+                "leg.yaml:7:22: ROBOT101 robot.model (variant a): there is no model 'log.xml'\n"
+                "  help: did you mean 'long.xml'?"
+            ],
+            id="a model that is not there",
+        ),
+        pytest.param(
+            {"a": "{robot: {packages: {legs: no}}}"},
+            [
+                "leg.yaml:7:32: ROBOT101 (variant a): there is no folder 'no' of the package 'legs'\n  help: write the "
+                "package's own folder, relative to the spec's, the one with its package.xml; or name it with --package "
+                "legs=FOLDER"
+            ],
+            id="a package that is not there",
+        ),
+    ],
+)
+def test_variants_are_held_to_their_models(
+    folder: Path, texts: dict[str, str], said: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What `--variant` finds is found without it, once, with the names of the variants that have it."""
+    (folder / "long.xml").write_text(MJCF.replace("knee", "knee_2"), encoding="utf-8")
+    (folder / "leg.yaml").write_text(spec("leg.xml", "hip", "knee") + variants(**texts), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", "\n".join(said) + "\n")
+    for name in texts:
+        concerned = f"variant {name})" in err or f"variants {name}," in err or f", {name})" in err
+        assert main(["validate", "leg.yaml", "--variant", name]) == (2 if concerned else 0)
+
+
+def test_a_fault_of_the_spec_itself_is_no_variants(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is told once and names no variant, and what is wrong in a variant alone is told beside it."""
+    text = spec("leg.xml", "hip", "kne") + variants(a="{}", b="{robot: {model: log.xml}}")
+    (folder / "leg.yaml").write_text(text, encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    err = capsys.readouterr().err
+    assert err.count("BIND001 actuators.g1.joints[0]: ") == err.count("BIND001") == 1
+    assert err.count("ROBOT101 robot.model (variant b): ") == err.count("ROBOT101") == 1
+
+
+def test_what_is_doubtful_in_a_variant(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The hip turns from 0 to 1 rad: 1.2 rad are a warning, with --strict a refusal; a variant's summary names none."""
+    pose = "{robot: {default_pose: {hip: 1.2 rad}}}"
+    text = spec("leg.urdf", "hip|knee") + "variant: c\n" + variants(a=pose, b="{robot: {model: herd.xml}}")
+    (folder / "leg.yaml").write_text(text, encoding="utf-8")
+    unread = (
+        "not checked against the joints of herd.xml: its <replicate> makes joints that its text does not name"
+    )
+    assert main(["validate", "leg.yaml"]) == 0
+    out, err = capsys.readouterr()
+    assert out == f"leg.yaml: valid: leg, 1 group, variants a, b, c (variant b: {unread})\n"
+    assert err.startswith("leg.yaml:7:35: SPEC190 [warning] robot.default_pose (variant a): hip: ")
+    assert main(["validate", "leg.yaml", "--strict"]) == 1
+    out, err = capsys.readouterr()
+    assert out.startswith("leg.yaml: valid, but not to --strict: leg, 1 group, variants a, b, c")
+    assert "--strict: 1 number that can hardly be right\n" in err
+    assert main(["validate", "leg.yaml#b", "--strict"]) == 0
+    assert capsys.readouterr() == (f"leg.yaml#b: valid: leg, 1 group ({unread})\n", "")
+    assert main(["validate", "leg.yaml#c", "--strict"]) == 0
+    assert capsys.readouterr() == ("leg.yaml#c: valid: leg, 1 group\n", "")

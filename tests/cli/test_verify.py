@@ -18,6 +18,7 @@ from actspec.verify.response import SOFT
 from tests.schemas import fits
 from tests.verify.making import MODEL, SPEC
 
+ROOT = Path(__file__).resolve().parents[2]
 TARGETS = 'targets: {mujoco: {version: "3.12"}, isaaclab: {version: "2.3"}, deploy: {}}\n'
 
 
@@ -315,6 +316,58 @@ def test_the_last_line_does_not_call_an_approximation_agreement(folder: Path) ->
         assert said((known,), "") == agreed.replace("accepted", "known")
     # What the engine's own soft friction costs is no loss of the target.
     assert said((SOFT,), "") == f"2 targets agree with the spec, {read}"
+
+
+def test_what_the_spec_itself_loses_is_told_beside_the_targets(folder: Path) -> None:
+    """The law has it already: `compile` has 82 N*m of it in its last line, the targets 0.25 N*m; the larger is told."""
+    (folder / "rich.yaml").write_text(SPEC[: SPEC.index("targets:")] + TARGETS, "utf-8")
+    done = api.compile("rich.yaml")
+    own = tuple(
+        Approximation("spec", joint, "linkage_pose", "a", "b", "c", error)
+        for joint, error in (("hip", 82.0), ("knee", 3.0))
+    )
+    key = "mujoco.delay.range"
+    row = Row("mujoco", "hips", "hip", 2, "torque", "N*m", 0.25, 0.5, True, approximations=(key,))
+    open_ = Approximation("mujoco", "hip", "delay.range", "a", "b", "c", 0.5)
+
+    def said(own: tuple[Approximation, ...], losses: tuple[Approximation, ...]) -> list[str]:
+        emissions = (replace(done.emissions[0], approximations=losses),)
+        actuators = replace(done.actuators, approximations=own, accept=())
+        made = replace(done, actuators=actuators, targets=done.targets[:1], emissions=emissions)
+        return list(report(made, Agreement((row,), (), losses)))
+
+    lines = said(own, (open_,))
+    assert (
+        "; the spec itself approximates linkage_pose (up to 82 N*m), alike in every target; the" in lines[-1]
+    )
+    assert "  known approximations of what was compared (see --strict and `accept`)" in lines
+    lines = said((), ())
+    assert "the spec itself" not in lines[-1]
+    assert "  known approximations of what was compared, as the spec accepts" in lines
+
+
+def test_the_table_of_the_page_has_the_fields_that_are_compared(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """docs/verify.md shows the A1: each of its targets, with the fields of its files and those that its engine tells.
+
+    Engines, which this test does not run, tell of the objects that they made: Isaac Lab 1, mjlab and Newton 3 each.
+    """
+    monkeypatch.chdir(ROOT)
+    assert main(["verify", "robots/a1.yaml", "--fields-only", "--output-format", "markdown"]) == 0
+
+    def fields(text: str, column: int) -> dict[str, int]:
+        lines = text[text.index("| target |") :].partition("\n\n")[0].splitlines()[2:]
+        rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+        return {row[0]: int(row[column]) for row in rows}
+
+    page = (ROOT / "docs" / "verify.md").read_text(encoding="utf-8")
+    run = {"isaaclab 2.3": 1, "mjlab 1.6": 3, "newton 1.8": 3}
+    read = fields(capsys.readouterr().out, 7)
+    shown = fields(page, 7)
+    assert list(shown) == ["mujoco 3.12", *run, "deploy", "randomization"]
+    # Without usd-core Newton's is not read.
+    assert {target: shown[target] - run.get(target, 0) for target in read} == read
 
 
 def test_the_last_line_tells_what_was_only_read_back(folder: Path) -> None:

@@ -134,6 +134,10 @@ def test_effort_words(motor: str, word: str, expected: list[str]) -> None:
         ),
         pytest.param("targets: {mine: {target: mjlab}}\naccept: {mine.delay: why}", [], id="a free name"),
         pytest.param("accept: {spec.SPEC999: why}", ["SPEC162 accept.spec.SPEC999"], id="no such check"),
+        pytest.param(
+            "accept: {spec.spec183: why}", ["SPEC162 accept.spec.spec183"], id="a check in small letters"
+        ),
+        pytest.param("accept: {spec.STB102: why}", ["SPEC162 accept.spec.STB102"], id="a rule of the audit"),
         pytest.param("accept: {spec.SPEC183: why}", [], id="a check"),
         pytest.param("accept: {SPEC183: why}", ["SPEC162 accept.SPEC183"], id="a check without `spec.`"),
         pytest.param("accept: {mujoco: why}", ["SPEC162 accept.mujoco"], id="no field"),

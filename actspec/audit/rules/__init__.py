@@ -42,7 +42,7 @@ def _rule_in(name: str) -> type[Rule]:
 def check_actuators(
     actuators: ActuatorSet, explicit: Mapping[str, Collection[str]]
 ) -> tuple[Diagnostic, ...]:
-    """What the rules that need no other file say of a spec that is compiled: one warning a rule and group, its worst.
+    """What the rules that need no other file say of a spec that is compiled: one a rule and group, its worst.
 
     FRC101 and FRC106 are not among them: `resolve` has judged friction before (`actspec.spec.plausible`).
 
@@ -58,7 +58,7 @@ def check_actuators(
     case = case_of(actuators, explicit)
     rules = (DriveAndJointDamping, ExplicitDrive)
     found = [item for rule in rules for item in rule().check(case) if isinstance(item, Finding)]
-    return tuple(_worst(actuators, found))
+    return tuple(_worst(actuators, found, {rule.code: rule.severity for rule in rules}))
 
 
 def case_of(actuators: ActuatorSet, explicit: Mapping[str, Collection[str]]) -> Case:
@@ -72,7 +72,9 @@ def case_of(actuators: ActuatorSet, explicit: Mapping[str, Collection[str]]) -> 
     return Case((), (artifact,), rows_of_spec(artifact, 0), (robot,), explicit=explicit)
 
 
-def _worst(actuators: ActuatorSet, found: list[Finding]) -> Iterator[Diagnostic]:
+def _worst(
+    actuators: ActuatorSet, found: list[Finding], severities: Mapping[str, Severity]
+) -> Iterator[Diagnostic]:
     """For each rule and group the finding with the largest figure, and the joints that have the same."""
     group_of = {actuator.joint: actuator.group for actuator in actuators.joints}
     groups: dict[tuple[str, str], list[Finding]] = {}
@@ -84,4 +86,4 @@ def _worst(actuators: ActuatorSet, found: list[Finding]) -> Iterator[Diagnostic]
         where = f"actuators.{group}"
         message = f"{listed(joints)}: {worst.message}"
         span = worst.span if worst.span.path else None
-        yield Diagnostic(code, Severity.WARNING, message, where, span, worst.help)
+        yield Diagnostic(code, worst.severity or severities[code], message, where, span, worst.help)

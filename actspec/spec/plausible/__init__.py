@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import re
 
-from actspec.diagnostics import Collector, did_you_mean
+from actspec.diagnostics import Collector, did_you_mean, listed
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.groups import drives_of, group_doubts, time_doubts
 from actspec.spec.plausible.repairs import motor_doubts
-from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, tell
+from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, tell
 from actspec.spec.rules.robot import SPEC_ITSELF
 
-_CODE = re.compile("[A-Z]{2,}[0-9]+")
+_CODE = re.compile("[A-Za-z]{2,}[0-9]+")
 
 __all__ = ["BY_CODE", "CHECKS", "Check", "check_numbers"]
 
@@ -29,15 +29,26 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
         document: Where it says it.
         collector: Takes warnings, and errors where nothing could be right.
     """
-    spans = document.spans
     for key in model.accept:
         whose, _, code = key.partition(".")
         if whose == SPEC_ITSELF and _CODE.fullmatch(code) and code not in BY_CODE:
-            help = did_you_mean(key, [f"{SPEC_ITSELF}.{known}" for known in BY_CODE])
-            collector.at(f"accept.{key}", spans.key(("accept", key))).error(
+            # What another family reports is no misspelt check.
+            akin = [f"{SPEC_ITSELF}.{known}" for known in BY_CODE if known[:3] == code[:3].upper()]
+            none = (
+                "its checks: " + listed(akin, 40)
+                if akin
+                else f"remove it: --strict refuses nothing of {code}"
+            )
+            help = did_you_mean(f"{SPEC_ITSELF}.{code.upper()}", akin, none)
+            collector.at(f"accept.{key}", document.spans.key(("accept", key))).error(
                 "SPEC162", f"no check of a spec's numbers is called {code}", help
             )
+    tell(number_doubts(model, document), document, model.accept, collector)
+
+
+def number_doubts(model: SpecModel, document: Document) -> list[Doubt]:
+    """What the figures imply whatever the robot is; also what the author is sure of."""
+    spans = document.spans
     doubts = [doubt for drive in drives_of(model) for doubt in motor_doubts(drive, spans)]
     doubted = {doubt.where for doubt in doubts}
-    doubts += [*time_doubts(model, spans), *group_doubts(model, spans, doubted)]
-    tell(doubts, document, model.accept, collector)
+    return [*doubts, *time_doubts(model, spans), *group_doubts(model, spans, doubted)]

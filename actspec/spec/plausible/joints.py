@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Collector, Diagnostic, Span, listed
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
-from actspec.spec.plausible import check_numbers
+from actspec.spec.plausible import check_numbers, number_doubts
 from actspec.spec.plausible.clamps import clamp_words
 from actspec.spec.plausible.gains import Gains, gain_words
 from actspec.spec.plausible.groups import friction_words
@@ -105,11 +105,15 @@ def check_joints(
         mass: Of the robot [kg]; None: unknown.
     """
     reported = _sections(item for item in collector if item.code in BY_CODE)
-    tell(file_doubts(joints, model, document.spans, reported), document, model.accept, collector)
+    doubts = list(file_doubts(joints, model, document.spans, reported))
+    tell(doubts, document, model.accept, collector)
     places = {item.span for item in collector if item.code in BY_CODE}
-    far = (doubt for doubt in limit_doubts(joints) if doubt.span not in places)
-    tell(far, document, model.accept, collector)
-    tell(_joint_doubts_of(joints, collector, mass), document, model.accept, collector)
+    doubts += (doubt for doubt in limit_doubts(joints) if doubt.span not in places)
+    tell(doubts, document, model.accept, collector)
+    # What follows from a number is not told when the author is sure of that: else each `sure` brings the next.
+    doubts += number_doubts(model, document)
+    found = {doubt.diagnostic for doubt in doubts}.union(item for item in collector if item.code in BY_CODE)
+    tell(_joint_doubts_of(joints, found, mass), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
     if kept and not model.variants:
@@ -160,16 +164,15 @@ def _check_kept(
 
 
 def _joint_doubts_of(
-    joints: Sequence[JointActuator], collector: Collector, mass: float | None
+    joints: Sequence[JointActuator], told: Collection[Diagnostic], mass: float | None
 ) -> Iterator[Doubt]:
-    """What is found at the joints, but for what follows from numbers that are reported already."""
-    told = [item for item in collector if item.code in BY_CODE]
+    """What is found at the joints, but for what follows from numbers that are found already, reported or kept."""
     reported = _sections(told)
     gained = _sections(item for item in told if item.code == "SPEC192")
     parts = (re.split(r"[.\[]", item.where) for item in told)
     reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
     places = {item.span for item in told}
-    groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
+    groups: dict[tuple[str, Span | None], list[_Found]] = {}
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
     for joint in joints:
         lever = list(_lever(joint, whole))
@@ -180,12 +183,12 @@ def _joint_doubts_of(
                 continue
             doubtful = f"motors.{joint.motor}" in reported or f"actuators.{joint.group}" in reduced
             if (found.derived and doubtful) or not places.isdisjoint((doubt.span, *doubt.judged)):
-                # It follows from a number that is reported itself.
+                # It follows from a number that is found itself.
                 continue
             if doubt.code == "SPEC192" and f"actuators.{joint.group}" in gained:
                 # A derivation's frequency or ratio, or the same two gains by other words.
                 continue
-            groups.setdefault((doubt.code, doubt.span, doubt.where), []).append(found)
+            groups.setdefault((doubt.code, doubt.span), []).append(found)
     yield from (_worst(members) for members in groups.values())
 
 

@@ -211,6 +211,8 @@ def _timing(actuators: ActuatorSet, groups: Sequence[CfgGroup]) -> str:
     timed = {"max_delay", "physics_dt", "network_file"}
     if any(keyword.name in timed for group in groups for keyword in group.keywords):
         text += ": delays, filters and networks count physics steps"
+    if actuators.assumed_step:
+        text += f".\nThe step is {actuators.assumed_step}"
     return f"{text}."
 
 

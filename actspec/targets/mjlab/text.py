@@ -212,6 +212,8 @@ def _header(
         f": lags are steps of {step * 1e3:g} ms" if any(a.delay is not None for a in actuators.joints) else ""
     )
     yield from said(f"with {rates}{lags}.")
+    if actuators.assumed_step:
+        yield from said(f"The step is {actuators.assumed_step}.")
     yield from said("soft_joint_pos_limit_factor is left to the task.")
     below = sections(actuators, approximations, "Approximations (what mjlab cannot hold):")
     yield from section_lines(below, bullet="- ", hang="  ", width=WIDTH)

@@ -127,7 +127,7 @@ def _say_lacking_meshes(document: XmlDocument, packages: Mapping[str, str], plac
     if strange:
         near = {name: nearest(name, list(packages)) for name in dict.fromkeys(map(package_of, strange))}
         meant = [f"`{name}` for `{key}`" for name, key in near.items() if key is not None]
-        help = f"did you mean {listed(meant, 4)} in `robot.packages`?"
+        help = f"did you mean {listed(meant, 4)} in `robot.packages` or --package?"
         if len(meant) != len(near):
             help = (
                 "name its folder in `robot.packages: {NAME: folder}` or with --package NAME=FOLDER, or keep the URDF "
@@ -135,7 +135,7 @@ def _say_lacking_meshes(document: XmlDocument, packages: Mapping[str, str], plac
             )
         place.warning(
             "MJC029",
-            f"{_meshes(strange)} of a package that is not around the model, and MuJoCo cannot open: "
+            f"MuJoCo cannot open {_meshes(strange)} of a package in whose folder the model does not lie: "
             f"{listed(strange, 4)}",
             help,
         )

@@ -208,9 +208,9 @@ def integrator_for(
     if worst is None or figures[worst] < 1.0:
         return None
     needing = [joint for joint, figure in figures.items() if figure >= 1.0]
-    collector.at("timing.physics_dt", Span(robot.path)).info(
+    collector.at("option/integrator", Span(robot.path)).info(
         "MJC028",
-        "option/integrator becomes implicitfast: the file states none, and Euler takes kd explicitly, too coarsely for "
+        "becomes implicitfast: the file states none, and Euler takes kd explicitly, too coarsely for "
         f"{listed(needing)} (h kd/I + h^2 kp/2I = {format_number(figures[worst], 3)} at {worst}, limit {LIMIT:g})",
         "state an integrator in the model to keep it",
     )

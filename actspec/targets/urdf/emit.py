@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from actspec.diagnostics import Collector, EmitError, Span, listed, shortened
 from actspec.ir import ActuatorSet, Origin, Quantity
+from actspec.robot.read_urdf import EXPAND, unexpanded
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
 from actspec.robot.xml import parse_document
 from actspec.robot.xml_edit import AppendChild, Edit, InsertBefore, SetAttribute, apply_edits, exact_number
@@ -84,21 +85,12 @@ def _check_format(robot: RobotView, collector: Collector) -> None:
 
 
 def _check_expanded(document: XmlDocument, collector: Collector) -> None:
-    """Refuse a xacro: its joints are not there yet. An expanded one may still name xacro's namespace."""
-    prefixes = {"xacro"}
-    for element in document.walk():
-        prefixes.update(
-            name.partition(":")[2]
-            for name, value in element.values.items()
-            if name.startswith("xmlns:") and "xacro" in value
+    """Refuse a xacro, with values that are yet to be computed."""
+    element = next(unexpanded(document), None)
+    if element is not None:
+        collector.at("robot.model", Span(document.files[0].path, element.line, element.column)).error(
+            "URD002", f"<{shortened(element.tag)}> has to be expanded by xacro first", EXPAND
         )
-        if element.tag.partition(":")[0] in prefixes and ":" in element.tag:
-            collector.at("robot.model", Span(document.files[0].path, element.line, element.column)).error(
-                "URD002",
-                f"<{shortened(element.tag)}> has to be expanded by xacro first",
-                "xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that in the spec",
-            )
-            return
 
 
 def _text_edits(joint: Element, edit: UrdfJointEdit) -> list[Edit]:

@@ -515,6 +515,39 @@ def test_what_follows_from_a_wrong_number_is_not_reported_as_well() -> None:
     assert codes(text) == ["SPEC182"]
 
 
+@pytest.mark.parametrize(
+    ("ratio", "more", "expected"),
+    [
+        ("0.8", "", ["SPEC182"]),
+        ("{value: 0.8, sure: true}", "", []),
+        ("0.8", "accept: {spec.SPEC182: a belt that gears up}", []),
+        # A number that does not follow from the gear is judged as ever: 0.5 s of delay.
+        ("{value: 0.8, sure: true}", "DELAY", ["SPEC186"]),
+    ],
+)
+def test_what_follows_from_a_kept_number_is_kept(ratio: str, more: str, expected: list[str]) -> None:
+    """90 N*m over 0.64 x 4e-5 = 2.56e-5 kg*m^2 are 3.5e6 rad/s^2, beyond 3e6 (SPEC191): what the gear makes of it."""
+    delay = ", delay: 0.5 s" if more == "DELAY" else ""
+    group = "level: ideal_pd, motor: m, kp: 400, kd: 25, effort_limit: 90"
+    text = spec_of(
+        f"legs: {{joints: [hip], {group}{delay}}}, {REST}",
+        motors=f"{{m: {{side: joint, peak_torque: 90, gear_ratio: {ratio}, rotor_inertia: 4e-5}}}}",
+        more="" if more == "DELAY" else more,
+    )
+    assert codes(text) == expected
+
+
+def test_one_number_of_two_groups_is_one_message() -> None:
+    """A motor of 2e-5 kg*m^2: 90 N*m would turn it with 4.5e6 rad/s^2, at hip and calf."""
+    group = "level: ideal_pd, motor: m, kp: 400, kd: 25, effort_limit: 90"
+    text = spec_of(
+        f"a: {{joints: [hip], {group}}}, b: {{joints: [calf], {group}}}, "
+        "rest: {joints: [slide], level: ideal_pd, kp: 1, kd: 1}",
+        motors="{m: {gear_ratio: 1, rotor_inertia: 2e-5}}",
+    )
+    assert [(item.code, item.message[:11]) for item in said(text)] == [("SPEC191", "hip, calf: ")]
+
+
 @pytest.mark.parametrize("spec", sorted(path.name for path in ROBOTS.glob("*.yaml")))
 def test_the_robot_library_is_sound(spec: str) -> None:
     assert [str(item) for item in api.resolve(ROBOTS / spec).diagnostics if item.code in BY_CODE] == []

@@ -48,6 +48,8 @@ def test_where_nobody_chose_one(tmp_path: Path, kd: float, changed: bool) -> Non
         (item,) = [item for item in done.diagnostics if item.code == "MJC028"]
         # 1.5 + 0.05
         assert "h kd/I + h^2 kp/2I = 1.55 at knee" in item.message
+        # The model says nothing of it, so that no line of it has it.
+        assert (item.where, str(item.span)) == ("option/integrator", str(tmp_path / "m.xml"))
 
 
 def test_an_option_that_is_there_gets_it(tmp_path: Path) -> None:

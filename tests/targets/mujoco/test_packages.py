@@ -106,7 +106,9 @@ def test_another_package(tmp_path: Path) -> None:
     """A package that is not around the file is reported with its meshes, not written as if it were found."""
     done = compiled(package(tmp_path, "clone"))
     (item,) = [item for item in done.diagnostics if item.code == "MJC029"]
-    assert item.message.startswith("1 mesh file of a package that is not around the model")
+    assert item.message.startswith(
+        "MuJoCo cannot open 1 mesh file of a package in whose folder the model does not lie: "
+    )
     assert "package://my_desc/meshes/x.obj" in item.message
     assert item.span is not None and item.span.path.endswith("r.urdf")
 
@@ -141,8 +143,10 @@ def test_a_misspelt_package_of_the_spec(tmp_path: Path) -> None:
     spec = SPEC.replace("r.urdf}", "r.urdf, packages: {my_dsc: .}}")
     (own / "s.yaml").write_text(spec, encoding="utf-8")
     message, help = reported(compiled(own))
-    assert message.startswith("1 mesh file of a package that is not around the model")
-    assert help == "did you mean `my_desc` for `my_dsc` in `robot.packages`?"
+    assert message.startswith(
+        "MuJoCo cannot open 1 mesh file of a package in whose folder the model does not lie: "
+    )
+    assert help == "did you mean `my_desc` for `my_dsc` in `robot.packages` or --package?"
 
 
 @pytest.mark.parametrize(
