@@ -10,6 +10,7 @@ from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
 from actspec.audit.rules.joints import is_called_undriven, is_exporters, partner_rows, shown, unit
+from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
 from actspec.files import in_common
@@ -119,20 +120,28 @@ class NoEffectiveLimit(RuleInParts):
         noun = "force" if row.kind is JointKind.SLIDE else "torque"
         bound, how = _bound(row, view) if view is not None else (None, "")
         severity = self.severity
+        lower: LedgerRow | None = None
         if bound is None:
             effect = f"its {noun} is unlimited"
+        elif _is_in_doubt(case, row):
+            effect = (
+                f"what its clamped command bounds its {noun} at is unknown: a range is in the wrong unit (UNT101)"
+            )
+            severity = Severity.INFO
         else:
             effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
             partners = (other for other in partner_rows(case, row, *_MODELS) if not is_exporters(other))
-            others = [
-                (_common(other.file, row.file), other.effort_limit or 0.0)
-                for other in partners
-                if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER
-            ]
-            nearest = max((common for common, _ in others), default=0)
-            most = max((limit for common, limit in others if common == nearest), default=None)
-            if most is not None and bound >= _TIMES * most:
-                effect += f", and another file limits the joint to {shown(row, 'effort_limit', most, 6)}"
+            others = (other for other in partners if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER)
+            # The largest limit of those files that lie nearest.
+            nearest = max(
+                others,
+                key=lambda other: (_common(other.file, row.file), other.effort_limit or 0.0),
+                default=None,
+            )
+            if nearest is not None and bound >= _TIMES * (nearest.effort_limit or 0.0):
+                lower = nearest
+                limit = shown(row, "effort_limit", lower.effort_limit, 6)
+                effect += f", and {lower.place('effort_limit').path} limits the joint to {limit}"
             else:
                 severity = Severity.INFO
         if written is None:
@@ -153,6 +162,7 @@ class NoEffectiveLimit(RuleInParts):
             help="add actuatorfrcrange to the joint, or forcerange to the actuator"
             if written is None
             else "leave forcelimited out, or the range",
+            related=() if lower is None else (lower.place("effort_limit"),),
             fields=("effort_limit",),
             severity=severity,
         )
@@ -251,6 +261,12 @@ class NoEffectiveLimit(RuleInParts):
             help=f"state the motor's {_noun(field)}",
             fields=(field,),
         )
+
+
+def _is_in_doubt(case: Case, row: LedgerRow) -> bool:
+    """Whether the range of a joint or of its command is in another unit than it is read in."""
+    places = (row.place(field).path for field in ("position_range", "command_range"))
+    return any((path, row.joint) in case.once(ranges_in_doubt) for path in places)
 
 
 def _common(one: str, other: str) -> int:
