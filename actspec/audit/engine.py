@@ -33,7 +33,7 @@ from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
 from actspec.audit.selection import ALL, DIAGNOSTICS, is_selected, strength
-from actspec.audit.settings import Settings, beyond_known
+from actspec.audit.settings import Settings, beyond_known, not_read
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.files import name_in_file
 from actspec.readings.artifact import FileReading
@@ -69,7 +69,7 @@ def audit(
     case = case_of(readings, settings.versions, settings.options, spec)
     globs = files.exclude
     said = globs.misspelt(files.named, files.met) if isinstance(globs, Exclude) else ()
-    said = (*said, *beyond_known(settings.versions))
+    said = (*said, *beyond_known(settings.versions), *not_read(settings))
     return judge(case, settings, spec=spec, whole=files.in_folders, said=said)
 
 

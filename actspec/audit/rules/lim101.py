@@ -12,7 +12,7 @@ from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuator
 from actspec.audit.rules.joints import is_called_undriven, is_exporters, partner_rows, shown, unit
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
-from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEEDS
+from actspec.fields import GRAVITY, LONGEST_LEVER, PLACEHOLDER, PLACEHOLDER_SPEEDS
 from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
@@ -20,7 +20,6 @@ from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.mjcf_actuator_text import numbers
 from actspec.robot.view import ActuatorView
-from actspec.spec.plausible.joints import GRAVITY, LONGEST_LEVER
 from actspec.units import format_quantity
 
 _LIMITS = ("effort_limit", "velocity_limit")
@@ -39,8 +38,8 @@ _TIMES = 5.0
 where it was 1.3 to 2.4 times the limit nobody acted on it (docs/survey.md)."""
 
 _ROUND = (1e3, 1e4)
-"""Efforts that are nobody's where every joint of a light robot has them [N*m]. Published: 1000 N*m on all joints of Solo
-12, which weighs 2.5 kg, and of Bolt, 1.25 kg."""
+"""Efforts that are nobody's where every joint of a light robot has them [N*m]. Published: 1000 N*m on all joints of
+Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg."""
 
 _EMPTY = (0.0, 0.0)
 _MODELS = (FileKind.MJCF, FileKind.URDF)
@@ -256,7 +255,8 @@ class NoEffectiveLimit(RuleInParts):
             )
             yield Finding(
                 self.code,
-                f"the {_noun(field)} of {shown(row, field, limit, 6)} is a placeholder: {nothing}, and it limits nothing",
+                f"the {_noun(field)} of {shown(row, field, limit, 6)} is a placeholder: {nothing}, and it limits "
+                "nothing",
                 row.place(field),
                 row.joint,
                 limit,
@@ -421,7 +421,7 @@ def _without(case: Case, field: str, other: str) -> frozenset[int]:
 
 
 def _round_for_all(case: Case) -> frozenset[int]:
-    """URDFs with one of the round efforts on every hinge, two or more, that would hold the robot on a lever which none has.
+    """URDFs with a round effort on every hinge, two or more, that would hold the robot on a lever which none has.
 
     Of each hinge the links that it moves are known, so that none of the mass is missing.
     """
