@@ -25,6 +25,14 @@ PLACEHOLDER_SPEED = 100.0
 """A speed limit from which on it is no evidence of what a joint does [rad/s or m/s]. Chosen: joints behind a gear reach
 40 rad/s, direct drives 60; published placeholders are 100, 1000 and 10000, on every joint alike."""
 
+PLACEHOLDER_SPEEDS = (1e3, 1e4)
+"""Speed limits of a hinge that are nobody's number below `PLACEHOLDER` [rad/s]: as rpm they would be none of a joint
+either."""
+
+GRAVITY = 9.81
+LONGEST_LEVER = 4.0
+"""Effort limit over the weight of the robot that no robot has [m]. Published: 1.55 (Z1 arm), 0.9 (A2), 0.59 (H1)."""
+
 
 class Role(Enum):
     """What a figure is, which decides who may state it and with what it is compared."""

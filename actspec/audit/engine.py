@@ -33,9 +33,9 @@ from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
 from actspec.audit.selection import ALL, DIAGNOSTICS, is_selected, strength
-from actspec.audit.settings import Settings, beyond_known
+from actspec.audit.settings import Settings, beyond_known, not_read
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
-from actspec.files import name_in_file
+from actspec.files import name_in_file, path_of_name
 from actspec.readings.artifact import FileReading
 from actspec.readings.read import FAULT, PendingFiles, without_fragments
 
@@ -69,7 +69,7 @@ def audit(
     case = case_of(readings, settings.versions, settings.options, spec)
     globs = files.exclude
     said = globs.misspelt(files.named, files.met) if isinstance(globs, Exclude) else ()
-    said = (*said, *beyond_known(settings.versions))
+    said = (*said, *beyond_known(settings.versions), *not_read(settings))
     return judge(case, settings, spec=spec, whole=files.in_folders, said=said)
 
 
@@ -311,13 +311,20 @@ def _unsure(confidence: Confidence, settings: Settings) -> bool:
 def _stale(
     entries: Counter[Entry], case: Case, ran: set[str], path: str, folder: str
 ) -> Iterator[Diagnostic]:
-    """Entries of the baseline that are no longer found, of files and rules that were looked at."""
+    """Entries of the baseline no longer found, of files and rules that were looked at, or of deleted files."""
     files = {
         name_in_file(relative_path(file.path, folder))
         for reading in case.files
         if reading.readable
         for file in reading.files
     }
+    help = f"write the baseline again with --write-baseline {path}"
+    for file in sorted({entry.file for entry in entries} - files):
+        if os.path.lexists(os.path.join(folder, path_of_name(file))):
+            continue
+        codes = sorted({entry.code for entry in entries if entry.file == file})
+        message = f"the baseline has findings of {file}, which is not there: {listed(codes)}"
+        yield Diagnostic("AUD007", Severity.WARNING, message, "", Span(path), help)
     gone = [entry for entry in entries if entry.file in files and entry.code in ran]
     for code, file in sorted({(entry.code, entry.file) for entry in gone}):
         joints = sorted(item.joint for item in gone if (item.code, item.file) == (code, file) and item.joint)
@@ -328,5 +335,5 @@ def _stale(
             f"{code} is in the baseline and is no longer found in {file}{where}",
             "",
             Span(path),
-            f"write the baseline again with --write-baseline {path}",
+            help,
         )

@@ -65,12 +65,14 @@ class KnownRobot:
         words: What a file of it is called, any of them.
         prefixes: What the names of its joints may begin with, in place of nothing.
         variants: Name to joints; one without a name where there are none.
+        former: Whether its maker replaced it under the same name: a file that may be of both is of the newer one.
     """
 
     name: str
     words: frozenset[str]
     prefixes: tuple[str, ...]
     variants: Mapping[str, Mapping[str, KnownJoint]]
+    former: bool = False
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -105,6 +107,7 @@ def known_robots() -> tuple[KnownRobot, ...]:
                 }
                 for variant, rows in entry["variants"].items()
             },
+            entry.get("former", False),
         )
         for name, entry in table.items()
     )
@@ -140,8 +143,9 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
         named = [
             robot for robot in known_robots() if robot.words & words and not _is_derived(artifact, robot)
         ]
-        # Of two that its name has the joints tell which it is, if they do.
+        # Of two that its name has the joints tell which it is, if they do; legs alone are those of the newer G1.
         met = [(robot, rows) for robot in named if (rows := _rows(case, index, artifact, robot))]
+        met = [each for each in met if not each[0].former] or met
         if len(met) == 1:
             found.append(_like(index, *met[0]))
     return tuple(found)
@@ -180,7 +184,7 @@ def _rows(
         of_own = len(pairs) / max(len(names or by_joint), 1)
         counted = names is None or _counts_alike(known, names)
         whole = count >= KNOWN_SHARE * len(robot.joints) and of_own >= OWN_SHARE
-        if counted and (whole or (names is not None and count >= PART and of_own >= PART_SHARE)):
+        if counted and (whole or (count >= PART and of_own >= PART_SHARE)):
             best = max(best, pairs, key=len)
     return best
 

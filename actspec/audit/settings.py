@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from actspec.audit.finding import Confidence
@@ -13,7 +13,7 @@ from actspec.audit.ignores import REMARKS
 from actspec.audit.places import Places, shown, toml_places
 from actspec.audit.rule import Rule
 from actspec.audit.selection import ALL, guess, is_diagnostic, strength
-from actspec.audit.settings_file import SHARED_FILE, find_settings
+from actspec.audit.settings_file import OWN_FILE, SHARED_FILE, find_settings, passed_over
 from actspec.diagnostics import (
     AuditError,
     Collector,
@@ -62,6 +62,7 @@ class Settings:
         force_exclude: Whether those that are named are passed over too.
         as_named: Whether the files of a folder are judged as if each was named.
         folder: Folder that globs are relative to.
+        passed_over: A settings file beside theirs that is not read; None: there is none.
     """
 
     select: tuple[str, ...] = (ALL,)
@@ -78,6 +79,7 @@ class Settings:
     force_exclude: bool = False
     as_named: bool = False
     folder: str = "."
+    passed_over: str | None = None
 
 
 def load_settings(rules: Sequence[type[Rule]], config: str | None = None, start: str = ".") -> Settings:
@@ -100,7 +102,7 @@ def load_settings(rules: Sequence[type[Rule]], config: str | None = None, start:
     reader = _Reader(path, text, rules, collector)
     settings = reader.document(data)
     collector.raise_if_failed(AuditError)
-    return settings
+    return settings if config is not None else replace(settings, passed_over=passed_over(path))
 
 
 def check_selectors(
@@ -136,6 +138,7 @@ def read_versions(
         out: Gets what is wrong.
     """
     known = tuple(Versions.__dataclass_fields__)
+    wrong, unknown = ("AUD010", "AUD010") if place is None else ("AUD004", "AUD002")
     taken: dict[str, str] = {}
     for written, text in data.items():
         name = written.replace("-", "_")
@@ -144,7 +147,7 @@ def read_versions(
         if name not in known:
             near = nearest(name, known)
             out.error(
-                "AUD002",
+                unknown,
                 f"'{shortened(written)}' is not a simulator or backend that files can be for",
                 where=named,
                 span=span,
@@ -152,10 +155,10 @@ def read_versions(
             )
         elif name == "backend" and text not in BACKENDS:
             message = f"must be one of {', '.join(BACKENDS)}, got '{shortened(text)}'"
-            out.error("AUD004", message, where=named, span=span)
+            out.error(wrong, message, where=named, span=span)
         elif name != "backend" and not _VERSION.fullmatch(text):
             message = f"must be a version such as 2.3, got '{shortened(text)}'"
-            out.error("AUD004", message, where=named, span=span)
+            out.error(wrong, message, where=named, span=span)
         else:
             taken[name] = text
     return Versions(**taken)
@@ -177,6 +180,14 @@ def named_versions(targets: Sequence[str], out: Collector) -> Versions:
         elif given.setdefault(name, version) != version:
             out.error("AUD010", f"two versions of {name}: {given[name]} and {version}", where="--target")
     return read_versions(given, "--target", None, out)
+
+
+def not_read(settings: Settings) -> Iterator[Diagnostic]:
+    """A warning for settings beside those that count."""
+    if settings.passed_over is not None:
+        message = f"its [tool.actspec] is not read: {OWN_FILE} beside it goes before it"
+        help = "keep one of the two"
+        yield Diagnostic("AUD019", Severity.WARNING, message, span=Span(settings.passed_over), help=help)
 
 
 def beyond_known(versions: Versions) -> Iterator[Diagnostic]:

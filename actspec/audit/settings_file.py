@@ -34,6 +34,16 @@ def find_settings(
     return next(_candidates(start, collector), None)
 
 
+def passed_over(path: str) -> str | None:
+    """The pyproject.toml with `[tool.actspec]` beside an actspec.toml, which goes before it; None: there is none."""
+    folder, name = os.path.split(path)
+    shared = os.path.join(folder, SHARED_FILE)
+    if name != OWN_FILE or not os.path.isfile(shared):
+        return None
+    tool = _read(shared, Collector(), quietly=True)[0].get("tool")
+    return shared if isinstance(tool, dict) and "actspec" in tool else None
+
+
 def excluded(config: str | None) -> tuple[tuple[str, ...], str, bool]:
     """Globs of what is passed over, the folder that they are relative to, and whether that goes for named files too.
 

@@ -144,7 +144,7 @@ _OF_ANY_ROBOT = frozenset(
 
 ASIDE = re.compile(
     r"(?<![a-z])(?:archived?|before|old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused|debug|dump|error)(?![a-z])"
-    r"|(?:^|[/\\])(?:third[_-]?party|3rd[_-]?party|externals?|vendor|tests?|test_?data|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik|\w*pinocchio)[/\\]"
+    r"|(?:^|[/\\])(?:third[_-]?party|3rd[_-]?party|externals?|vendor|tests?|test_?(?:data|assets)|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik|\w*pinocchio)[/\\]"
     r"|_test\.(?:xml|urdf|mjcf)$",
     re.IGNORECASE,
 )

@@ -324,10 +324,13 @@ def _actuator(
     limited = limited and "CLAMPCTRL" not in switched_off
     group = model.actuator_group[index]
     reached = (model.name("mjOBJ_JOINT", joint) for joint in reached_joints(model, index, transmitted))
+    name = model.name("mjOBJ_ACTUATOR", index)
+    # From an attached model, as its joint.
+    attached = None if element is not None else written.attachment(name) or written.attachment(target)
     return ActuatorView(
-        name=model.name("mjOBJ_ACTUATOR", index),
+        name=name,
         index=index,
-        span=document.span(element) if element is not None else main,
+        span=document.span(element) if element is not None else attached or main,
         tag=tag,
         transmission=transmitted,
         target=target,

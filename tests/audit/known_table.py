@@ -75,8 +75,7 @@ def table() -> str:
                     row["velocity"] = float(f"{math.radians(speed):.9g}")
                 groups.append({**row, "source": source, "maker": True})
         robots[name] = {"words": arm["words"], "variants": {"": groups}}
-        if "prefixes" in arm:
-            robots[name]["prefixes"] = arm["prefixes"]
+        robots[name] |= {key: arm[key] for key in ("prefixes", "former") if key in arm}
     for name, limits in published["also"].items():
         for rows in robots[name]["variants"].values():
             rows[:] = [each for row in rows for each in _with_others(row, limits)]
@@ -87,7 +86,9 @@ def table() -> str:
             for variant, rows in sorted(entry["variants"].items())
         ]
         head = "".join(
-            f'    "{key}": {json.dumps(entry[key])},\n' for key in ("words", "prefixes") if key in entry
+            f'    "{key}": {json.dumps(entry[key])},\n'
+            for key in ("words", "prefixes", "former")
+            if key in entry
         )
         lines.append(f'  "{name}": {{\n{head}    "variants": {{\n' + ",\n".join(rows) + "\n    }\n  }")
     return "{\n" + ",\n".join(lines) + "\n}\n"

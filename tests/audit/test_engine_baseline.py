@@ -122,6 +122,21 @@ def test_stale_entries_are_told(folder: Path) -> None:
     assert not other.problems
 
 
+def test_entries_of_a_deleted_file_are_told(folder: Path) -> None:
+    """They hide what a new file of that name would have; once a file, whatever rules run."""
+    found = [finding("LIM901", joint="knee"), finding("LIM901", joint="hip"), finding("LIM901", "b\\x80.xml")]
+    (folder / "ci").mkdir()
+    write_baseline(judged(*found).findings, "ci/base.json")
+    Path("b\\x80.xml").write_text("<a/>")
+    rules = (rule_of("LIM901", "first-rule"),)
+    case, settings = case_of({"c.xml": b"<a/>"}), Settings(baseline="ci/base.json", select=("DMP",))
+    assert not judge(case, settings, rules).problems
+    Path("a.xml").unlink()
+    (problem,) = judge(case, settings, rules).problems
+    assert problem.code == "AUD007"
+    assert problem.message == "the baseline has findings of ../a.xml, which is not there: LIM901"
+
+
 def test_text_is_stable_and_valid(folder: Path) -> None:
     """Entries are sorted, equal ones counted, and the text has the form of its schema."""
     found = [finding("LIM901", line=line, joint=joint) for joint in ("knee", "hip") for line in (1, 2)]

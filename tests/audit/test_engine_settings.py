@@ -74,6 +74,30 @@ def test_the_nearest_file_counts(folder: Path) -> None:
     assert load_settings(RULES, config=str(folder / "pyproject.toml")).select == ("LIM",)
 
 
+def test_of_two_in_one_folder_the_other_is_said(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its `exclude` and `fail-on` do nothing, which is a warning; not where the user named a file, or it is silent."""
+    Path("leg.xml").write_text("<mujoco/>")
+    (folder / "robots" / "actspec.toml").write_text("[audit]\n")
+    other = folder / "robots" / "pyproject.toml"
+    said = []
+    for text in ("[tool.ruff]\n", "[tool.actspec.audit]\nfail-on = 'warning'\n"):
+        other.write_text(text)
+        for options in ([], ["--config", os.path.join("..", "actspec.toml")]):
+            main(["audit", "leg.xml", *options])
+            said.append([line for line in capsys.readouterr().err.splitlines() if "AUD019" in line])
+    place = os.path.join("..", "pyproject.toml")
+    told = f"{place}: AUD019 [warning]: its [tool.actspec] is not read: actspec.toml beside it goes before it"
+    assert said == [[], [], [told], []]
+
+
+def test_a_wrong_target_is_a_wrong_option(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It stands in no settings file, so it has not the code of one."""
+    Path("leg.xml").write_text("<mujoco/>")
+    for target in ("isaclab==2.3", "isaaclab==x", "backend==bullet"):
+        assert main(["audit", "leg.xml", "-t", target]) == 2
+        assert "AUD010 --target" in capsys.readouterr().err
+
+
 def test_a_fault_is_told_by_the_path_from_here(folder: Path) -> None:
     """The file is two folders up: so it is named, and not by all folders of the machine."""
     (folder / "actspec.toml").write_text("[audit\n")

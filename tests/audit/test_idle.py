@@ -835,7 +835,7 @@ def test_a_task_that_is_not_registered(tasks: str, severity: Severity) -> None:
     assert [(item.finding.span.path, item.severity) for item in found] == [("r/leg_config.py", severity)]
 
 
-@pytest.mark.parametrize("folder", ["externals", "third_party", "franka_pinocchio"])
+@pytest.mark.parametrize("folder", ["externals", "third_party", "franka_pinocchio", "test_assets"])
 def test_folders_of_others(folder: str) -> None:
     """What lies there is somebody else's, or for kinematics."""
     Path(f"r/{folder}").mkdir()

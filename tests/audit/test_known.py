@@ -32,6 +32,10 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         # robots/limits/legged.yaml: the deprecated revision.
         ("unitree_g1", "mode_2", "left_hip_roll_joint", 88.0),
         ("unitree_g1", "mode_2", "left_knee_joint", 139.0),
+        # robots/limits/legged.yaml: the first revision, which Isaac Lab trains.
+        ("unitree_g1_first", "", "torso_joint", 88.0),
+        ("unitree_g1_first", "", "left_elbow_roll_joint", 21.0),
+        ("unitree_g1_first", "", "right_five_joint", 0.7),
         ("unitree_g1", "mode_15", "right_wrist_yaw_joint", 13.4),
         # Its torque-speed line at rest is above the limit of 1.9123 N*m.
         ("so101", "", "gripper", 3.24986),

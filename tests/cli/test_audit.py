@@ -253,15 +253,15 @@ def test_option_errors_come_together(capsys: pytest.CaptureFixture[str]) -> None
     ]
     assert run("audit", "leg.xml", *arguments) == 2
     assert capsys.readouterr().err.splitlines() == [
-        "AUD002 --target: 'isaclab' is not a simulator or backend that files can be for",
-        "  help: did you mean 'isaaclab'?",
         "AUD003 --select: no rule has the code, the beginning of a code or the name 'LIN101'",
         "  help: did you mean 'LIM101'?",
         "AUD003 --select: no rule has the code, the beginning of a code or the name 'lim'",
         "  help: did you mean 'LIM'?",
         "AUD003 --ignore: no rule has the code, the beginning of a code or the name 'no-limit-of-any-kin'",
         "  help: did you mean 'no-limit-of-any-kind'?",
-        "AUD004 --target: must be a version such as 2.3, got 'x'",
+        "AUD010 --target: 'isaclab' is not a simulator or backend that files can be for",
+        "  help: did you mean 'isaaclab'?",
+        "AUD010 --target: must be a version such as 2.3, got 'x'",
         "5 errors",
     ]
 

@@ -287,6 +287,16 @@ def test_attached_joints_point_at_the_attach() -> None:
     assert (joint.name, joint.span.line, joint.stated) == ("left_j", 3, {"damping"})
 
 
+def test_attached_actuators_point_at_the_attach() -> None:
+    """As their joints do, with a name of their own and without."""
+    text = """<mujoco><asset><model name="arm" file="arm.xml"/></asset><worldbody>
+
+<attach model="arm" body="b" prefix="left_"/></worldbody></mujoco>"""
+    drives = '<actuator><motor joint="j"/><motor name="m" joint="j"/></actuator></mujoco>'
+    arm = one_joint('<joint name="j"/>').replace("</mujoco>", drives)
+    assert [view.span.line for view in read(text, arm_xml=arm).actuators] == [3, 3]
+
+
 def attaching(*files: str) -> str:
     """A model with a body that attaches the body `b` of each file."""
     models = "".join(f'<model name="m{k}" file="{name}"/>' for k, name in enumerate(files))

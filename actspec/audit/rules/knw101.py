@@ -30,7 +30,11 @@ class LimitBeyondPublished(RuleOver[Likeness]):
     def judge(self, case: Case, subject: Likeness) -> Iterator[Finding]:
         """Hold each limit against the largest published one, and against those of the robot's other joints."""
         times = self.option(case, "times")
+        zeros = _zeros(subject)
         for row, names in subject.joints:
+            # A drive without gains is how a configuration writes a bearing.
+            if row.joint in zeros and not row.kp == row.kd == 0.0:
+                yield self._zero(subject, row, names)
             limit = finite(row.effort_limit)
             if limit is None or is_placeholder(limit):
                 continue
@@ -65,6 +69,22 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             unit(row, "effort_limit"),
             published.effort,
             help=f"{shown(row, 'effort_limit', published.effort, 6)}: {published.source}",
+            fields=("effort_limit",),
+        )
+
+    def _zero(self, subject: Likeness, row: LedgerRow, names: tuple[str, ...]) -> Finding:
+        published = min((_most(subject, name) for name in names), key=lambda joint: joint.effort)
+        figure = shown(row, "effort_limit", published.effort, 6)
+        return Finding(
+            self.code,
+            f"the limit is {shown(row, 'effort_limit', 0.0)}, and {figure} is published for {subject.robot.name}; "
+            "most of its joints have a limit here",
+            row.place("effort_limit"),
+            row.joint,
+            0.0,
+            unit(row, "effort_limit"),
+            published.effort,
+            help=f"{figure}: {published.source}",
             fields=("effort_limit",),
         )
 
@@ -115,6 +135,15 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             help=f"{figure}: {published.source}",
             fields=("effort_limit",),
         )
+
+
+def _zeros(subject: Likeness) -> frozenset[str]:
+    """Joints with a limit of 0 in a file that limits most of them: in one for kinematics all have it."""
+    limits = {row.joint: row for row, _ in subject.joints if row.effort_limit is not None}
+    zeros = frozenset(
+        name for name, row in limits.items() if row.effort_limit == 0.0 and "effort_limit" in row.stated
+    )
+    return zeros if 2 * len(zeros) < len(limits) else frozenset()
 
 
 def _most(subject: Likeness, name: str) -> KnownJoint:

@@ -10,8 +10,9 @@ from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
 from actspec.audit.rules.joints import is_called_undriven, is_exporters, partner_rows, shown, unit
+from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
-from actspec.fields import PLACEHOLDER
+from actspec.fields import GRAVITY, LONGEST_LEVER, PLACEHOLDER, PLACEHOLDER_SPEEDS
 from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
@@ -19,6 +20,7 @@ from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.mjcf_actuator_text import numbers
 from actspec.robot.view import ActuatorView
+from actspec.units import format_quantity
 
 _LIMITS = ("effort_limit", "velocity_limit")
 _URDF = {
@@ -34,6 +36,10 @@ _BOTH_ZERO = (
 _TIMES = 5.0
 """How far a clamped command's bound is above another file's limit. Chosen: it is met at the end of the range alone, and
 where it was 1.3 to 2.4 times the limit nobody acted on it (docs/survey.md)."""
+
+_ROUND = (1e3, 1e4)
+"""Efforts that are nobody's where every joint of a light robot has them [N*m]. Published: 1000 N*m on all joints of
+Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg."""
 
 _EMPTY = (0.0, 0.0)
 _MODELS = (FileKind.MJCF, FileKind.URDF)
@@ -94,12 +100,15 @@ class NoEffectiveLimit(RuleInParts):
                 quiet = unused or _is_overruled(case, row)
                 yield (replace(one, severity=Severity.INFO) for one in found) if quiet else found
                 continue
-            if self._are_placeholders(case, limits):
+            if self._are_placeholders(case, row, limits):
                 nothing = self._placeholders(row, limits)
                 yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
                 continue
             for field, limit in limits.items():
-                if limit is not None:
+                if field == "effort_limit" and row.artifact in case.once(_round_for_all) and not undriven:
+                    nothing = self._round(case, row)
+                    yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
+                elif limit is not None:
                     found = self._stated(case, row, field, limit, idle, undriven)
                     # The clamped command bounds it before the placeholder does.
                     quiet = unused or row.span in held
@@ -119,20 +128,26 @@ class NoEffectiveLimit(RuleInParts):
         noun = "force" if row.kind is JointKind.SLIDE else "torque"
         bound, how = _bound(row, view) if view is not None else (None, "")
         severity = self.severity
+        lower: LedgerRow | None = None
         if bound is None:
             effect = f"its {noun} is unlimited"
+        elif _is_in_doubt(case, row):
+            effect = f"what its clamped command bounds its {noun} at is unknown: a range is in the wrong unit (UNT101)"
+            severity = Severity.INFO
         else:
             effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
             partners = (other for other in partner_rows(case, row, *_MODELS) if not is_exporters(other))
-            others = [
-                (_common(other.file, row.file), other.effort_limit or 0.0)
-                for other in partners
-                if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER
-            ]
-            nearest = max((common for common, _ in others), default=0)
-            most = max((limit for common, limit in others if common == nearest), default=None)
-            if most is not None and bound >= _TIMES * most:
-                effect += f", and another file limits the joint to {shown(row, 'effort_limit', most, 6)}"
+            others = (other for other in partners if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER)
+            # The largest limit of those files that lie nearest.
+            nearest = max(
+                others,
+                key=lambda other: (_common(other.file, row.file), other.effort_limit or 0.0),
+                default=None,
+            )
+            if nearest is not None and bound >= _TIMES * (nearest.effort_limit or 0.0):
+                lower = nearest
+                limit = shown(row, "effort_limit", lower.effort_limit, 6)
+                effect += f", and {lower.place('effort_limit').path} limits the joint to {limit}"
             else:
                 severity = Severity.INFO
         if written is None:
@@ -153,15 +168,37 @@ class NoEffectiveLimit(RuleInParts):
             help="add actuatorfrcrange to the joint, or forcerange to the actuator"
             if written is None
             else "leave forcelimited out, or the range",
+            related=() if lower is None else (lower.place("effort_limit"),),
             fields=("effort_limit",),
             severity=severity,
         )
 
-    def _are_placeholders(self, case: Case, limits: Mapping[str, float | None]) -> bool:
+    def _are_placeholders(self, case: Case, row: LedgerRow, limits: Mapping[str, float | None]) -> bool:
         """Whether a joint has placeholders for both of its limits."""
-        least = self.option(case, "least")
         return len(limits) == len(_LIMITS) and all(
-            limit is not None and least <= limit < math.inf for limit in limits.values()
+            limit is not None and self._is_placeholder(case, row, field, limit)
+            for field, limit in limits.items()
+        )
+
+    def _is_placeholder(self, case: Case, row: LedgerRow, field: str, limit: float) -> bool:
+        turns = field == "velocity_limit" and row.kind is not JointKind.SLIDE and not is_called_undriven(row)
+        return self.option(case, "least") <= limit < math.inf or (turns and limit in PLACEHOLDER_SPEEDS)
+
+    def _round(self, case: Case, row: LedgerRow) -> Finding:
+        """Of a round effort that every joint of a light robot has."""
+        robot, effort = case.artifacts[row.artifact].robot, row.effort_limit or 0.0
+        mass = 0.0 if robot is None else robot.mass or 0.0
+        return Finding(
+            self.code,
+            f"the effort limit of {shown(row, 'effort_limit', effort, 6)} is a placeholder: every joint has it, and it "
+            f"would hold the whole robot, {format_quantity(mass, 'kg', 3)}, on a lever of "
+            f"{format_quantity(effort / (mass * GRAVITY), 'm', 3)}",
+            row.place("effort_limit"),
+            row.joint,
+            effort,
+            unit(row, "effort_limit"),
+            help="state the motor's effort limit",
+            fields=("effort_limit",),
         )
 
     def _placeholders(self, row: LedgerRow, limits: Mapping[str, float | None]) -> Finding:
@@ -212,11 +249,14 @@ class NoEffectiveLimit(RuleInParts):
         self, case: Case, row: LedgerRow, field: str, limit: float, idle: bool, undriven: bool
     ) -> Iterator[Finding]:
         """A limit that a file states: so large that it is none, or 0."""
-        if self.option(case, "least") <= limit < math.inf:
+        if self._is_placeholder(case, row, field, limit):
+            nothing = (
+                "no motor reaches it" if limit >= PLACEHOLDER else "no joint behind a gear turns so fast"
+            )
             yield Finding(
                 self.code,
-                f"the {_noun(field)} of {shown(row, field, limit, 6)} is a placeholder: no motor reaches it, and "
-                "it limits nothing",
+                f"the {_noun(field)} of {shown(row, field, limit, 6)} is a placeholder: {nothing}, and it limits "
+                "nothing",
                 row.place(field),
                 row.joint,
                 limit,
@@ -251,6 +291,12 @@ class NoEffectiveLimit(RuleInParts):
             help=f"state the motor's {_noun(field)}",
             fields=(field,),
         )
+
+
+def _is_in_doubt(case: Case, row: LedgerRow) -> bool:
+    """Whether the range of a joint or of its command is in another unit than it is read in."""
+    places = (row.place(field).path for field in ("position_range", "command_range"))
+    return any((path, row.joint) in case.once(ranges_in_doubt) for path in places)
 
 
 def _common(one: str, other: str) -> int:
@@ -370,6 +416,28 @@ def _without(case: Case, field: str, other: str) -> frozenset[int]:
     for index, _ in case.of_kind(FileKind.URDF):
         rows = [row for row in case.rows_of(index) if field in row.stated]
         if rows and all(getattr(row, field) == 0.0 and (getattr(row, other) or 0.0) > 0.0 for row in rows):
+            found.add(index)
+    return frozenset(found)
+
+
+def _round_for_all(case: Case) -> frozenset[int]:
+    """URDFs with a round effort on every hinge, two or more, that would hold the robot on a lever which none has.
+
+    Of each hinge the links that it moves are known, so that none of the mass is missing.
+    """
+    found = set()
+    for index, artifact in case.of_kind(FileKind.URDF):
+        mass = None if artifact.robot is None else artifact.robot.mass
+        rows = [
+            row
+            for row in case.rows_of(index)
+            if row.joint and row.kind is JointKind.HINGE and "effort_limit" in row.stated
+        ]
+        efforts = {row.effort_limit for row in rows if not is_called_undriven(row)}
+        if not mass or len(rows) < 2 or len(efforts) != 1 or not all(row.inertia_max for row in rows):
+            continue
+        effort = efforts.pop() or 0.0
+        if effort in _ROUND and effort > LONGEST_LEVER * mass * GRAVITY:
             found.add(index)
     return frozenset(found)
 

@@ -35,6 +35,7 @@ class RangeInDegrees(RuleInParts):
         """Compare ranges with each other and with what joints do."""
         locked = case.once(read_as_degrees)
         found: list[LedgerRow] = []
+        turning: list[LedgerRow] = []
         for (index, _), rows in by_joint(case, FileKind.MJCF).items():
             # It is judged with what includes it.
             for row in () if case.has_angle_of_another(index) else rows:
@@ -44,8 +45,12 @@ class RangeInDegrees(RuleInParts):
                 if command is None or joint is None:
                     continue
                 yield ()
-                if _is_degrees_of(command, joint) and index not in locked:
+                if index in locked:
+                    continue
+                if _is_degrees_of(command, joint):
                     found.append(row)
+                elif _is_degrees_of(joint, command) and largest(joint) > _TURN:
+                    turning.append(row)
         least = self.option(case, "least")
         # One range that is radians by its servo tells that all of the file are, endless joints' too.
         radians = Counter(row.artifact for row in found if not _turns(row))
@@ -61,6 +66,14 @@ class RangeInDegrees(RuleInParts):
                 # One servo of a part with the range of its joint is as it should be where the includer has radians.
                 found_here = self._of_range(row, row.command_range, row.position_range, artifact.is_part)
                 yield (_graded(found_here, artifact),)
+        told = Counter(row.artifact for row in turning)
+        for row in turning:
+            assert row.command_range is not None and row.position_range is not None
+            # As above, of one servo of a part either range may be the right one.
+            if not (artifact := case.artifacts[row.artifact]).is_part or told[row.artifact] > 1:
+                found_here = self._of_turns(row, row.command_range, row.position_range)
+                yield (_graded(found_here, artifact),)
+        by_servo = {(row.artifact, row.joint) for row in turning}
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
             if case.has_angle_of_another(index):
                 continue
@@ -70,7 +83,8 @@ class RangeInDegrees(RuleInParts):
                 continue
             virtual = _placeholder_ranges(artifact)
             for hinge in hinges:
-                yield () if hinge.range in virtual else self._of_joint(case, hinge)
+                quiet = hinge.range in virtual or (index, hinge.name) in by_servo
+                yield () if quiet else self._of_joint(case, hinge, index in told)
 
     def _of_range(
         self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], is_part: bool
@@ -105,12 +119,27 @@ class RangeInDegrees(RuleInParts):
             fix=fix,
         )
 
-    def _of_joint(self, case: Case, joint: JointView) -> Iterator[Finding]:
+    def _of_turns(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
+        low, high = (shown(row, "default_position", end) for end in joint)
+        return Finding(
+            self.code,
+            f"the joint's range is {low} ... {high}, {DEGREES:.3g} times its servo's control range: degrees, where the "
+            "file is read in radians",
+            row.place("position_range"),
+            row.joint,
+            largest(joint),
+            "rad",
+            largest(command),
+            f"write {format_number(joint[0] / DEGREES, 4)} {format_number(joint[1] / DEGREES, 4)}",
+        )
+
+    def _of_joint(self, case: Case, joint: JointView, told: bool) -> Iterator[Finding]:
+        """A hinge of several turns: of whole radians, or in a file of which a servo tells that it is in degrees."""
         ends = joint.range or (0.0, 0.0)
         most = largest(ends)
         if not self.option(case, "least") <= most <= self.option(case, "most"):
             return
-        if not all(math.isclose(end, round(end), abs_tol=1e-9) for end in ends):
+        if not told and not all(math.isclose(end, round(end), abs_tol=1e-9) for end in ends):
             return
         yield Finding(
             self.code,
@@ -142,6 +171,12 @@ class RangeInDegrees(RuleInParts):
             'add <compiler angle="radian"/>',
             joints=tuple(joint.name for joint in joints),
         )
+
+
+def ranges_in_doubt(case: Case) -> frozenset[tuple[str, str]]:
+    """Files and joints with a range that is in another unit than it is read in: no torque follows from it."""
+    found = (one for part in RangeInDegrees().subjects(case) for one in part)
+    return frozenset((one.span.path, joint) for one in found for joint in one.joints or (one.joint,))
 
 
 _LOCKED = 3.2 / DEGREES

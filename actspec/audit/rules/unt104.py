@@ -7,7 +7,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import SPEEDS, joint_pairs, shown, unit
 from actspec.diagnostics import Span
-from actspec.fields import PLACEHOLDER
+from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEEDS
 from actspec.ir import JointKind
 from actspec.readings.compare import RPM
 from actspec.readings.ledger import LedgerRow
@@ -60,7 +60,9 @@ class SpeedInRpm(RuleInParts):
                 if speed is None or field not in row.stated or row.kind is JointKind.SLIDE:
                     continue
                 known = (row.place(field), row.joint) in reported or speed % 10.0 != 0.0
-                yield () if known else self._alone(case, row, field, speed)
+                # LIM101 has them.
+                nobodys = field == "velocity_limit" and speed in PLACEHOLDER_SPEEDS
+                yield () if known or nobodys else self._alone(case, row, field, speed)
 
     def _alone(self, case: Case, row: LedgerRow, field: str, speed: float) -> Iterator[Finding]:
         if self.option(case, "least") <= speed < PLACEHOLDER:

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Collector, Diagnostic, Span, listed
+from actspec.fields import GRAVITY, LONGEST_LEVER
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
@@ -55,11 +56,8 @@ SCALE = 2.0
 """One unit of action over the joint's range and, by kp, over the effort limit."""
 RATE_SCALE = 10.0
 """One unit of action over the fastest speed or the effort limit."""
-GRAVITY = 9.81
 WHOLE_ROBOT = 6
 """Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
-LONGEST_LEVER = 4.0
-"""Effort limit over the weight of the robot [m]. Published: 1.55 (Z1 arm), 0.9 (A2), 0.59 (H1)."""
 HOPELESS_LEVER = 10.0
 HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
