@@ -18,7 +18,7 @@ from actspec.cli.options import (
     add_variant,
     describe,
 )
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, one_line
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, many, one_line
 from actspec.placing import finish
 from actspec.report.compile import summary
 from actspec.report.doubts import doubts, refusal
@@ -118,7 +118,7 @@ def _refusals(losses: list[Approximation]) -> Iterator[str]:
     yield f"--strict: {len(losses)} approximations that the spec does not accept; nothing was written"
     for key in keys:
         count = sum(loss.key == key for loss in losses)
-        yield f"  {key} ({count} joint{'s' * (count != 1)})"
+        yield f"  {key} ({many(count, 'joint')})"
     yield f'  help: accept one with `accept: {{{keys[0]}: "the reason"}}` in the spec'
 
 

@@ -20,6 +20,7 @@ from actspec.diagnostics import (
     RobotError,
     Severity,
     listed,
+    many,
     one_line,
 )
 from actspec.files import NotRegular, TooLarge, read_regular
@@ -82,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
             not_installed += lacking
             model = spec.model
             groups = len(model.actuators)
-            summary = f"{one_line(path)}: valid: {model.robot.name}, {groups} group{'s' * (groups != 1)}"
+            summary = f"{one_line(path)}: valid: {model.robot.name}, {many(groups, 'group')}"
             if model.variants and arguments.variant is None:
                 summary += f", variants {listed(sorted({*model.variants, *filter(None, [model.variant])}))}"
             summary += unchecked

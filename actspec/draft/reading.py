@@ -14,6 +14,7 @@ from actspec.diagnostics import (
     Severity,
     Span,
     listed,
+    many,
     nearest,
     one_line,
     shell_word,
@@ -135,7 +136,7 @@ def _check(reading: FileReading, out: Collector) -> None:
                 f"has no <compiler>, and is a part of {whole}: angles, classes and limits that are stated "
                 "there are not read",
                 span=place,
-                help="import that in its place",
+                help="import the whole model instead",
             )
 
 
@@ -143,7 +144,7 @@ def _instead(reading: FileReading) -> str | None:
     """What to import in place of a part of a model that is no model alone; None for what may be no part."""
     whole = including(reading.path)
     if whole is not None:
-        return f"it is a part of {whole}: import that"
+        return f"it is a part of {whole}: import the whole model"
     if any(_PART_ROOT in without_comments(file.data) for file in reading.files[:1]):
         return "it is a part of a model: import the file that includes it"
     return None
@@ -220,8 +221,8 @@ def _lifted(
         if named is not None and config is not None and config.groups:
             kinds = "names" if isinstance(next(iter(joints), ""), str) else "names, kinds and ranges"
             source = os.path.basename(named) if os.path.exists(named) else "the list"
-            of = f"{len(joints)} joints are" if len(joints) > 1 else "joint are"
-            said = f"the {kinds} of the {of} from {one_line(source)} (--joints){renamed and ', '}{renamed}"
+            count = many(len(joints), "joint")
+            said = f"the {kinds} of the {count} are from {one_line(source)} (--joints){renamed and ', '}{renamed}"
             part = replace(part, notes={**part.notes, "": (said, *part.notes.get("", ()))})
             lost = _unmatched(config, names_of(joints))
             more = (*part.actuators.diagnostics, *lost)
@@ -298,9 +299,7 @@ def _unmatched(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnosti
     lost = [f"`{one_line(key)}`" for key in every if not matching(config.framework, key, joints)]
     if lost:
         select = "select none" if len(lost) > 1 else "selects none"
-        message = (
-            f"{listed(lost)} of {one_line(config.name)} {select} of the {len(joints)} joints of --joints"
-        )
+        message = f"{listed(lost)} of {one_line(config.name)} {select} of the {many(len(joints), 'joint')} of --joints"
         help = "are names missing? A pattern that selects nothing is refused when the robot is made"
         yield Diagnostic("DRF012", Severity.WARNING, message, "", config.span, help)
 

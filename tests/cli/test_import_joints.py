@@ -65,11 +65,14 @@ def test_names_are_missing(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
     )
     why = "it is written into the robot's URDF, and none is named"
     assert f"  target urdf is left out: {why}\n" in out
-    fragment = "no MJCF or URDF is named, and without one a compile writes a fragment to include in one"
+    fragment = "no MJCF or URDF is named; `compile -t mujoco` writes a fragment to include in one"
     assert f"  target mujoco is left out: {fragment}\n" in out
     text = (folder / "leg.yaml").read_text("utf-8")
     assert f"  # urdf: {{}}    # left out: {why}\n" in text
     assert list(load_spec("leg.yaml").model.targets) == ["isaaclab"]
+    assert main(["compile", "leg.yaml", "-t", "mujoco", "-o", "out"]) == 0
+    assert (folder / "out" / "mujoco" / "leg_actuators.xml").is_file()
+    capsys.readouterr()
     assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES)]) == 0
     assert "DRF012" not in capsys.readouterr().err
 
