@@ -270,6 +270,11 @@ def listed(names: Iterable[str], most: int = 8) -> str:
     return text
 
 
+def many(count: int, noun: str) -> str:
+    """A count with its noun: `1 joint`, `2 joints`."""
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
 def nearest(name: str, known: Sequence[str]) -> str | None:
     """The known name that is nearest to a misspelt one, or None if none is near."""
     if len(known) > _MOST_COMPARED:

@@ -25,6 +25,7 @@ from actspec.diagnostics import (
     Diagnostic,
     Severity,
     Span,
+    many,
     one_line,
 )
 from actspec.files import FAULTS, why
@@ -33,9 +34,9 @@ from actspec.placing import is_stream
 from actspec.readings.artifact import FileKind
 from actspec.readings.read import PendingFiles
 from actspec.report import ReportOptions, least_shown, render, renderer
-from actspec.report.tables import many
+from actspec.report.findings import for_people
 from actspec.report.terminal import Progress, print_diagnostics, style_of
-from actspec.report.text import remarks
+from actspec.report.text import counted, remarks
 
 if TYPE_CHECKING:
     from actspec.audit.fix import FixedFile
@@ -258,7 +259,9 @@ def _write_baseline(report: Report, path: str, force: bool) -> int:
     write_baseline(report.findings, path, said, force=force)
     about = sum(entry_about(item, "") is not None for item in said)
     more = f" and {many(about, 'warning')} about files" if about else ""
-    print(f"{one_line(path)}: {many(len(report.findings), 'finding')}{more} written", file=sys.stderr)
+    groups = for_people(report.findings)
+    shown = f": shown as {counted(groups)}" if len(groups) < len(report.findings) else ""
+    print(f"{one_line(path)}: {many(len(report.findings), 'finding')}{more} written{shown}", file=sys.stderr)
     return EXIT_CLEAN
 
 

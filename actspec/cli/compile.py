@@ -18,11 +18,10 @@ from actspec.cli.options import (
     add_variant,
     describe,
 )
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, one_line
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, many, one_line
 from actspec.placing import finish
 from actspec.report.compile import summary
 from actspec.report.doubts import doubts, refusal
-from actspec.report.tables import many
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named, split
 from actspec.targets.base import Approximation

@@ -18,6 +18,7 @@ from actspec.diagnostics import (
     Severity,
     Span,
     listed,
+    many,
     one_line,
     shell_word,
 )
@@ -306,7 +307,7 @@ def _told(found: Drafted, output: str | None, files: Sequence[str]) -> Iterator[
     joints = sum(spec.groups.values())
     start = f"wrote {one_line(output)}: " if output is not None else f"{spec.robot}: "
     yield (
-        f"{start}{joints} joint{'s' * (joints != 1)} in {len(spec.groups)} group{'s' * (len(spec.groups) != 1)} "
+        f"{start}{many(joints, 'joint')} in {many(len(spec.groups), 'group')} "
         f"({listed(spec.groups)}), from {', '.join(map(one_line, dict.fromkeys(files)))}"
     )
     for why, left in combined.reasons().items():

@@ -26,13 +26,13 @@ from actspec.diagnostics import (
     AuditError,
     Collector,
     Span,
+    many,
     one_line,
 )
 from actspec.files import FAULTS, why
 from actspec.owned import put_file
 from actspec.readings.versions import Versions
 from actspec.report.difference import lines, record
-from actspec.report.tables import many
 from actspec.report.terminal import print_json, print_lines
 
 

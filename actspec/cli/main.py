@@ -158,8 +158,7 @@ def _main(arguments: argparse.Namespace) -> int:
 
 
 def _unprinted(err: StreamError) -> int:
-    if str(err):
-        print(f"actspec: {err}", file=sys.stderr)
+    print(f"actspec: {err}", file=sys.stderr)
     return EXIT_FAILED
 
 

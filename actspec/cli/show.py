@@ -6,9 +6,8 @@ import argparse
 
 from actspec import api
 from actspec.cli.options import add_format, add_variant, describe, joints_named
-from actspec.diagnostics import EXIT_CLEAN, shell_word
+from actspec.diagnostics import EXIT_CLEAN, many, shell_word
 from actspec.report.show import details, joint_record, overview
-from actspec.report.tables import many
 from actspec.report.terminal import print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named
 

@@ -1,4 +1,7 @@
-"""Where commands print: nothing in what they say can steer a terminal, and a stream that fails ends the run."""
+"""Where commands print: nothing in what they say can steer a terminal, and a stream that fails ends the run.
+
+A reader that has gone (`| head`) has what it wanted: the run goes on without it, to its files and its exit code.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ _OWN = re.compile(r"(\x1b\[(?:0|1|2|31|33|36)m|\r|\x1b\[K)")
 
 
 class StreamError(Exception):
-    """What a command has to say cannot be written; the text says why, "" where nobody reads it any more."""
+    """What a command has to say cannot be written; the text says why."""
 
 
 class Printed:
@@ -48,7 +51,7 @@ class Printed:
         """Write text.
 
         Raises:
-            StreamError: it cannot be written, though it is needed.
+            StreamError: it cannot be written, though it is needed and somebody reads.
         """
         if self._stream is not None:
             with self._faults():
@@ -86,10 +89,9 @@ class Printed:
             with suppress(OSError, ValueError, AttributeError):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), cast(TextIO, self._stream).fileno())
             self._stream = None
+            self._needed = self._needed and not isinstance(err, BrokenPipeError)
             if self._needed:
-                # The reader has gone (`| head`): nothing to say, and nobody to say it to.
-                gone = isinstance(err, BrokenPipeError)
-                raise StreamError("" if gone else f"the output cannot be written: {why(err)}") from err
+                raise StreamError(f"the output cannot be written: {why(err)}") from err
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from actspec import api
 from actspec.cli import sysid_import, sysid_report
 from actspec.cli.options import Lines, add_force, add_format, describe, joints_named, natural, quantity_of
 from actspec.cli.recordings import add_logs, read_logs, warned
-from actspec.diagnostics import EXIT_CLEAN, Collector, ResolveError, Span, listed
+from actspec.diagnostics import EXIT_CLEAN, Collector, ResolveError, Span, listed, many
 from actspec.report.terminal import Progress, print_diagnostics, print_json, print_lines
 from actspec.sysid.identified import METHODS
 from actspec.units import Kind
@@ -240,7 +240,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
             progress.step,
         )
     write_log(log, force=arguments.force)
-    print_lines([f"wrote {arguments.output}: {len(log.time)} rows of {len(found)} joints"])
+    print_lines([f"wrote {arguments.output}: {len(log.time)} rows of {many(len(found), 'joint')}"])
     return EXIT_CLEAN
 
 

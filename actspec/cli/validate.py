@@ -22,11 +22,11 @@ from actspec.diagnostics import (
     Severity,
     TooManyErrors,
     listed,
+    many,
     one_line,
 )
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.report.doubts import doubts, refusal
-from actspec.report.tables import many
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named, split
 from actspec.spec.yaml_text import MAX_BYTES, is_spec

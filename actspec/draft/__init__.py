@@ -154,7 +154,7 @@ def _unknown(groups: Sequence[DraftGroup]) -> dict[str, tuple[str, ...]]:
 def _nothing(combined: Combined) -> RobotError:
     alone = combined.left_alone
     whole = including(combined.model.path) if combined.model is not None else None
-    instead = f"it is a part of {whole}: import that" if whole else ""
+    instead = f"it is a part of {whole}: import the whole model" if whole else ""
     if alone:
         reasons = dict.fromkeys(f"{item.joint}: {item.why}" for item in alone)
         return _error(

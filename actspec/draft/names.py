@@ -28,6 +28,7 @@ _AFTER = re.compile(r"(?<=[_\-./ :])(?=[^_\-./ :])|(?<=[a-z0-9])(?=[A-Z])")
 _SIDES = _words(
     "l r fl fr rl rr bl br hl hr lf rf lh rh lb rb ll lr la ra left right front rear hind back fore upper lower"
 )
+_HANDS = {"l": "left", "left": "left", "r": "right", "right": "right"}
 _SHORT = {
     "haa": "hip_abduction", "hfe": "hip_flexion", "hr": "hip_rotation", "hx": "hip_x", "hy": "hip_y", "kfe": "knee",
     "kn": "knee", "ffe": "ankle_flexion", "faa": "ankle_abduction", "wrj": "wrist", "thj": "thumb", "ffj": "finger",
@@ -42,7 +43,9 @@ _PLURALS = {
     "calf": "calves",
     "foot": "feet",
 }  # fmt: skip
-_GENERIC = _words("joint jnt j joints link motor act actuator robot zero one two three four five six seven")
+_GENERIC = _words(
+    "joint jnt j joints link motor act actuator robot armature rx ry rz zero one two three four five six seven"
+)
 _AXES = _words("roll pitch yaw x y z link")
 """What names no part of a robot where it stands alone."""
 _LEAST_OF_AN_ARM, _FINGERS = 4, 5
@@ -54,16 +57,29 @@ _LEAST_OF_A_ROW = 6
 """Joints that differ in a number alone and are taken for an arm where no file says how they hang together. Chosen: arms
 have six or seven."""
 _BODY_PARTS = (
-    ("legs", _words("hip thigh calf knee ankle leg foot shank shin toe abduction")),
-    ("arms", _words("shoulder elbow wrist arm forearm")),
+    (
+        "legs",
+        _words("hip thigh calf knee ankle leg foot shank shin toe toes abduction coxa femur tibia tarsus"),
+    ),
+    ("arms", _words("shoulder elbow wrist arm forearm clavicle humerus radius")),
     ("hands", _words("thumb index middle ring pinky little finger fingers hand palm")),
-    ("torso", _words("waist torso trunk chest spine head neck pelvis")),
+    (
+        "torso",
+        _words(
+            "waist torso trunk chest spine head neck pelvis lowerback upperback abdomen thorax lumbar thoracic cervical"
+        ),
+    ),
 )
 _OTHER_PARTS = {"wheel": "wheels", "gripper": "hands"}
 _PART_OF = {**{word: name for name, known in _BODY_PARTS for word in known}, **_OTHER_PARTS}
 """Word of a robot to the part of its body."""
 _AMBIGUOUS = _words("middle index ring little")
 """Fingers, beside words of a hand."""
+_JOINED = re.compile(
+    f"(?:left|right|lower|upper|[lr])?({'|'.join(sorted(_PART_OF, key=len, reverse=True))})(?:r?([xyz]))?"
+)
+"""A side, a part and an axis without anything between them: `lhumerusrx`."""
+_SIDE_AT_END = re.compile(r"(?<=[a-z]{3})(?:left|right)$")
 _MODEL = re.compile(r"[a-z]+[0-9]+[a-z][a-z0-9]*|[a-z][0-9]{2,}")
 """The number of a model or of a camera: `j2s6s200`, `d435`."""
 _NO_GROUP = _words("all default dummy base main body")
@@ -71,6 +87,7 @@ _NO_GROUP = _words("all default dummy base main body")
 _NO_WORD = re.compile(r"^actuators?_(?=[a-z])|(?<=.)_?(?:actuators?)?_?(?:cfg)?$", re.IGNORECASE)
 _UNUSED = re.compile(r"not_?used?")
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+_LONGEST_KEY = 40 - len("right_")
 _RESERVED = _words("y n yes no on off true false null none unknown")
 
 
@@ -267,12 +284,14 @@ def group_name(
     """
     used = set(taken)
     parts = [_parts(name) for name in joints]
+    side = _own_side(joints, parts, given)
     if len(joints) > 1:
         own = [word for word in _shared(parts) if word in _of_robot(robot) and word not in _PART_OF]
         parts = [[word for word in words if word not in own] for words in parts]
     choices = []
     if all(parts):
         choices = [_PLURALS.get(c, c) if len(joints) > 1 else c for c in _common(parts)] + [*_mixed(parts)]
+    choices = [side + choice for choice in choices]
     known = any(word in _PART_OF for words in parts for word in words)
     row = len(joints) > 1 and len({re.sub(r"[0-9]+", "0", name) for name in joints}) == 1
     if not choices or _AXES.issuperset(word for words in parts for word in words) or (row and not known):
@@ -281,7 +300,8 @@ def group_name(
         single = [joints[0]] if len(joints) == 1 < len(above) and _is_key(joints[0]) else []
         guess = ["arm"] if row and not above and len(joints) >= _LEAST_OF_A_ROW else []
         told = [limb for word, limb in (("hand", "fingers"), ("arm", "arm")) if word in _of_robot(robot)]
-        choices = [*_limb(joints, above), *named, *guess, *single] or choices or [*told, "joints"]
+        limbs = [side + limb for limb in _limb(joints, above)]
+        choices = [*limbs, *named, *guess, *single] or choices or [side + word for word in (*told, "joints")]
     for choice in choices:
         if choice not in used:
             return choice
@@ -289,6 +309,20 @@ def group_name(
     while f"{choices[0]}_{number}" in used:
         number += 1
     return f"{choices[0]}_{number}"
+
+
+def _own_side(joints: Sequence[str], parts: Sequence[list[str]], every: Iterable[str]) -> str:
+    """The side of joints of one side whose counterparts are in other groups: `right_` of a right hip alone; "" else."""
+    sides = {_side(name) for name in joints}
+    side = sides.pop() if len(sides) == 1 else ""
+    others = side and [name for name in every if name not in joints and _side(name) not in ("", side)]
+    return f"{side}_" if others and all(words in map(_parts, others) for words in parts) else ""
+
+
+def _side(name: str) -> str:
+    """`left` or `right`, where a word of a joint's name says so."""
+    found = {_HANDS[word] for word in _tokens(name) if word in _HANDS}
+    return found.pop() if len(found) == 1 else ""
 
 
 def _limb(joints: Sequence[str], above: Mapping[str, frozenset[str]]) -> Iterator[str]:
@@ -326,11 +360,12 @@ def _has_part(name: str) -> bool:
 def _mixed(parts: Sequence[list[str]]) -> Iterator[str]:
     """What joints of several parts of the body are: `legs_wheels`, `upper_body`, `body`."""
     found = {_PART_OF[words[0]]: None for words in parts if words[0] in _PART_OF}
+    all_known = all(words[0] in _PART_OF for words in parts)
     if {"torso"} < found.keys() <= {"torso", "arms", "hands"}:
         yield "upper_body"
     elif found.keys() == {"arms", "hands"}:
         yield "arms"
-    elif len(found) > 2:
+    elif len(found) > 2 or (len(found) == 2 and not all_known):
         yield "body"
     elif len(found) == 2:
         yield "_".join(sorted(found))
@@ -338,18 +373,26 @@ def _mixed(parts: Sequence[list[str]]) -> Iterator[str]:
 
 def _parts(name: str) -> list[str]:
     """`left_hip_pitch_joint` and `LHipPitch` to [hip, pitch]; `not_use_joint` to [unused]."""
-    text = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z]{2})", "_", name).lower()
-    tokens = [token for token in re.split(r"[^a-z0-9]+", text) if not _MODEL.fullmatch(token)]
-    words = [_sideless(word) for word in re.findall(r"[a-z]+", _UNUSED.sub("unused", "_".join(tokens)))]
+    words = [part for word in _tokens(name) for part in _sideless(word)]
     known = [word for word in words if word not in _SIDES and word not in _GENERIC]
+    if len(known) > 1 and known[0] == "middle" and _PART_OF.get(known[1], "hands") != "hands":
+        known = known[1:]
     # `hr` is hind right before a part, and a rotation of the hip behind a side.
     known = known or [word for word in words if word in _SHORT]
     return [part for word in known for part in _SHORT.get(word, word).split("_")]
 
 
-def _sideless(word: str) -> str:
-    """`rleg` and `lshoulder` without the side."""
-    return word[1:] if word[:1] in ("l", "r") and word not in _PART_OF and word[1:] in _PART_OF else word
+def _tokens(name: str) -> list[str]:
+    """The words of a name, in small letters, without numbers of models."""
+    text = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z]{2})", "_", name).lower()
+    tokens = [token for token in re.split(r"[^a-z0-9]+", text) if not _MODEL.fullmatch(token)]
+    return re.findall(r"[a-z]+", _UNUSED.sub("unused", "_".join(tokens)))
+
+
+def _sideless(word: str) -> list[str]:
+    """`rleg`, `finright` and `lshoulderrx` without the side, the axis apart."""
+    joined = None if word in _PART_OF else _JOINED.fullmatch(word)
+    return [_SIDE_AT_END.sub("", word)] if joined is None else [part for part in joined.groups() if part]
 
 
 def _common(parts: Sequence[list[str]]) -> Iterator[str]:
@@ -361,7 +404,8 @@ def _common(parts: Sequence[list[str]]) -> Iterator[str]:
     for name, known in _BODY_PARTS:
         if len(heads) > 1 and known.issuperset(heads):
             yield name
-    yield from _keys(end)
+    if end != parts[0][-1:] or end[0] not in "xyz":
+        yield from _keys(end)
     # Of a waist and what is mounted on it, the waist.
     heads = [word for word in heads if word in _PART_OF.keys() - _AMBIGUOUS] or heads
     if len(heads) <= 3:
@@ -381,5 +425,9 @@ def _shared(parts: Sequence[list[str]]) -> list[str]:
 def _keys(words: Sequence[str]) -> Iterator[str]:
     key = "_".join(words)
     # Several letters are somebody's sides or numbers: `ll_lr` tells nobody what it is.
-    if (len(words) == 1 or any(len(word) > 2 for word in words)) and key not in _RESERVED and len(key) <= 40:
+    if (
+        (len(words) == 1 or any(len(word) > 2 for word in words))
+        and key not in _RESERVED
+        and len(key) <= _LONGEST_KEY
+    ):
         yield key

@@ -7,13 +7,23 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import AuditError, Collector, Diagnostic, Severity, Span, listed, nearest, one_line
+from actspec.diagnostics import (
+    AuditError,
+    Collector,
+    Diagnostic,
+    Severity,
+    Span,
+    listed,
+    many,
+    nearest,
+    one_line,
+    shell_word,
+)
 from actspec.draft.including import including
 from actspec.draft.sources import RobotReading
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
 from actspec.lift.config import asset_of, plain_name
-from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import (
     Artifact,
     FileKind,
@@ -22,7 +32,7 @@ from actspec.readings.artifact import (
     RobotConfig,
     without_comments,
 )
-from actspec.readings.joint_lists import fitting, joint_lists
+from actspec.readings.joint_lists import fitting, joint_lists, names_of, other_endings
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
@@ -30,9 +40,6 @@ from actspec.robot.view import JointView
 
 _PART_ROOT = b"<mujocoinclude"
 _REFUSED = "MuJoCo refuses the model: "
-
-_ENDING = "_joint"
-"""That USD files of robots leave out, or have, where the URDF is the other way round."""
 
 _USD = re.compile(r"\.usd[acz]?$", re.IGNORECASE)
 
@@ -129,7 +136,7 @@ def _check(reading: FileReading, out: Collector) -> None:
                 f"has no <compiler>, and is a part of {whole}: angles, classes and limits that are stated "
                 "there are not read",
                 span=place,
-                help="import that in its place",
+                help="import the whole model instead",
             )
 
 
@@ -137,7 +144,7 @@ def _instead(reading: FileReading) -> str | None:
     """What to import in place of a part of a model that is no model alone; None for what may be no part."""
     whole = including(reading.path)
     if whole is not None:
-        return f"it is a part of {whole}: import that"
+        return f"it is a part of {whole}: import the whole model"
     if any(_PART_ROOT in without_comments(file.data) for file in reading.files[:1]):
         return "it is a part of a model: import the file that includes it"
     return None
@@ -200,8 +207,9 @@ def _lifted(
     joints: Sequence[JointView | str] = ()
     if model is not None and model.robot is not None:
         joints = [j for j in model.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
+    renamed = ""
     if named is not None:
-        joints = _named(artifacts, named, out)
+        joints, renamed = _named(artifacts, named, out)
     elif model is None:
         _check_names(artifacts, out)
     for artifact in artifacts:
@@ -213,9 +221,10 @@ def _lifted(
         if named is not None and config is not None and config.groups:
             kinds = "names" if isinstance(next(iter(joints), ""), str) else "names, kinds and ranges"
             source = os.path.basename(named) if os.path.exists(named) else "the list"
-            said = f"the {kinds} of the {len(joints)} joints are from {one_line(source)} (--joints)"
+            count = many(len(joints), "joint")
+            said = f"the {kinds} of the {count} are from {one_line(source)} (--joints){renamed and ', '}{renamed}"
             part = replace(part, notes={**part.notes, "": (said, *part.notes.get("", ()))})
-            lost = _unmatched(config, [joint if isinstance(joint, str) else joint.name for joint in joints])
+            lost = _unmatched(config, names_of(joints))
             more = (*part.actuators.diagnostics, *lost)
             part = replace(part, actuators=replace(part.actuators, diagnostics=more))
         if model is not None and artifact is not model:
@@ -228,15 +237,15 @@ def _check_joints(
 ) -> None:
     """What shares no joint with the robot file is another robot's."""
     mine = [joint.joint for joint in part.actuators.joints]
-    here = [joint if isinstance(joint, str) else joint.name for joint in joints]
+    here = names_of(joints)
     theirs = [*mine, *(item.joint for item in part.left_alone)] if artifact.robot is not None else mine
     if not set(theirs) & set(here) and (artifact.config is None or artifact.config.groups):
         names = mine if artifact.config is None else [*_patterns(artifact.config)]
         ending = ""
-        if _differ_by_ending(names, here):
+        if artifact.config is not None and _differ_by_ending([artifact.config], here):
             ending = (
-                f"; they differ by the ending {_ENDING} alone: a configuration has the names of its USD, which "
-                "--joints takes in place of the robot file"
+                "; they differ by their ending alone: a configuration has the names of its USD. Name the file by "
+                f"--joints {shell_word(model.path)}, which takes them as the configuration has them"
             )
         out.error(
             "DRF008",
@@ -246,20 +255,20 @@ def _check_joints(
         )
 
 
-def _differ_by_ending(patterns: Sequence[str], names: Sequence[str]) -> bool:
-    """Whether patterns would select joints that are called without the ending, or with it."""
-    others = [name.removesuffix(_ENDING) if name.endswith(_ENDING) else f"{name}{_ENDING}" for name in names]
-    for pattern in patterns:
-        try:
-            if match_names(pattern, others):
-                return True
-        except PatternError:
-            continue
-    return False
+def _differ_by_ending(configs: Sequence[RobotConfig], names: Sequence[str]) -> bool:
+    """Whether patterns would select joints that are called without the ending `_joint`, or with it."""
+    return any(
+        matching(config.framework, pattern, others)
+        for config in configs
+        for pattern in _patterns(config)
+        for _, others in other_endings(names)
+    )
 
 
-def _named(artifacts: Sequence[Artifact], named: str, out: Collector) -> Sequence[JointView | str]:
-    """The joints of the file or list that names them."""
+def _named(
+    artifacts: Sequence[Artifact], named: str, out: Collector
+) -> tuple[Sequence[JointView | str], str]:
+    """The joints of the file or list that names them, and how their names were changed."""
     robot = next((artifact for artifact in artifacts if artifact.robot is not None), None)
     if robot is not None:
         message = "not needed: the robot file names the joints"
@@ -267,12 +276,17 @@ def _named(artifacts: Sequence[Artifact], named: str, out: Collector) -> Sequenc
     configs = [
         a.config for a in artifacts if a.config is not None and a.config.framework is not Framework.DEPLOY
     ]
-    joints = fitting(joint_lists(named), configs)
+    lists = joint_lists(named)
+    joints, renamed = fitting(lists, configs)
     if not joints and robot is None:
         patterns = [one_line(pattern) for config in configs for pattern in _patterns(config)]
         message = f"none of its joints is selected by {listed(patterns) or 'the files'}"
-        out.error("DRF011", message, span=Span(one_line(named)), where="--joints")
-    return joints
+        names = names_of(max(lists, key=len))
+        help = f"its joints: {listed(map(one_line, names), 4)}"
+        if _differ_by_ending(configs, names):
+            help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
+        out.error("DRF011", message, span=Span(one_line(named)), where="--joints", help=help)
+    return joints, renamed
 
 
 def _unmatched(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
@@ -285,9 +299,7 @@ def _unmatched(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnosti
     lost = [f"`{one_line(key)}`" for key in every if not matching(config.framework, key, joints)]
     if lost:
         select = "select none" if len(lost) > 1 else "selects none"
-        message = (
-            f"{listed(lost)} of {one_line(config.name)} {select} of the {len(joints)} joints of --joints"
-        )
+        message = f"{listed(lost)} of {one_line(config.name)} {select} of the {many(len(joints), 'joint')} of --joints"
         help = "are names missing? A pattern that selects nothing is refused when the robot is made"
         yield Diagnostic("DRF012", Severity.WARNING, message, "", config.span, help)
 

@@ -242,7 +242,7 @@ class DraftTarget(NamedTuple):
         return self._replace(remark=remark, left_out="") if self.left_out == _NO_MODEL else None
 
 
-_NO_MODEL = "no MJCF or URDF is named, and without one a compile writes a fragment to include in one"
+_NO_MODEL = "no MJCF or URDF is named; `compile -t mujoco` writes a fragment to include in one"
 _NO_URDF = "it is written into the robot's URDF, and none is named"
 
 

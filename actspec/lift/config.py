@@ -101,7 +101,10 @@ def lift_config(
     if found and not any(views.values()):
         asset = asset_of(config)
         beside = f" (the configuration reads {one_line(asset)}: name it too)" if asset else ""
-        whole.append(f"no robot file states the kinds of the joints: all are taken as hinges{beside}")
+        whole.append(
+            f"no robot file states the kinds of the joints: all are taken as hinges{beside}; a joint that slides is "
+            "{name: NAME, kind: slide} in robot.joints of the spec"
+        )
     if whole:
         notes[""] = whole
     return Lifted(

@@ -6,6 +6,7 @@ import itertools
 import os
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 import yaml
@@ -23,9 +24,14 @@ Joints: TypeAlias = "tuple[JointView | str, ...]"
 """Joints in the file's order; of a robot file with kind and range, else names alone."""
 
 _USD = (".usd", ".usda", ".usdc", ".usdz")
-_TEXT = (".txt", ".csv", ".list")
+_ROBOT_FILES = (".xml", ".urdf", ".mjcf", ".xacro", ".py")
+_XML = re.compile(rb"(?:\xef\xbb\xbf)?\s*<")
+_ENDING = "_joint"
+"""That USD files of robots leave out, or have, where the URDF is the other way round."""
 _NO_NAME = re.compile(r"[,;\s]+")
 _COMMENT = re.compile(r"#.*")
+_PRINTED = re.compile(r"\s*\[([^\[\]]*)\]\s*")
+"""A list as Python prints it."""
 _PATTERN = re.compile(r"[\\*+?|()^$\[\]{}]")
 _HELP = (
     "a URDF, an MJCF, IO_descriptors.yaml of Isaac Lab, a deploy file, a text with one name a line, or the names "
@@ -43,7 +49,7 @@ def joint_lists(text: str) -> tuple[Joints, ...]:
         AuditError: there is no such file, or it names no joints.
     """
     lower = text.lower()
-    known = (".xml", ".urdf", ".mjcf", ".py", ".json", *YAML, *_USD, *_TEXT)
+    known = (*_ROBOT_FILES, ".json", ".txt", ".csv", ".list", *YAML, *_USD)
     if not os.path.exists(text) and not lower.endswith(known) and "/" not in text:
         return (_distinct(text, text),)
     if not os.path.exists(text):
@@ -53,17 +59,20 @@ def joint_lists(text: str) -> tuple[Joints, ...]:
         raise _refusal("USD is not read for names of joints", text, help)
     if lower.endswith((*YAML, ".json")):
         found = tuple(_named(_data(text), text))
-    elif lower.endswith(_TEXT):
-        found = (_distinct(_COMMENT.sub("", _data(text).decode("utf-8", "replace")), text),)
-    else:
+    elif os.path.isdir(text) or lower.endswith(_ROBOT_FILES) or _XML.match(_data(text)):
         found = tuple(_of_files(text))
+    else:
+        found = (_distinct(_COMMENT.sub("", _data(text).decode("utf-8", "replace")), text),)
     if not found:
         raise _refusal("no list of joint names is in it", text, _HELP)
     return found
 
 
-def fitting(lists: Sequence[Joints], configs: Sequence[RobotConfig]) -> Joints:
+def fitting(lists: Sequence[Joints], configs: Sequence[RobotConfig]) -> tuple[Joints, str]:
     """The list on which most patterns of the configurations match a joint; of several, the longest; () where none does.
+
+    A robot file's joints may differ from those of the USD by their ending alone. They are called as the patterns have
+    it where none selects one of them otherwise, or every pattern then does; the text says so.
 
     Args:
         lists: Of one robot or several, whole or parts of them.
@@ -72,11 +81,39 @@ def fitting(lists: Sequence[Joints], configs: Sequence[RobotConfig]) -> Joints:
     patterns = [(c.framework, p) for c in configs for group in c.groups for p in group.joints or ()]
 
     def worth(joints: Joints) -> tuple[int, int]:
-        names = [joint if isinstance(joint, str) else joint.name for joint in joints]
+        names = names_of(joints)
         return sum(bool(matching(style, pattern, names)) for style, pattern in patterns), len(names)
 
     best = max(lists, key=worth)
-    return best if worth(best)[0] else ()
+    # What somebody listed are the names themselves: only a file of another format may have others.
+    views = [[joint for joint in joints if not isinstance(joint, str)] for joints in lists]
+    renamed = [
+        (tuple(replace(view, name=name) for view, name in zip(own, names, strict=True)), how)
+        for own in views
+        for how, names in other_endings(names_of(own))
+    ]
+    other, how = max(renamed, key=lambda each: worth(each[0]), default=((), ""))
+    if worth(best)[0] < worth(other)[0] and (worth(best)[0] == 0 or worth(other)[0] == len(patterns)):
+        return other, f"{how} the ending {_ENDING}, as the configuration's patterns have them"
+    return (best, "") if worth(best)[0] else ((), "")
+
+
+def other_endings(names: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
+    """Names without the ending that robot files have and USD files often lack, and with it, where that changes them.
+
+    Args:
+        names: Of joints, no two the same; so they stay.
+    """
+    bare = [name.removesuffix(_ENDING) for name in names]
+    if all(bare) and len(set(bare)) == len(names):
+        yield from (("without", bare),) if bare != list(names) else ()
+        full = [name + _ENDING for name in bare]
+        yield from (("with", full),) if full != list(names) else ()
+
+
+def names_of(joints: Sequence[JointView | str]) -> list[str]:
+    """The names alone."""
+    return [joint if isinstance(joint, str) else joint.name for joint in joints]
 
 
 def _of_files(path: str) -> Iterator[Joints]:
@@ -123,6 +160,10 @@ def _data(path: str) -> bytes:
 
 
 def _distinct(names: str, text: str) -> Joints:
+    if "\0" in names or "\ufffd" in names:
+        raise _refusal("is no text", text, _HELP)
+    if printed := _PRINTED.fullmatch(names):
+        names = re.sub("['\"]", "", printed[1])
     found = [name for name in _NO_NAME.split(names) if name]
     twice = next((name for name in found if found.count(name) > 1), None)
     pattern = next(filter(_PATTERN.search, found), None)

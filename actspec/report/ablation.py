@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from actspec.diagnostics import Diagnostic, listed, one_line
-from actspec.report.tables import escaped, many, markdown_table, table
+from actspec.diagnostics import Diagnostic, listed, many, one_line
+from actspec.report.tables import escaped, markdown_table, table
 from actspec.report.terminal import diagnostic_record
 from actspec.study.ablation import NAMES, Change
 from actspec.study.replay import Tracking

@@ -6,12 +6,12 @@ import os
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from actspec.diagnostics import Severity, listed, one_line
+from actspec.diagnostics import Severity, listed, many, one_line
 from actspec.fields import BY_IR
 from actspec.ir import ActuatorSet, Delay, JointActuator, JointKind
 from actspec.output import MANIFEST, Compilation, Output
 from actspec.report.show import number, title
-from actspec.report.tables import many, table
+from actspec.report.tables import table
 from actspec.targets.base import Approximation, TargetOptions
 from actspec.units import format_number, format_quantity
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from actspec.diagnostics import Diagnostic, one_line
+from actspec.diagnostics import Diagnostic, many, one_line
 from actspec.learn.delta.train import Parts, Trained, TrainOptions
 from actspec.learn.delta.validate import HORIZON, Judged, Pair, Validation
-from actspec.report.tables import many, table
+from actspec.report.tables import table
 from actspec.report.terminal import diagnostic_record
 
 TRAIN, VALIDATE = "actspec-delta-train/1", "actspec-delta-validate/1"

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from actspec.diagnostics import listed, one_line
-from actspec.report.tables import many, percent, table
+from actspec.diagnostics import listed, many, one_line
+from actspec.report.tables import percent, table
 from actspec.report.terminal import diagnostic_record
 from actspec.study.advice import Advice
 from actspec.study.diagnose import Diagnosis

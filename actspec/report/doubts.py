@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from actspec.diagnostics import Diagnostic, Severity
-from actspec.report.tables import many
+from actspec.diagnostics import Diagnostic, Severity, many
 from actspec.spec.plausible import BY_CODE
 
 

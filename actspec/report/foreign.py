@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.diagnostics import listed, one_line
-from actspec.report.tables import many, table
+from actspec.diagnostics import listed, many, one_line
+from actspec.report.tables import table
 from actspec.sysid.foreign.figures import Found
 from actspec.units import format_number
 

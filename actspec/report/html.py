@@ -11,14 +11,13 @@ import actspec
 from actspec.audit.outcome import Report
 from actspec.audit.pages import page
 from actspec.audit.rule import Rule
-from actspec.diagnostics import SEVERITIES, Severity, Span, listed
+from actspec.diagnostics import SEVERITIES, Severity, Span, listed, many
 from actspec.readings.artifact import FileReading
 from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, grouped
 from actspec.report.ledger import comparisons, ledger_sheets, sheet_table
 from actspec.report.page import fold, plain, whole
 from actspec.report.sources import Sources
-from actspec.report.tables import many
 from actspec.report.text import counted, worst_first
 
 _MOST_OPEN = 8

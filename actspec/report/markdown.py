@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from actspec.audit.outcome import Report
-from actspec.diagnostics import Severity, listed
+from actspec.diagnostics import Severity, listed, many
 from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, for_people
 from actspec.report.ledger import Sheet, comparisons, ledger_sheets
-from actspec.report.tables import escaped, many, markdown_table
+from actspec.report.tables import escaped, markdown_table
 from actspec.report.text import NOUNS, counted, left_out, remarks, worst_first
 
 LONGEST = 60_000

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from actspec.diagnostics import Diagnostic, one_line
+from actspec.diagnostics import Diagnostic, many, one_line
 from actspec.laws.network import NetworkLaw
 from actspec.learn.closed_loop import HORIZON
 from actspec.learn.evaluate import Errors, Evaluation, errors_of
@@ -15,7 +15,7 @@ from actspec.learn.recurrent import along
 from actspec.learn.survey import JointData
 from actspec.learn.train import Trained, input_ranges
 from actspec.learn.windows import Dataset, Split, gathered, slacks
-from actspec.report.tables import many, table
+from actspec.report.tables import table
 from actspec.report.terminal import diagnostic_record, json_number
 from actspec.units import format_number
 

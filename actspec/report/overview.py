@@ -9,7 +9,7 @@ from typing import Any
 
 import actspec
 from actspec.audit.case import Case
-from actspec.diagnostics import Diagnostic, Severity, listed, shell_word
+from actspec.diagnostics import Diagnostic, Severity, listed, many, shell_word
 from actspec.ir import ActuatorSet, JointActuator, Origin
 from actspec.report.axes import plot_style
 from actspec.report.diagnosis import days_of, gain_of, verdict
@@ -17,7 +17,7 @@ from actspec.report.figures import picture_of
 from actspec.report.ledger import ledger_sheets, sheet_table
 from actspec.report.overview_figures import Figure, dampings, envelopes, steps, trackings
 from actspec.report.page import articles, figure, fold, plain, plain_table, whole
-from actspec.report.tables import many, percent
+from actspec.report.tables import percent
 from actspec.resources import data_path
 from actspec.study.advice import Advice
 from actspec.study.compare import Comparison, distinct

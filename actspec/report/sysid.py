@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from actspec.diagnostics import one_line
+from actspec.diagnostics import many, one_line
 from actspec.joints import JointKind
-from actspec.report.tables import many, table
+from actspec.report.tables import table
 from actspec.report.terminal import json_number
 from actspec.sysid.identified import Identification, JointFit, Parameter, State
 from actspec.units import format_number

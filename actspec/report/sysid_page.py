@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import actspec
-from actspec.diagnostics import Diagnostic, listed, shell_word
+from actspec.diagnostics import Diagnostic, listed, many, shell_word
 from actspec.fields import BY_SPEC
 from actspec.ir import ActuatorSet, JointActuator, Origin, Quantity
 from actspec.logs import Log
@@ -16,7 +16,6 @@ from actspec.report.page import articles, figure, fold, plain, plain_table, whol
 from actspec.report.row_pictures import Interval, intervals
 from actspec.report.sysid_answers import loop_of
 from actspec.report.sysid_pictures import pictures
-from actspec.report.tables import many
 from actspec.resources import data_path
 from actspec.spec.remedy import remedy
 from actspec.spec.results import JointResult, Results, value_of

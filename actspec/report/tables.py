@@ -41,11 +41,6 @@ class Style:
         return self.paint(text, COLOURS[severity])
 
 
-def many(count: int, noun: str) -> str:
-    """A count with its noun: `1 joint`, `2 joints`."""
-    return f"{count} {noun}{'s' * (count != 1)}"
-
-
 def table(rows: Sequence[Sequence[str]], indent: str = "  ", headings: int = 1) -> list[str]:
     """Rows as aligned columns, the first `headings` rows the heading; columns of numbers stand right."""
     if not rows:

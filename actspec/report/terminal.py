@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TextIO
 
-from actspec.diagnostics import Diagnostic, Severity, one_line
-from actspec.report.tables import COLOURED, Style, many
+from actspec.diagnostics import Diagnostic, Severity, many, one_line
+from actspec.report.tables import COLOURED, Style
 
 OUTPUT = {
     "ablate": "ablation",

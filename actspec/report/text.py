@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from actspec.audit.outcome import Means, Report
-from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed, one_line
+from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed, many, one_line
 from actspec.report import ReportOptions
 from actspec.report.findings import MOST_ALIKE, FindingGroup, for_people
 from actspec.report.ledger import ledger_lines
 from actspec.report.sources import Sources
-from actspec.report.tables import Style, many, table
+from actspec.report.tables import Style, table
 
 MOST_REASONS = 3
 """Reasons why rules did not apply that are reported. Chosen: who asks for a few rules wants to know why one is silent,
@@ -57,7 +57,7 @@ def _whole(report: Report, options: ReportOptions, sources: Sources | None) -> s
             if sources is not None:
                 lines += [*_details(group, sources, style), ""]
         lines += [style.faint(line) for line in left_out(report, options.least)]
-    lines += summary(report, style, groups, chosen=options.chosen)
+    lines += summary(report, style, groups, options)
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -77,7 +77,7 @@ def left_out(report: Report, least: Severity) -> Iterator[str]:
     """
     below = [item for item in report.findings if SEVERITIES.index(item.severity) < SEVERITIES.index(least)]
     found = [(group.first.severity, group.first.finding.code) for group in for_people(below)]
-    shown = set(report.for_people(least))
+    shown = set(joined(report.for_people(least)))
     found += [(item.severity, item.code) for item in joined(report.for_people()) if item not in shown]
     counts = Counter(severity for severity, _ in found)
     parts = []
@@ -142,16 +142,18 @@ def statistics(report: Report) -> list[str]:
     return table([(str(count), *key) for key, count in rows], "", headings=0)
 
 
-def summary(report: Report, style: Style, groups: Sequence[FindingGroup], *, chosen: bool) -> Iterator[str]:
+def summary(
+    report: Report, style: Style, groups: Sequence[FindingGroup], options: ReportOptions
+) -> Iterator[str]:
     """How much was found and set aside, and which rules did not apply.
 
     Args:
         report: What was found.
         style: How it is to look.
         groups: The findings as they are shown.
-        chosen: Whether rules were selected; who asks for all need not read which had nothing to judge.
+        options: Who asks for all rules need not read which had nothing to judge.
     """
-    count, reasons = report.did_not_apply() if chosen else (0, {})
+    count, reasons = report.did_not_apply() if options.chosen else (0, {})
     if len(reasons) <= MOST_REASONS:
         for reason, codes in reasons.items():
             yield style.faint(f"{listed(codes)} did not apply: {one_line(reason)}")
@@ -162,11 +164,13 @@ def summary(report: Report, style: Style, groups: Sequence[FindingGroup], *, cho
     gone = sum(file.names_nothing for file in report.case.files)
     if gone:
         notes.insert(0, f"{many(gone, 'name')} {'has' if gone == 1 else 'have'} nothing to audit")
+    # A warning about a file as a whole is none of a rule's.
+    told = sum(item.severity is Severity.WARNING for item in joined(report.for_people(options.least)))
+    if told:
+        notes.insert(0, f"{many(told, 'warning')} about files")
     found = counted(groups)
     if report.findings and not groups:
-        # A warning about a file as a whole is none of a rule's.
-        told = sum(item.severity is Severity.WARNING for item in report.for_people(Severity.WARNING))
-        found = many(told, "warning") if told else "no errors or warnings"
+        found = "no errors" if told else "no errors or warnings"
     yield f"{found} in {_files(report)}" + "".join(f"; {text}" for text in notes)
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 
-from actspec.diagnostics import Severity, Span, listed, one_line
+from actspec.diagnostics import Severity, Span, listed, many, one_line
 from actspec.output import Compilation
 from actspec.report.compile import worst_error
-from actspec.report.tables import escaped, many, markdown_table, table
+from actspec.report.tables import escaped, markdown_table, table
 from actspec.report.terminal import style_of
 from actspec.simulate.excitation import COURSES as NETWORK
 from actspec.simulate.experiment import COURSES

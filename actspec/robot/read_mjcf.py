@@ -7,7 +7,7 @@ from dataclasses import fields
 from math import isnan
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, RobotError, Span, listed
+from actspec.diagnostics import Collector, RobotError, Span, listed, many
 from actspec.joints import JointKind
 from actspec.robot.assets import unknown_inertia
 from actspec.robot.compiled import (
@@ -118,7 +118,7 @@ def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, pose
     joints = _joints(lists, spec, written, document, main, not reason, weightless)
     unnamed = _unnamed(lists)
     if unnamed:
-        out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
+        out.info("ROBOT113", f"{many(unnamed, 'joint')} without a name left out", span=main)
     switched_off = _switched_off(model)
     actuators = tuple(
         _actuator(lists, index, element, written, document, main, switched_off, index in ratios)
@@ -131,7 +131,10 @@ def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, pose
     if compiled.meshes is not None:
         for what, names in (
             ("stiffness and damping from springdamper", [j.name for j in joints if "stiffness" in j.unknown]),
-            ("velocity gains from dampratio", [a.name for a in actuators if a.index in ratios]),
+            (
+                "velocity gains from dampratio",
+                [a.name or f"that of {a.target}" for a in actuators if a.index in ratios],
+            ),
         ):
             if names:
                 message = f"{what} are unknown ({listed(names)}): {compiled.meshes.reason}"

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-from actspec.diagnostics import Collector, Span
+from actspec.diagnostics import Collector, Span, many
 from actspec.joints import JointKind
 from actspec.robot.compiled import reached_by_text
 from actspec.robot.mjcf_actuator_text import actuator_text, class_text, numbers
@@ -60,7 +60,7 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
             dof += _DEGREES_OF_FREEDOM.get(joints[-1].kind, 1)
     unnamed = sum(not joint.name and joint.kind is not JointKind.FREE for joint in joints)
     if unnamed:
-        out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
+        out.info("ROBOT113", f"{many(unnamed, 'joint')} without a name left out", span=main)
     left_out = sorted({element.tag for element in document.walk(*_OPAQUE)})
     if left_out:
         out.info("ROBOT113", f"what {', '.join(left_out)} makes is left out", span=main)

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
+from actspec.diagnostics import Collector, RobotError, Span, listed, many, nearest
 from actspec.joints import JointKind
 from actspec.robot.inertia import POSES, known_inertia
 from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
@@ -180,7 +180,7 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
     if unnamed:
         out.info(
             "ROBOT113",
-            f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out",
+            f"{many(unnamed, 'joint')} without a name left out",
             span=document.span(document.root),
         )
     if planar:

@@ -212,7 +212,7 @@ def test_a_warning_about_a_file_is_counted() -> None:
     report = audit(["robots"], Settings())
     assert report.findings and {item.severity for item in report.findings} == {Severity.INFO}
     text = render(report, "concise", ReportOptions(least=Severity.WARNING))
-    assert text.splitlines()[-1] == "1 warning in 2 files"
+    assert text.splitlines()[-1] == "no errors in 2 files; 1 warning about files"
 
 
 CFG = "from isaaclab.assets import ArticulationCfg\nLEG_CFG = ArticulationCfg(actuators={)\n"

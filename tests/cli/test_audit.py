@@ -340,7 +340,10 @@ def test_inline_ignore(folder: Path, capsys: pytest.CaptureFixture[str]) -> None
 def test_baseline(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """What is written is hidden afterwards, also when lines move; what has gone is told."""
     assert run("audit", "leg.xml", "--write-baseline", "known.json", "--fail-on", "info") == 0
-    assert capsys.readouterr() == ("", "known.json: 2 findings written\n")
+    assert capsys.readouterr() == (
+        "",
+        "known.json: 2 findings written: shown as 1 warning affecting 2 joints\n",
+    )
     (folder / "leg.xml").write_text("\n\n" + LEG)
     assert (
         run("audit", "leg.xml", "--baseline", "known.json", "--fail-on", "info", "--output-format", "concise")

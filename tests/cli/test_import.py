@@ -360,7 +360,7 @@ def get_cfg():
     (folder / "cfg.py").write_text(text.replace("PATTERN", "swing"), encoding="utf-8")
     assert main(["import", "cfg.py"]) == 0
     assert (
-        "all are taken as hinges (the configuration reads robot.xml: name it too)\n"
+        "all are taken as hinges (the configuration reads robot.xml: name it too); a joint that slides is"
         in capsys.readouterr().err
     )
 
@@ -440,7 +440,7 @@ def test_a_part_names_its_whole(
     assert main(["import", f"sub/{part}"]) == 2
     said = capsys.readouterr().err
     assert ("it is a part of" in said) is bool(whole)
-    assert not whole or f"help: it is a part of sub/{whole}: import that\n" in said
+    assert not whole or f"help: it is a part of sub/{whole}: import the whole model\n" in said
     assert main(["import", "sub/scene.xml"]) == 0
 
 
@@ -471,7 +471,7 @@ def test_a_part_below_its_whole(
     assert main(["import", part]) == 2
     said = capsys.readouterr().err
     told = (
-        f"it is a part of {whole}: import that"
+        f"it is a part of {whole}: import the whole model"
         if whole
         else "it is a part of a model: import the file that includes"
     )
@@ -488,7 +488,7 @@ def test_a_part_of_a_part(folder: Path, capsys: pytest.CaptureFixture[str]) -> N
     (folder / "main.xml").write_text(ANGLE.format(file="body.xml"), encoding="utf-8")
     (folder / "link.xml").symlink_to(folder / "main.xml")
     assert main(["import", "legs.xml"]) == 2
-    assert "  help: it is a part of main.xml: import that\n" in capsys.readouterr().err
+    assert "  help: it is a part of main.xml: import the whole model\n" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -505,7 +505,7 @@ def test_a_part_that_is_a_model_too(
     told = "legs.xml: DRF013 [warning]: has no <compiler>, and is a part of main.xml"
     said = capsys.readouterr().err
     assert (told in said) is (whole == ANGLE and not head)
-    assert ("help: import that in its place" in said) is (whole == ANGLE and not head)
+    assert ("help: import the whole model instead" in said) is (whole == ANGLE and not head)
 
 
 def test_two_hundred_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -65,11 +65,14 @@ def test_names_are_missing(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
     )
     why = "it is written into the robot's URDF, and none is named"
     assert f"  target urdf is left out: {why}\n" in out
-    fragment = "no MJCF or URDF is named, and without one a compile writes a fragment to include in one"
+    fragment = "no MJCF or URDF is named; `compile -t mujoco` writes a fragment to include in one"
     assert f"  target mujoco is left out: {fragment}\n" in out
     text = (folder / "leg.yaml").read_text("utf-8")
     assert f"  # urdf: {{}}    # left out: {why}\n" in text
     assert list(load_spec("leg.yaml").model.targets) == ["isaaclab"]
+    assert main(["compile", "leg.yaml", "-t", "mujoco", "-o", "out"]) == 0
+    assert (folder / "out" / "mujoco" / "leg_actuators.xml").is_file()
+    capsys.readouterr()
     assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES)]) == 0
     assert "DRF012" not in capsys.readouterr().err
 
@@ -164,6 +167,8 @@ def test_without_it_the_message_names_it(folder: Path, capsys: pytest.CaptureFix
         ("io.json", json.dumps({"joint_names": NAMES}), "from io.json", NAMES),
         ("j.yaml", json.dumps(NAMES), "from j.yaml", NAMES),
         ("d.yaml", f"joint_names: {json.dumps(NAMES)}\nkp: [1, 1, 1, 1]\nkd: [1, 1, 1, 1]\n", "d.yaml", NAMES),
+        ("names.lst", "\n".join(NAMES), "the names of the 4 joints are from names.lst", NAMES),
+        ("names", f"{NAMES}\n", "the names of the 4 joints are from names", NAMES),
         (
             "leg.urdf",
             URDF,
@@ -171,7 +176,7 @@ def test_without_it_the_message_names_it(folder: Path, capsys: pytest.CaptureFix
             NAMES,
         ),
     ],
-    ids=["list", "text", "IO_descriptors", "JSON", "bare list", "deploy file", "URDF"],
+    ids=["list", "text", "IO_descriptors", "JSON", "bare list", "deploy file", "any ending", "printed", "URDF"],
 )  # fmt: skip
 def test_a_spec_that_compiles(
     folder: Path,
@@ -217,6 +222,10 @@ def test_a_spec_that_compiles(
         ("broken.yaml", "a: [", "it is not YAML"),
         ("leg_cfg.py", "", "no list of joint names is in it"),
         ("folder", "", "cannot be read"),
+        ("leg.stl", "solid\0\1", "is no text"),
+        ("leg", "<robot", "cannot be read: "),
+        ("a,b", "", "help: its joints: a, b\n"),
+        ("left_hip_joint,head", "", "the ending _joint alone, which a USD may lack"),
     ],
 )
 def test_what_names_none(
@@ -230,6 +239,46 @@ def test_what_names_none(
     said = capsys.readouterr()
     assert "DRF011" in said.err and "--joints" in said.err and message in said.err
     assert said.out == "" and not (folder / "leg.yaml").exists()
+
+
+WITH_ENDING = URDF.replace("_hip'", "_hip_joint'").replace("_knee'", "_knee_joint'")
+
+
+@pytest.mark.parametrize(
+    "cfg, urdf, how, ending",
+    [
+        (CFG, WITH_ENDING, "without", ""),
+        (CFG.replace("_hip", "_hip_joint").replace("_knee", "_knee_joint"), URDF, "with", "_joint"),
+    ],
+)
+def test_a_urdf_of_other_endings(
+    folder: Path, cfg: str, urdf: str, how: str, ending: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As Isaac Lab's H1 and its URDF: the joints are called as the patterns have them, and import says so."""
+    (folder / "leg_cfg.py").write_text(cfg, encoding="utf-8")
+    (folder / "leg.urdf").write_text(urdf, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "leg.urdf"]) == 2
+    assert "by --joints leg.urdf, which takes them as" in capsys.readouterr().err
+    assert main(["import", "leg_cfg.py", "--joints", "leg.urdf", "-o", "leg.yaml"]) == 0
+    out, err = capsys.readouterr()
+    said = f"joints are from leg.urdf (--joints), {how} the ending _joint, as the configuration's patterns"
+    assert said in out and said in (folder / "leg.yaml").read_text("utf-8") and "DRF012" not in err
+    joints = load_spec("leg.yaml").model.robot.joints or ()
+    assert [joint if isinstance(joint, str) else joint.name for joint in joints] == [
+        n + ending for n in NAMES
+    ]
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 0
+
+
+def test_endings_stay_where_patterns_have_them(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """One pattern that selects joints as they are called decides, where the others would select none otherwise."""
+    urdf = WITH_ENDING.replace("_hip_joint'", "_hip'").replace("left_knee_joint'", "other_joint'")
+    (folder / "leg_cfg.py").write_text(CFG.replace("_knee", "_knee_x"), encoding="utf-8")
+    (folder / "leg.urdf").write_text(urdf, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "leg.urdf", "-o", "leg.yaml"]) == 0
+    out, err = capsys.readouterr()
+    assert "the ending" not in out and "DRF012" in err
+    assert "right_knee_joint" in (folder / "leg.yaml").read_text("utf-8")
 
 
 def test_beside_a_robot_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -102,15 +102,35 @@ def test_a_stream_that_fails(line: str, code: int, said: str, tmp_path: Path) ->
     assert (done.returncode, done.stderr) == (code, said)
 
 
-def test_a_reader_that_has_gone(tmp_path: Path) -> None:
-    """As behind `| head`: nothing to say, and nobody to say it to."""
+SERVO = """<mujoco><worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody>
+<actuator><position name="j" joint="j" kp="1000"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "written"),
+    [
+        (["schema", "spec"], 0, None),
+        (["import", "robot.xml", "-o", "robot.yaml"], 0, "robot.yaml"),
+        (["import", "robot.xml"], 0, None),
+        (["audit", "robot.xml", "--fail-on", "info"], 1, None),
+        (["audit", "robot.xml", "--write-baseline", "known.json"], 0, "known.json"),
+        (["import", "missing.xml"], 2, None),
+        (["--help"], 0, None),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_a_reader_that_has_gone(arguments: list[str], code: int, written: str | None, tmp_path: Path) -> None:
+    """As behind `| head`: the run has its own exit code and its files, as if somebody read on."""
+    (tmp_path / "robot.xml").write_text(SERVO, encoding="utf-8")
     reader, writer = os.pipe()
     os.close(reader)
-    command = [sys.executable, "-m", "actspec", "schema", "spec"]
+    command = [sys.executable, "-m", "actspec", *arguments]
     env = {**os.environ, "PYTHONPATH": PATHS}
     done = subprocess.run(command, cwd=tmp_path, env=env, stdout=writer, stderr=subprocess.PIPE, check=False)
     os.close(writer)
-    assert (done.returncode, done.stderr) == (2, b"")
+    assert done.returncode == code, done.stderr
+    assert {entry.name for entry in tmp_path.iterdir()} - {"robot.xml"} == ({written} if written else set())
+    assert b"Traceback" not in done.stderr and b"output cannot be written" not in done.stderr
 
 
 def test_an_interrupt_while_importing(tmp_path: Path) -> None:

@@ -353,7 +353,7 @@ def test_names_that_differ_by_the_ending(tmp_path: Path) -> None:
         imported(write(tmp_path, leg_xml=ended, leg_cfg_py=named), tmp_path)
     (item,) = caught.value.diagnostics
     assert item.code == "DRF008"
-    assert "they differ by the ending _joint alone" in str(item.help)
+    assert "they differ by their ending alone" in str(item.help)
 
 
 def test_combined_spec_compiles(tmp_path: Path) -> None:

@@ -111,6 +111,24 @@ def test_patterns_of_any_names(names: list[str], data: st.DataObject) -> None:
         (["robot0_FFJ3", "robot0_MFJ2"], "fingers"),
         (["iiwa7_joint_1", "iiwa7_joint_2"], "iiwa"),
         ([f"iiwa7_joint_{n}" for n in range(1, 8)], "arm"),
+        (["lhumerusrx", "rradiusrx", "lclaviclerz"], "arms"),
+        (["lfemurrz", "rtibiarx"], "legs"),
+        (["lowerbackrx", "thoraxry"], "torso"),
+        (["lowerneckrz", "upperneckry"], "neck"),
+        (["middle_lumbar_Z", "middle_cervical_X"], "torso"),
+        (["middle_1", "middle_2"], "middle"),
+        (["tail_twist", "finright_pitch", "finleft_pitch", "tail1"], "tail_fin"),
+        (["rx_head_Armature", "ry_head_Armature"], "head"),
+        (
+            [
+                "rx_head_Armature",
+                "rx_femur_T1_left_Armature",
+                "rx_tibia_T1_left_Armature",
+                "rx_abdomen_Armature",
+                "rx_rostrum_Armature",
+            ],
+            "body",
+        ),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -191,6 +209,27 @@ def test_group_names_of_a_configuration(
         "knee": "legs",
     }
     assert group_name(joints, taken, {}, {**dict.fromkeys(joints, ""), **given}, robot) == expected
+
+
+@pytest.mark.parametrize(
+    "joints, others, expected",
+    [
+        (["right_hip_X"], ["left_hip_X"], "right_hip_x"),
+        (["hip_X_L", "knee_L"], ["knee_R", "hip_X_R"], "left_legs"),
+        (["right_hip_X"], ["left_hip_Y"], "hip_x"),
+        (["left_hip_X", "right_hip_X"], ["right_hip_Y"], "hip_x"),
+        (["left_x", "left_y"], ["right_x", "right_y"], "left_joints"),
+        (["FL_knee"], ["FR_knee"], "knee"),
+    ],
+)
+def test_one_side_alone(joints: list[str], others: list[str], expected: str) -> None:
+    """Joints of one side whose counterparts are in another group have the side in their name."""
+    assert group_name(joints, (), {}, dict.fromkeys([*joints, *others], "")) == expected
+
+
+def test_an_axis_is_no_name() -> None:
+    """Where `torso` is taken, what turns about x is called after its parts."""
+    assert group_name(["lowerbackrx", "thoraxrx"], ["torso"]) == "lowerback_thorax"
 
 
 def test_group_names_are_unique() -> None:

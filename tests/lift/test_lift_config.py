@@ -504,7 +504,10 @@ def test_deploy_names_its_joints(tmp_path: Path) -> None:
     assert hip.kp is not None and knee.kp is not None
     assert (hip.kp.value, knee.kp.value, knee.default_position.value) == (20.0, 30.0, -0.8)
     assert (hip.effort_limit.origin, hip.kind) == (Origin.UNKNOWN, JointKind.HINGE)
-    assert found.notes[""] == ("no robot file states the kinds of the joints: all are taken as hinges",)
+    assert found.notes[""] == (
+        "no robot file states the kinds of the joints: all are taken as hinges; a joint that slides is "
+        "{name: NAME, kind: slide} in robot.joints of the spec",
+    )
 
 
 def test_patterns_without_a_robot_file(tmp_path: Path) -> None:

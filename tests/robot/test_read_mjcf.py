@@ -606,6 +606,11 @@ def test_what_follows_the_mass_of_an_absent_mesh_is_unknown() -> None:
         f"stiffness and damping from springdamper are unknown (hip, knee): {reason}",
         f"velocity gains from dampratio are unknown (h): {reason}",
     ]
+    nameless = read(WEIGHTLESS.format(head="", tendon="").replace('name="h" joint', "joint"))
+    assert (
+        nameless.diagnostics[1].message
+        == f"velocity gains from dampratio are unknown (that of hip): {reason}"
+    )
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from actspec.diagnostics import Path, listed
+from actspec.diagnostics import Path, listed, many
 from actspec.patterns import PatternError, match_names
 from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Linkage, Stage
@@ -264,7 +264,7 @@ def _check_geometry(path: Path, linkage: Linkage, breaches: Breaches) -> None:
     if linkage.factor is None and len(linkage.motors) != size:
         breaches.error(
             "SPEC171",
-            f"{_count(size, 'joint')} and {_count(len(linkage.motors), 'motor')}: a Jacobian needs as many of both",
+            f"{many(size, 'joint')} and {many(len(linkage.motors), 'motor')}: a Jacobian needs as many of both",
             (*path, "motors"),
             "name the motor of each rod, the same one several times if need be",
         )
@@ -280,21 +280,17 @@ def _check_geometry(path: Path, linkage: Linkage, breaches: Breaches) -> None:
         if place[-1] == "at" and len(part) != size:
             breaches.error(
                 "SPEC171",
-                f"{_count(len(part), 'position')} for {_count(size, 'joint')}",
+                f"{many(len(part), 'position')} for {many(size, 'joint')}",
                 place,
                 "write one a joint, in their order",
             )
         if place[-1] == "jacobian" and [len(row) for row in part if isinstance(row, tuple)] != [size] * size:
             breaches.error(
                 "SPEC171",
-                f"the Jacobian of {_count(size, 'joint')} is {size} by {size}",
+                f"the Jacobian of {many(size, 'joint')} is {size} by {size}",
                 place,
                 "write a row a motor, in it a column a joint",
             )
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def may_be_linked(patterns: Iterable[str], linkages: Mapping[str, Linkage]) -> bool:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Collector, EmitError, listed
+from actspec.diagnostics import Collector, EmitError, listed, many
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Level
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.isaaclab import IsaacLabDialect
@@ -166,7 +166,7 @@ def _warn(
     if open_gains:
         collector.at(f"actuators.{open_gains[0].group}", open_gains[0].span).warning(
             "ISL031",
-            f"gains of {len(open_gains)} joints are unknown, and Isaac Lab takes the USD's: "
+            f"gains of {many(len(open_gains), 'joint')} are unknown, and Isaac Lab takes the USD's: "
             f"{listed([a.joint for a in open_gains])}",
             "state kp and kd",
         )
@@ -174,7 +174,7 @@ def _warn(
     if open_limits:
         collector.warning(
             "ISL034",
-            f"the effort limit of {len(open_limits)} joints is unknown, and Isaac Lab takes the USD's: "
+            f"the effort limit of {many(len(open_limits), 'joint')} is unknown, and Isaac Lab takes the USD's: "
             f"{listed([a.joint for a in open_limits])}",
             where=f"actuators.{open_limits[0].group}.effort_limit",
             span=open_limits[0].effort_limit.span or open_limits[0].span,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Generic, TypeVar
 
-from actspec.diagnostics import Collector, listed
+from actspec.diagnostics import Collector, listed, many
 from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.resolution.quantities import Reports
@@ -328,7 +328,8 @@ def warn_unknown_armature(actuators: ActuatorSet, code: str, simulator: str, col
             f"actuators.{unknown[0].group}.armature", unknown[0].armature.span or unknown[0].span
         ).warning(
             code,
-            f"the armature of {len(unknown)} joints is unknown, and {simulator}: {listed([a.joint for a in unknown])}",
+            f"the armature of {many(len(unknown), 'joint')} is unknown, and {simulator}: "
+            f"{listed([a.joint for a in unknown])}",
             "state armature, or rotor_inertia and gear_ratio of the motor",
         )
 

@@ -12,7 +12,7 @@ from actspec.audit.engine import audit, judge
 from actspec.audit.finding import Confidence
 from actspec.audit.outcome import Report, Reported
 from actspec.audit.settings import Settings
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.report import FORMATS, ReportOptions, least_shown, render
@@ -162,6 +162,36 @@ def test_only_notes() -> None:
     assert render(report, "full", ReportOptions(least=Severity.WARNING)) == (
         "1 note (LIM901): --notes shows it\nno errors or warnings in 1 file\n"
     )
+
+
+@pytest.mark.parametrize(
+    ("severity", "least", "expected"),
+    [
+        (Severity.WARNING, Severity.WARNING, "1 warning in 1 file; 3 warnings about files\n"),
+        (
+            Severity.INFO,
+            Severity.WARNING,
+            "1 note (LIM901): --notes shows it\nno errors in 1 file; 3 warnings about files\n",
+        ),
+        (
+            Severity.WARNING,
+            Severity.ERROR,
+            "4 warnings (STALE, LIM901, MIMIC): --notes shows them\nno errors or warnings in 1 file\n",
+        ),
+    ],
+)
+def test_warnings_about_files_are_counted_as_they_are_shown(
+    severity: Severity, least: Severity, expected: str
+) -> None:
+    """Beside findings and alone, the same of two joints once; those that are shown are none of those left out."""
+    about = finding("LIM901").span
+    same = [Diagnostic("MIMIC", Severity.WARNING, "follows nothing", joint, about) for joint in ("a", "b")]
+    others = [Diagnostic("STALE", Severity.WARNING, text, "", Span("x.json")) for text in ("one", "two")]
+    rule = rule_of("LIM901", "first-rule", finding("LIM901"), severity=severity)
+    made = replace(judge(case_of({"a.xml": b""}), Settings(), (rule,)), problems=(*same, *others))
+    text = render(made, "concise", ReportOptions(least=least))
+    assert text.endswith(f"\n{expected}") or text == expected
+    assert len(list(remarks(made, least))) == (3 if least is Severity.WARNING else 0)
 
 
 @pytest.mark.parametrize(

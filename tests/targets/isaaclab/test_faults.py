@@ -117,7 +117,7 @@ def test_the_solver_has_a_limit_of_its_own(command: str) -> None:
     text = PLAIN.replace("kp: 20 N*m/rad, kd: 0.5 N*m*s/rad", drive)
     done = compiled(text.replace("effort_limit: 9 N*m", "effort_limit: unknown"), "2.3", "implicit")
     (item,) = [d for d in done.emission.diagnostics if d.code == "ISL034"]
-    assert item.message == "the effort limit of 1 joints is unknown, and Isaac Lab takes the USD's: a"
+    assert item.message == "the effort limit of 1 joint is unknown, and Isaac Lab takes the USD's: a"
     assert "effort_limit_sim=None,  # unknown: the USD's own" in done.text
     assert "effort_limit_sim=9.0" in compiled(text, "2.3", "implicit").text
 
