@@ -88,7 +88,7 @@ def validate(document: Document) -> Spec:
             f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
         )
         raise SpecError(collector.sorted())
-    layout = misplaced(data)
+    layout = misplaced(data, INCLUDED_KEYS if document.includes else ())
     for item in layout:
         breaches.error(item.code, item.message, item.path, item.help, key=item.key)
     if layout:

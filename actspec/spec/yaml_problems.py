@@ -42,6 +42,8 @@ _NAME = r"""[A-Za-z_][A-Za-z_0-9.-]*|"[^"]*"|'[^']*'"""
 _BEFORE_BRACKET = re.compile(rf"({_NAME})\s+([\[{{].*)")
 _BEHIND_QUOTE = re.compile(r"""("[^"]*"|'[^']*')\s+([^:\s].*)""")
 _ALONE = re.compile(rf"({_NAME})(?:\s+(.*))?")
+_ONE_WORD = re.compile(_NAME)
+_IN_BRACES = re.compile(r"[{,]\s*([A-Za-z_][A-Za-z_0-9-]*):\s")
 _COMMENT = re.compile(r"(?:^|\s+)#.*")
 _WORD = re.compile(r""""[^"]*"|'[^']*'|[^\s,:\[\]{}]+""")
 _IN_TEXT = re.compile(r"""[{,]\s*(note|title):\s+(?=[^\s"'\[\]{},])(?=[^\[\]{},]*$)""")
@@ -317,11 +319,46 @@ def _below_a_value(lines: list[str], number: int) -> Problem | None:
     own, its = _indent(lines[number]), _indent(lines[above])
     if own <= its:
         return None
+    if _ONE_WORD.fullmatch(_COMMENT.sub("", lines[above].strip())):
+        return _lacks_colon(lines[above], above, _ALONE)
+    section = _section_below(lines, number) if its == 0 else None
+    if section is not None:
+        message = f"what begins here belongs to `{section}`: the line `{section}:` is missing above"
+        return Problem(message, f"write `{section}:` at the left edge, above this line", _Mark(number, own))
     return Problem(
-        f"this line is indented by {own} spaces, below line {above + 1} which has {its} and a value already",
-        f"indent it by {its} spaces as line {above + 1}, if it is a key beside it, or line {above + 1} by {own}",
+        f"this line is indented by {_spaces(own)}, below line {above + 1} which has {its} and a value already",
+        f"indent it by {_spaces(its)} as line {above + 1}, if it is a key beside it, or line {above + 1} by {own}",
         _Mark(number, own),
     )
+
+
+def _spaces(count: int) -> str:
+    return f"{count} space{'s' * (count != 1)}"
+
+
+def _section_below(lines: list[str], number: int) -> str | None:
+    """The section of which lines are that stand below the left edge; None: unclear, or the file has it.
+
+    Args:
+        lines: The file.
+        number: The first of them.
+    """
+    # The models take time to load, and a file that is right needs none of them here.
+    from actspec.spec.shape import section_of
+
+    own = _indent(lines[number])
+    outer: list[str] = []
+    inner: list[str] = []
+    for line in lines[number:]:
+        if line.strip() and not line.lstrip().startswith("#") and _indent(line) < own:
+            break
+        key = _KEY.match(line.strip())
+        if key is not None:
+            (outer if _indent(line) == own else inner).append(key[1])
+            inner += _IN_BRACES.findall(line) if _indent(line) == own else []
+    section = section_of(inner, outer)
+    have = section is None or any(line.startswith(f"{section}:") for line in lines)
+    return None if have else section
 
 
 def _no_level(lines: list[str], mark: Any) -> Problem | None:
@@ -341,10 +378,36 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
         return None
     # The key that is open between the levels around it: its own indentation may be what is wrong.
     outer = next((number for level, number in reversed(open_levels) if level < own), None)
+    if outer is not None:
+        found = _nameless(lines, outer, own)
+        if found is not None:
+            return found
     named = ", ".join(str(level) for level in levels)
     help = f"indent it by one of these, or check the indentation of line {(outer or 0) + 1}"
-    message = f"this line is indented by {own} spaces, and what is open above it by {named}"
+    message = f"this line is indented by {_spaces(own)}, and what is open above it by {named}"
     return Problem(message, help, _Mark(mark.line, own))
+
+
+def _nameless(lines: list[str], header: int, own: int) -> Problem | None:
+    """Fields that stand where a section has names, further in than the names further down.
+
+    Args:
+        lines: The file.
+        header: Where the section begins.
+        own: Indentation of the names.
+    """
+    from actspec.spec.shape import word_for
+
+    first = next((n for n in range(header + 1, len(lines)) if _above(lines, n + 1) == n), None)
+    if first is None or _indent(lines[first]) <= own:
+        return None
+    section, key = (_KEY.match(lines[n].strip()) for n in (header, first))
+    word = None if section is None or key is None else word_for(section[1], key[1])
+    if section is None or key is None or word is None:
+        return None
+    message = f"`{key[1]}` is a field of a {word}, and the line with the name of that {word} is missing above"
+    help = f"write the name above this line, such as `{word}_1:`, indented by {_spaces(own)}"
+    return Problem(message, help, _Mark(first, _indent(lines[first])))
 
 
 def _above(lines: list[str], number: int) -> int | None:
