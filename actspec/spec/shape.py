@@ -36,6 +36,8 @@ _IN_A_VALUE = frozenset((*VALUE_KEYS, "derive", "nominal", "range", "sampling"))
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)", re.DOTALL)
 _NO_COLON = re.compile(r"([A-Za-z_][A-Za-z_0-9.-]*)\s+([\[{].*)", re.DOTALL)
 _NO_COLON_IN_BRACES = re.compile(r"([A-Za-z_][A-Za-z_0-9.-]*)\s+([-+.]?\d.*)", re.DOTALL)
+_BY_PATTERN = (("default_pose",), ("overrides",))
+"""Ends of paths of what holds joints by name or pattern."""
 _TEXTS = ("title", "note", "page")
 """Keys of texts that are read by people."""
 _NUMBER = re.compile(r"[-+.]?\d.*", re.DOTALL)
@@ -398,6 +400,9 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
             elif lacks is not None:
                 help = f"write `{lacks[1]}: {short(lacks[2])}`"
                 yield Misplaced(f"`{lacks[1]}` has no `:`", (*path, key), help)
+            elif value is None and len(node) == 1 and _NUMBER.fullmatch(key) and path[-1:] not in _BY_PATTERN:
+                message = f"`{{{short(key)}}}` is a mapping, and a number stands in it without a key"
+                yield Misplaced(message, path, f"write `{path[-1]}: {short(key)}` without {{ }}", key=False)
             elif value is None and last is None and _NUMBER.fullmatch(key) and _is_value(node):
                 name = "nominal" if node.keys() & {"range", "sampling"} else "value"
                 message = f"`{short(key)}` stands where a key must"
@@ -408,7 +413,7 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
             else:
                 yield from _cut_apart(value, (*path, key))
             last = key, value
-    elif isinstance(node, list):
+    elif isinstance(node, list) and path[-1:] not in _BY_PATTERN:
         pairs = list(itertools.pairwise(node))
         cut = [
             i

@@ -43,6 +43,8 @@ _BEFORE_BRACKET = re.compile(rf"({_NAME})\s+([\[{{].*)")
 _BEHIND_QUOTE = re.compile(r"""("[^"]*"|'[^']*')\s+([^:\s].*)""")
 _ALONE = re.compile(rf"({_NAME})(?:\s+(.*))?")
 _ONE_WORD = re.compile(_NAME)
+_SECOND_KEY = re.compile(r"\s([A-Za-z_][A-Za-z_0-9-]*):\s$")
+_RATIO = re.compile(r"(\d+(?:\.\d+)?)\s*:\s*([1-9]\d*(?:\.\d+)?)")
 _IN_BRACES = re.compile(r"[{,]\s*([A-Za-z_][A-Za-z_0-9-]*):\s")
 _COMMENT = re.compile(r"(?:^|\s+)#.*")
 _WORD = re.compile(r""""[^"]*"|'[^']*'|[^\s,:\[\]{}]+""")
@@ -102,6 +104,8 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         return Problem("`*` begins an alias here, and this is no alias", help, mark)
     if "anchor" in context:
         return Problem("`&` begins an anchor here, and this is no anchor", "quote the text", mark)
+    if "block scalar" in context and start is not None and start.line < len(lines):
+        return _folded(lines[start.line], start)
     if mark is not None and mark.line < len(lines) and "end of stream" not in problem:
         found = _marks(lines, mark)
         if found is not None:
@@ -144,9 +148,23 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         found = None if mark is None else _below_a_value(lines, mark.line)
         if found is not None:
             return found
+        if at in (",", ";"):
+            return Problem(f"this `{at}` ends nothing: each key has a line of its own", "remove it", mark)
         return Problem("a key is expected here, at the indentation of its mapping", _QUOTE, mark)
     message = f"not valid YAML: {problem or 'no reason given'}" + (f", {context}" if context else "")
     return Problem(message, None, mark)
+
+
+def _folded(line: str, start: Any) -> Problem:
+    """`> 60 Hz`, of which the `>` begins a text of several lines."""
+    sign, value = line[start.column], _COMMENT.sub("", line[start.column :]).strip()
+    number = value.lstrip(">|= ")
+    help = "quote it, if it is text"
+    if number[:1].isdigit():
+        help = f'a bound stands in a note: write `{{value: {cut(number)}, note: "{cut(value)}"}}`'
+    return Problem(
+        f"`{sign}` begins a text of several lines, and `{cut(value)}` goes on behind it", help, start
+    )
 
 
 def _no_colon(line: str, start: Any) -> Problem | None:
@@ -288,6 +306,14 @@ def _second_colon(lines: list[str], mark: Any) -> Problem | None:
     key = _KEY.match(line.strip())
     if key is not None and len(line) - len(line.lstrip()) + key.end(1) < mark.column:
         value = line.strip()[key.end() :].strip()
+        ratio = _RATIO.fullmatch(_COMMENT.sub("", value))
+        if ratio is not None:
+            help = f"write `{key[1]}: {float(ratio[1]) / float(ratio[2]):.6g}`"
+            return Problem(f"`{cut(value)}` is two numbers, not a ratio", help, mark)
+        second = _SECOND_KEY.search(line[: mark.column + 2].rstrip() + " ")
+        found = None if second is None else _on_one_line(key[1], value, second[1], mark.line, second.start(1))
+        if found is not None:
+            return found
         help = f'put it into quotes: {key[1]}: "{cut(value)}"' if '"' not in value else "quote the text"
         return Problem("the `: ` inside this text begins a mapping", help, mark)
     above = _above(lines, mark.line)
@@ -309,6 +335,29 @@ def _second_colon(lines: list[str], mark: Any) -> Problem | None:
         if found is not None:
             return found
     return _below_a_value(lines, mark.line)
+
+
+def _on_one_line(key: str, value: str, second: str, line: int, column: int) -> Problem | None:
+    """`kp: 400 N*m/rad kd: 25 N*m*s/rad` and `friction: coulomb: 1 N*m`: two keys on one line.
+
+    Args:
+        key: The first.
+        value: What stands behind it.
+        second: The other.
+        line: Where they stand, from 0.
+        column: Where the other stands, from 0.
+    """
+    first, mark = value[: value.index(second)].strip(), _Mark(line, column)
+    if not first and value.partition(":")[2].strip()[:1].isdigit():
+        message = f"`{second}:` stands on the line of `{key}:`"
+        return Problem(message, f"write `{key}: {{{cut(value)}}}`, or it below, indented further", mark)
+    if not first or (not first[0].isdigit() and " " in first) or key in ("title", "note", "page"):
+        return None
+    message = f"`{second}:` stands behind the value of `{key}`"
+    if second in ("source", "note", "std", "unit", "sure"):
+        rest = value[value.index(second) :]
+        return Problem(message, f"write `{key}: {{value: {cut(first.rstrip(','))}, {cut(rest)}}}`", mark)
+    return Problem(message, "write it on a line of its own", mark)
 
 
 def _below_a_value(lines: list[str], number: int) -> Problem | None:

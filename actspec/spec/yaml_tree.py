@@ -384,7 +384,7 @@ class _Builder:
         for one in rest:
             message = f"the key '{cut(one.key)}' is repeated, first at {one.first}"
             more = "; what variants change stands under `variants`" if one.key == "variant" else ""
-            if depth == 1:
+            if depth == 1 and not frame.flow:
                 more = ", or write the line of the section that is missing between them"
             self.error("SPEC006", message, one.span, f"keep one of the two{more}", where=one.where)
 
