@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from actspec.diagnostics import Collector, Diagnostic, Path, Span, SpecError, did_you_mean, listed
+from actspec.diagnostics import Collector, Diagnostic, Path, Span, SpecError, did_you_mean, listed, nearest
 from actspec.patterns import apart
 from actspec.spec.document import INCLUDED_KEYS, Breaches, Document, load_document, path_inside
 from actspec.spec.models import (
@@ -160,6 +160,7 @@ def checked(
         together = _together(root, [path for item, path in items if item["type"] == "extra_forbidden"])
         told = {path for _, paths in together.values() for path in paths}
         swapped = _exchanged(root, data, items)
+        strange = [path for item, path in items if item["type"] == "extra_forbidden"]
         for item, path in items:
             if faults is not None:
                 faults.append(path)
@@ -176,7 +177,12 @@ def checked(
                     breaches.error("SPEC101", message, path, help, key=True)
                 if path in told:
                     continue
-            elif below in empty or _made_short(item) or path in swapped.values():
+            elif (
+                below in empty
+                or _made_short(item)
+                or path in swapped.values()
+                or _is_misspelt(item, path, strange)
+            ):
                 continue
             if path in swapped:
                 one, two = path[-1], swapped[path][-1]
@@ -189,6 +195,14 @@ def checked(
         if faults is not None:
             faults.append(path)
     return None if empty else model
+
+
+def _is_misspelt(item: Any, parent: Path, strange: Iterable[Path]) -> bool:
+    """Whether a key that is missing stands there as an unknown one, such as `Level`, whose help names it."""
+    if item["type"] != "missing":
+        return False
+    key = str(item["loc"][-1])
+    return any(path[:-1] == parent and nearest(str(path[-1]), [key]) is not None for path in strange)
 
 
 def _exchanged(root: type[BaseModel], data: Any, items: Sequence[tuple[Any, Path]]) -> dict[Path, Path]:
