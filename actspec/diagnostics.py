@@ -277,6 +277,9 @@ def many(count: int, noun: str) -> str:
 
 def nearest(name: str, known: Sequence[str]) -> str | None:
     """The known name that is nearest to a misspelt one, or None if none is near."""
+    cased = [other for other in known if other.lower() == name.lower()]
+    if cased:
+        return cased[0]
     if len(known) > _MOST_COMPARED:
         # Of many those that share most pairs of letters: to compare all of them takes a second a hundred names.
         pairs = _pairs(name)

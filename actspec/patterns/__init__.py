@@ -19,7 +19,14 @@ from actspec.patterns.pattern import (
     covering_pattern,
     match_names,
 )
-from actspec.patterns.selection import Matches, PatternProblem, apart, resolve_patterns, suggest_pattern
+from actspec.patterns.selection import (
+    Matches,
+    PatternProblem,
+    apart,
+    is_slip,
+    resolve_patterns,
+    suggest_pattern,
+)
 
 __all__ = [
     "MAX_NAME",
@@ -33,6 +40,7 @@ __all__ = [
     "apart",
     "compile_pattern",
     "covering_pattern",
+    "is_slip",
     "match_names",
     "resolve_patterns",
     "suggest_pattern",

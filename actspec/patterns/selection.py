@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from actspec.diagnostics import listed
@@ -122,6 +123,17 @@ def suggest_pattern(pattern: str, names: Sequence[str]) -> str | None:
         except PatternError:
             continue
     return None
+
+
+def is_slip(pattern: str, names: Sequence[str]) -> bool:
+    """Whether a pattern that matches none of the names does so with one letter more, less or other, or as a glob."""
+    few = [name for name in names[:_SUGGESTED_NAMES] if len(name) <= MAX_NAME]
+    close = (text for text, distance in _respelt(pattern, few) if distance <= 1)
+    for candidate in (from_glob(pattern), *close):
+        with suppress(PatternError):
+            if match_names(candidate, few):
+                return True
+    return False
 
 
 def _respelt(pattern: str, names: Sequence[str]) -> list[tuple[str, int]]:

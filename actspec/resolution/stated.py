@@ -6,13 +6,14 @@ Patterns put a joint in a group, whose fields it has, with the overrides of the 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed, nearest
 from actspec.fields import BY_SPEC, FRICTION, unit_of_kind
 from actspec.ir import Command, JointKind, Level, Origin, Quantity, tidy
-from actspec.patterns import PatternError, apart, match_names, suggest_pattern
+from actspec.patterns import PatternError, apart, is_slip, match_names, suggest_pattern
 from actspec.resolution.quantities import Reports, choose, conflict, written
 from actspec.robot.view import JointView, RobotView
 from actspec.spec.document import Breaches
@@ -244,6 +245,7 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
                     key=True,
                 )
             pose.setdefault(joint, pattern)
+    matcher.report()
     loose = [joint.name for joint in joints if joint.name not in owner and joint.name not in unmanaged]
     if loose and not matcher.failed:
         _report_loose(spec, robot, loose, {name: held[0] for name, held in owner.items()}, breaches.collector)
@@ -303,12 +305,33 @@ def _report_loose(
         )
 
 
+MANY = 3
+"""Patterns that match nothing, from which on they may have one cause. Chosen: two are slips."""
 MOST_SUGGESTIONS = 20
 """Patterns for which the nearest right one is looked for, which may take 50 ms each."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Miss:
+    """A pattern that matches nothing.
+
+    Attributes:
+        pattern: Its text.
+        path: Where it stands.
+        names: The joints that it was held to.
+        scope: What they are joints of; "" for those of the robot.
+        key: Whether it is a key.
+    """
+
+    pattern: str
+    path: Path
+    names: Sequence[str]
+    scope: str
+    key: bool
+
+
 class _Matcher:
-    """Matches patterns and reports those that match nothing."""
+    """Matches patterns, and reports in the end those that match nothing."""
 
     def __init__(self, spec: Spec, robot: RobotView, names: Sequence[str], breaches: Breaches) -> None:
         self.spec = spec
@@ -316,6 +339,8 @@ class _Matcher:
         self.names = names
         self.breaches = breaches
         self.failed = False
+        self._matched: set[str] = set()
+        self._missed: list[_Miss] = []
         self._suggestions = MOST_SUGGESTIONS
 
     def match(
@@ -335,8 +360,52 @@ class _Matcher:
             self.breaches.error("SPEC122", err.message, path, err.help, key=key)
             return ()
         if found:
-            return found
-        self.failed = True
+            self._matched.add(pattern)
+        else:
+            self.failed = True
+            self._missed.append(_Miss(pattern, path, names, scope, key))
+        return found
+
+    def report(self) -> None:
+        """Report each pattern that matches nothing, or once that the model is another robot's."""
+        missed = list(dict.fromkeys(miss.pattern for miss in self._missed))
+        count, all_of_them = len(missed), len({*missed, *self._matched})
+        robot = f"'{self.robot.name}'"
+        if missed and not self.names:
+            message = f"{robot} has no hinge or slide joint with a name, and the spec has patterns of joints"
+            have = "name a model that has joints"
+            if self.robot.path.endswith(".xacro"):
+                have = "expand it first, and name what that writes: `xacro ROBOT.urdf.xacro > ROBOT.urdf`"
+        elif self._is_another(count):
+            many = f"{count} of the spec's {all_of_them} patterns match no joint"
+            message = (
+                f"{'no pattern of the spec matches a joint' if count == all_of_them else many} of {robot}: the "
+                "model is another robot's, or its joints have other names"
+            )
+            have = f"it has the joints {listed(self.names, 4)}"
+        else:
+            for miss in self._missed:
+                self._report_one(miss)
+            return
+        without = listed([f"'{pattern}'" for pattern in missed], 4)
+        path = ("robot", "joints" if self.spec.model.robot.model == "none" else "model")
+        self.breaches.error("BIND001", message, path, f"{have}; the patterns without a match: {without}")
+
+    def _is_another(self, missed: int) -> bool:
+        """Whether the model is another robot's: more than a third of what puts joints into groups has none at all."""
+        if missed < MANY:
+            return False
+        groups = {pattern for group in self.spec.model.actuators.values() for pattern in group.joints}
+        joints = [joint.name for joint in self.robot.joints]
+        strange = 0
+        for number, pattern in enumerate(sorted(groups - self._matched)):
+            with suppress(PatternError):
+                if len(apart(pattern)) == 1 and not match_names(pattern, joints):
+                    strange += number >= MOST_SUGGESTIONS or not is_slip(pattern, joints)
+        return 3 * strange > len(groups)
+
+    def _report_one(self, miss: _Miss) -> None:
+        pattern, names, scope = miss.pattern, miss.names, miss.scope
         try:
             elsewhere = set(match_names(pattern, [joint.name for joint in self.robot.joints]))
         except PatternError:
@@ -348,7 +417,7 @@ class _Matcher:
         if self._suggestions and len(parts) == 1:
             self._suggestions -= 1
             guess = suggest_pattern(pattern, names)
-        if len(parts) > 1 and not key:
+        if len(parts) > 1 and not miss.key:
             written = ", ".join(f'"{part}"' for part in parts)
             help: str | None = f"a comma in a text ends no pattern: write `[{written}]`"
         elif others and others[0].kind not in (JointKind.HINGE, JointKind.SLIDE):
@@ -359,15 +428,14 @@ class _Matcher:
         elif guess is not None:
             help = f"did you mean '{guess}'? (matches {listed(match_names(guess, names))})"
         else:
-            help = f"joints: {listed(names)}" if names else "it has no hinge or slide joint with a name"
+            help = f"joints: {listed(names)}"
         self.breaches.error(
             "BIND001",
             f"the pattern '{pattern}' matches no joint {scope or f'of {self.robot.name!r}'}",
-            path,
+            miss.path,
             help,
-            key=key,
+            key=miss.key,
         )
-        return ()
 
 
 FITTED = tuple(spec for spec, field in BY_SPEC.items() if field.fitted)

@@ -23,6 +23,8 @@ from actspec.spec.values import (
 from actspec.units import Kind
 
 EFFORT_WORDS = ("continuous", "peak")
+_EFFORTS = {"nominal": "continuous", "rated": "continuous", "max": "peak", "maximum": "peak", "stall": "peak"}
+"""Words of datasheets to those of the language."""
 SAMPLINGS = ("episode", "step")
 
 
@@ -39,7 +41,11 @@ class EffortField(FieldParser):
             if given.isalpha() and given != "unknown":
                 raise fault(
                     f"must be a torque, `continuous`, `peak` or `unknown`, got {short(given)}",
-                    did_you_mean(given, (*EFFORT_WORDS, "unknown"), "write for instance `33.5 N*m`"),
+                    did_you_mean(
+                        _EFFORTS.get(given.lower(), given),
+                        (*EFFORT_WORDS, "unknown"),
+                        "write for instance `33.5 N*m`",
+                    ),
                 )
         return self.number(given)
 

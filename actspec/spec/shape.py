@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
 from typing import Any, Literal, get_args, get_origin
 
@@ -15,7 +15,7 @@ from pydantic import BaseModel
 
 from actspec.diagnostics import Path, listed, nearest
 from actspec.spec.gears import Linkage
-from actspec.spec.models import Actuators, Motor, Source, SpecModel, Target
+from actspec.spec.models import Actuators, Motor, Robot, Source, SpecModel, Target, Timing
 from actspec.spec.values import VALUE_KEYS, short
 
 _NAMED: dict[str, tuple[type[BaseModel], str]] = {
@@ -26,12 +26,18 @@ _NAMED: dict[str, tuple[type[BaseModel], str]] = {
     "targets": (Target, "target"),
 }
 """Sections that hold things by name: what these are, and the word for one."""
+_FLAT: dict[str, type[BaseModel]] = {"robot": Robot, "timing": Timing}
+"""Sections that hold their keys themselves."""
+_GEARED = frozenset(("jacobian", "table", "factor"))
+"""What a linkage has one of."""
 _IN_A_VALUE = frozenset((*VALUE_KEYS, "derive", "nominal", "range", "sampling"))
 """Keys below a field that holds a number, derived gains and delays among them."""
 
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)", re.DOTALL)
 _NO_COLON = re.compile(r"([A-Za-z_][A-Za-z_0-9.-]*)\s+([\[{].*)", re.DOTALL)
 _NO_COLON_IN_BRACES = re.compile(r"([A-Za-z_][A-Za-z_0-9.-]*)\s+([-+.]?\d.*)", re.DOTALL)
+_BY_PATTERN = (("default_pose",), ("overrides",))
+"""Ends of paths of what holds joints by name or pattern."""
 _TEXTS = ("title", "note", "page")
 """Keys of texts that are read by people."""
 _NUMBER = re.compile(r"[-+.]?\d.*", re.DOTALL)
@@ -57,13 +63,17 @@ class Misplaced:
     code: str = "SPEC107"
 
 
-def misplaced(data: Mapping[str, Any]) -> tuple[Misplaced, ...]:
+def misplaced(data: Mapping[str, Any], more: Iterable[str] = ()) -> tuple[Misplaced, ...]:
     """Mistakes of layout, each once.
 
     Args:
         data: The document.
+        more: Sections that are there because of other files.
     """
-    return (*_sections(data), *_at_the_edge(data), *_dedented(data, ()), *_cut_apart(data, ()))
+    lost = (*_headers_lost(data, frozenset(more)), *_inside_another(data))
+    told = {item.path[:2] for item in lost}
+    rest = (*_sections(data), *_at_the_edge(data), *_dedented(data, ()), *_cut_apart(data, ()))
+    return (*lost, *(item for item in rest if item.path[:2] not in told))
 
 
 def misspelt(data: Mapping[str, Any], more: Iterable[str]) -> tuple[tuple[str, str], ...]:
@@ -78,6 +88,10 @@ def misspelt(data: Mapping[str, Any], more: Iterable[str]) -> tuple[tuple[str, s
     found = []
     for key, value in data.items():
         meant = None if key in tops else nearest(key.lower(), sorted(tops - (data.keys() - {*more})))
+        if meant is None and key not in tops and isinstance(value, Mapping) and "actspec" in data:
+            # `drives:` or `groups:`, of which each entry tells what they are.
+            of = {section_of(item) for item in value.values() if isinstance(item, Mapping)}
+            meant = next(iter(of)) if len(of) == 1 and not of & data.keys() else None
         if meant is not None and isinstance(value, int if meant == "actspec" else Mapping):
             found.append((key, meant))
     return tuple(found)
@@ -109,14 +123,119 @@ def _sections(data: Mapping[str, Any]) -> Iterator[Misplaced]:
                     yield _indented(name, (section, name))
 
 
-def _at_the_edge(data: Mapping[str, Any]) -> Iterator[Misplaced]:
-    """Groups, motors and so on that stand beside their section, which holds others."""
+def _headers_lost(data: Mapping[str, Any], more: frozenset[str]) -> Iterator[Misplaced]:
+    """Groups, motors and so on in another section, which the lines of their own have become a part of."""
     tops = fields_of(SpecModel)
+    models = {name: model for name, (model, _) in _NAMED.items()} | {"variants": SpecModel}
+    for section in (*models, *_FLAT, "accept"):
+        held = data.get(section)
+        if not isinstance(held, Mapping):
+            continue
+        beside = fields_of(model_at(SpecModel, (section,)))
+        found: dict[str, list[str]] = {}
+        for name, value in held.items():
+            of = None if name in beside | tops else _section_of(name, value, fields_of(models.get(section)))
+            if of is not None and of != section and of not in held:
+                found.setdefault(of, []).append(name)
+        for of, names in found.items():
+            one = len(names) == 1
+            what = f"{_shown(names)} belong{'s' * one} to `{of}`" if of not in _NAMED else _are(names, of)
+            message = f"{what}, and stand{'s' * one} in `{section}`"
+            if data.get(of) and of not in more:
+                help = f"move {'it' if one else 'them'} below `{of}:`"
+            else:
+                message += f": the line `{of}:` is missing above"
+                help = f"write `{of}:` at the left edge, above `{short(names[0])}`"
+            yield Misplaced(message, (section, names[0]), help)
+
+
+def _shown(names: Iterable[str]) -> str:
+    return listed([f"`{short(name)}`" for name in names], 4)
+
+
+def _are(names: Sequence[str], section: str) -> str:
+    """That these are what a section holds by name."""
+    word = _NAMED[section][1]
+    one = len(names) == 1
+    return f"{_shown(names)} {f'is a {word} by what it holds' if one else f'are {word}s by what they hold'}"
+
+
+def _section_of(name: str, value: Any, own: frozenset[str]) -> str | None:
+    """The section that an entry is of by what it holds; None: the one that it stands in, or none.
+
+    Args:
+        name: Of the entry.
+        value: What it holds.
+        own: Fields of the entries where it stands.
+    """
+    if not isinstance(value, Mapping):
+        if name in fields_of(Timing):
+            return "timing"
+        return "accept" if isinstance(value, str) and "." in name and own else None
+    if "joints" in value:
+        # A field of another section in it is a mistake of its own.
+        if value.keys() & _GEARED:
+            return "linkages"
+        return "actuators" if "level" in value or "joints" not in own else None
+    return None if value.keys() & own - {"note"} else section_of(value)
+
+
+def word_for(section: str, key: str) -> str | None:
+    """The word for what a section holds by name, if the key is one of its fields."""
+    model, word = _NAMED.get(section, (None, ""))
+    return word if key in fields_of(model) else None
+
+
+def section_of(keys: Iterable[str], names: Iterable[str] = ()) -> str | None:
+    """The section whose entries have these keys; None: several, or none.
+
+    Args:
+        keys: Of one entry, or of several.
+        names: Of the entries, which in `robot` and `timing` are keys themselves.
+    """
+    flat = [section for section, model in _FLAT.items() if fields_of(model) & {*names}]
+    if flat:
+        return flat[0]
+    known = {name: len(fields_of(model) & {*keys}) for name, (model, _) in _NAMED.items()}
+    known["variants"] = len(fields_of(SpecModel) & {*keys})
+    if not {"joints", "level"} & {*keys}:
+        # Words of simulators are a group's fields, and are written into motors.
+        known.pop("actuators")
+    if not _GEARED & {*keys}:
+        known.pop("linkages")
+    best = [name for name, count in known.items() if count and count == max(known.values())]
+    return best[0] if len(best) == 1 else None
+
+
+def _inside_another(data: Mapping[str, Any]) -> Iterator[Misplaced]:
+    """A group below a field of another, a motor below one of another and so on."""
+    for section, (model, _) in _NAMED.items():
+        held = data.get(section)
+        own = fields_of(model)
+        for name, entry in held.items() if isinstance(held, Mapping) else ():
+            inner = [key for key in entry if key not in own] if isinstance(entry, Mapping) else []
+            found = [key for key in inner if _is_entry(entry[key], own) and section_of(entry[key]) == section]
+            if found:
+                message = f"{_are(found, section)}, and stand{'s' * (len(found) == 1)} inside `{short(name)}`"
+                help = f"indent `{short(found[0])}:` as `{short(name)}:`, and what is below it with it"
+                yield Misplaced(message, (section, name, found[0]), help)
+
+
+def _at_the_edge(data: Mapping[str, Any]) -> Iterator[Misplaced]:
+    """Groups, motors and so on that stand beside their section, which holds others, or which is missing."""
+    tops = fields_of(SpecModel)
+    lost: dict[str, list[str]] = {}
     for key, value in data.items():
-        if key in tops or not isinstance(value, Mapping) or not value:
+        if key in tops:
+            continue
+        if "robot" not in data and "actspec" in data and key in fields_of(Robot):
+            lost.setdefault("robot", []).append(key)
+        if not isinstance(value, Mapping) or not value:
             continue
         of = [name for name, (model, _) in _NAMED.items() if not value.keys() - fields_of(model)]
-        if len(of) == 1 and isinstance(data.get(of[0]), Mapping):
+        if len(of) == 1 and of[0] not in data:
+            lost.setdefault(of[0], []).append(key)
+        elif len(of) == 1 and isinstance(data.get(of[0]), Mapping):
             word = _NAMED[of[0]][1]
             message = (
                 f"`{short(key)}` stands at the left edge, and by what it holds it is a {word} of `{of[0]}`"
@@ -124,6 +243,14 @@ def _at_the_edge(data: Mapping[str, Any]) -> Iterator[Misplaced]:
             yield Misplaced(
                 message, (key,), f"indent it, and what is below it, as the other {word}s of `{of[0]}`"
             )
+    for section, names in lost.items():
+        one = len(names) == 1
+        message = (
+            f"{_shown(names)} belong{'s' * one} to `{section}`, and stand{'s' * one} at the left edge: the line "
+            f"`{section}:` is missing above"
+        )
+        help = f"write `{section}:` above, and indent {'it' if one else 'them'} below it"
+        yield Misplaced(message, (names[0],), help)
 
 
 def fields_of(model: type[BaseModel] | None) -> frozenset[str]:
@@ -273,6 +400,9 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
             elif lacks is not None:
                 help = f"write `{lacks[1]}: {short(lacks[2])}`"
                 yield Misplaced(f"`{lacks[1]}` has no `:`", (*path, key), help)
+            elif value is None and len(node) == 1 and _NUMBER.fullmatch(key) and path[-1:] not in _BY_PATTERN:
+                message = f"`{{{short(key)}}}` is a mapping, and a number stands in it without a key"
+                yield Misplaced(message, path, f"write `{path[-1]}: {short(key)}` without {{ }}", key=False)
             elif value is None and last is None and _NUMBER.fullmatch(key) and _is_value(node):
                 name = "nominal" if node.keys() & {"range", "sampling"} else "value"
                 message = f"`{short(key)}` stands where a key must"
@@ -283,7 +413,7 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
             else:
                 yield from _cut_apart(value, (*path, key))
             last = key, value
-    elif isinstance(node, list):
+    elif isinstance(node, list) and path[-1:] not in _BY_PATTERN:
         pairs = list(itertools.pairwise(node))
         cut = [
             i

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from actspec.diagnostics import Collector, Path, Span, SpecError, did_you_mean, listed
+from actspec.diagnostics import Collector, Path, Span, SpecError, did_you_mean, listed, nearest
 from actspec.patterns import apart
 from actspec.spec.document import INCLUDED_KEYS, Breaches, Document, load_document, path_inside
 from actspec.spec.models import (
@@ -88,7 +89,7 @@ def validate(document: Document) -> Spec:
             f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
         )
         raise SpecError(collector.sorted())
-    layout = misplaced(data)
+    layout = misplaced(data, INCLUDED_KEYS if document.includes else ())
     for item in layout:
         breaches.error(item.code, item.message, item.path, item.help, key=item.key)
     if layout:
@@ -158,6 +159,8 @@ def checked(
         items = [(item, written_path(tuple(item["loc"]), data)) for item in err.errors(include_url=False)]
         together = _together(root, [path for item, path in items if item["type"] == "extra_forbidden"])
         told = {path for _, paths in together.values() for path in paths}
+        swapped = _exchanged(root, data, items)
+        strange = [path for item, path in items if item["type"] == "extra_forbidden"]
         for item, path in items:
             if faults is not None:
                 faults.append(path)
@@ -174,7 +177,17 @@ def checked(
                     breaches.error("SPEC101", message, path, help, key=True)
                 if path in told:
                     continue
-            elif below in empty or _made_short(item):
+            elif (
+                below in empty
+                or _made_short(item)
+                or path in swapped.values()
+                or _is_misspelt(item, path, strange)
+            ):
+                continue
+            if path in swapped:
+                one, two = path[-1], swapped[path][-1]
+                message = f"{one} and {two} are exchanged: {item['ctx']['message']}"
+                breaches.error("SPEC110", message, path, "exchange the two values")
                 continue
             report(breaches, item, path, root)
     for path in empty:
@@ -182,6 +195,43 @@ def checked(
         if faults is not None:
             faults.append(path)
     return None if empty else model
+
+
+def _is_misspelt(item: Any, parent: Path, strange: Iterable[Path]) -> bool:
+    """Whether a key that is missing stands there as an unknown one, such as `Level`, whose help names it."""
+    if item["type"] != "missing":
+        return False
+    key = str(item["loc"][-1])
+    return any(path[:-1] == parent and nearest(str(path[-1]), [key]) is not None for path in strange)
+
+
+def _exchanged(root: type[BaseModel], data: Any, items: Sequence[tuple[Any, Path]]) -> dict[Path, Path]:
+    """Two fields of one mapping that are both wrong, and right with the value of the other: the first to the second."""
+    wrong: dict[Path, list[Path]] = {}
+    for item, path in items:
+        if item["type"] == "actspec" and path and isinstance(path[-1], str):
+            wrong.setdefault(path[:-1], []).append(path)
+    found: dict[Path, Path] = {}
+    for parent, (one, *others) in wrong.items():
+        if len(others) != 1 or one == others[0] or len(found) == MOST_EXCHANGED:
+            continue
+        changed = deepcopy(data)
+        node = changed
+        for part in parent:
+            node = node[part]
+        node[one[-1]], node[others[0][-1]] = node[others[0][-1]], node[one[-1]]
+        still: set[Path] = set()
+        try:
+            root.model_validate(changed)
+        except ValidationError as err:
+            still = {written_path(tuple(item["loc"]), changed) for item in err.errors(include_url=False)}
+        if not {one, *others} & still:
+            found[one] = others[0]
+    return found
+
+
+MOST_EXCHANGED = 10
+"""Exchanges of one spec; each is proved by validation."""
 
 
 def _made_short(item: Any) -> bool:
@@ -236,6 +286,12 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
     else:
         of = (*path, 0) if kind in ("tuple_type", "list_type") else path
         message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model_at(root, of))
+        if kind == "dict_type" and isinstance(given, list) and not message.endswith("a list"):
+            help = _as_mapping(path, given)
+            if path[-1] == "default_pose":
+                message = message.replace("a mapping", "a mapping of joints to positions", 1)
+        if kind == "string_type" and path[-1:] == ("motor",) and isinstance(given, Mapping):
+            help = "write it below `motors:` under a name, and that name here"
         breaches.error("SPEC106", message, path, help)
 
 
@@ -291,6 +347,19 @@ def _in_yaml_words(
     return message[:1].lower() + message[1:] + got, None
 
 
+_VALUES = {"default_pose": "30 deg", "accept": "why it is taken", "packages": "its folder"}
+"""What a name stands for in mappings that are no sections, as an example."""
+
+
+def _as_mapping(path: Path, given: list[Any]) -> str | None:
+    """How a list of names, or of the values without their names, is written as a mapping."""
+    value = _VALUES.get(str(path[-1]), "{}" if path == ("targets",) else "{...}")
+    if path[-1] == "default_pose":
+        return f"name the joint of each position: write `{{JOINT: {value}, ...}}`; joints that are not named are at 0"
+    names = [item for item in given if isinstance(item, str)]
+    return f"write `{{{', '.join(f'{short(name)}: {value}' for name in names)}}}`" if names == given else None
+
+
 _DASHED = re.compile(r"-([^\s\d-]\S*)")
 """A list's item without the space behind its hyphen."""
 
@@ -301,6 +370,10 @@ _MISNOMERS = {
     "torque_limit": "the clamp of the drive's torque is `effort_limit`",
     "forcerange": "the clamp of the drive's torque is `effort_limit`",
     "saturation_effort": "the torque at zero speed is the motor's `stall_torque`",
+    "rated_torque": "the thermal limit is `continuous_torque`",
+    "nominal_torque": "the thermal limit is `continuous_torque`",
+    "rated_current": "the continuous current is `nominal_current`",
+    "gains": "`kp` and `kd` stand in the group itself, each on a line of its own",
     "gear": "gears are the motor's `gear_ratio`, and `reduction` from its output to the joint",
     "saturation": "the torque at zero speed is the motor's `stall_torque`",
     "latency": "the delay of the command is `delay`",

@@ -16,12 +16,11 @@ from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJson
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from actspec.diagnostics import did_you_mean
-from actspec.units import MAX_LENGTH, Kind, UnitError, format_quantity, parse_quantity, parse_with_unit
-from actspec.units.reader import BadUnit, read_unit
+from actspec.spec.around import UNKNOWN, explained
+from actspec.units import Kind, UnitError, format_quantity, parse_quantity, parse_with_unit
 
 T = TypeVar("T")
 
-UNKNOWN = "unknown"
 IDENTIFIED = "identified"
 EXAMPLES: Mapping[Kind, str] = {
     Kind.TORQUE: "33.5 N*m",
@@ -149,7 +148,7 @@ def parse_value(
             parse_quantity(number, kind) if unit_text is None else parse_with_unit(number, unit_text, kind)
         )
     except UnitError as err:
-        remark = _remark(number, kind) if isinstance(number, str) else None
+        remark = explained(number, kind, words, bool(at)) if isinstance(number, str) else None
         if remark is None or (err.help or "").startswith("did you mean"):
             raise fault(err.message, err.help, at) from None
         raise fault(*remark, at) from None
@@ -187,34 +186,6 @@ def parse_value(
             )
     written = short(number if unit_text is None else f"{short(number)} {unit_text}")
     return SpecValue(parsed.value, unit, parsed.linear, written, source, std, note)
-
-
-_REMARK = re.compile(r"\(?[A-Za-z][\w .,:/()-]*")
-
-
-def _remark(given: str, kind: Kind) -> tuple[str, str] | None:
-    """Message and help for a quantity with words behind it, such as its source; None: the text is another one."""
-    words = given.split() if len(given) <= MAX_LENGTH else []
-    for count in range(len(words) - 1, 0, -1):
-        number, rest = " ".join(words[:count]), " ".join(words[count:])
-        try:
-            parse_quantity(number, kind)
-        except UnitError:
-            continue
-        if _REMARK.fullmatch(rest) is None or _is_unit(words[count]):
-            return None
-        text = rest.strip("()")
-        key = f"source: {text}" if count == len(words) - 1 and text == rest else f'note: "{text}"'
-        return f"`{short(rest)}` behind {short(number)} is no unit", f"write `{{value: {number}, {key}}}`"
-    return None
-
-
-def _is_unit(text: str) -> bool:
-    try:
-        read_unit(text)
-    except BadUnit:
-        return False
-    return True
 
 
 class FieldParser(ABC):

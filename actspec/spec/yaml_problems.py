@@ -42,6 +42,10 @@ _NAME = r"""[A-Za-z_][A-Za-z_0-9.-]*|"[^"]*"|'[^']*'"""
 _BEFORE_BRACKET = re.compile(rf"({_NAME})\s+([\[{{].*)")
 _BEHIND_QUOTE = re.compile(r"""("[^"]*"|'[^']*')\s+([^:\s].*)""")
 _ALONE = re.compile(rf"({_NAME})(?:\s+(.*))?")
+_ONE_WORD = re.compile(_NAME)
+_SECOND_KEY = re.compile(r"\s([A-Za-z_][A-Za-z_0-9-]*):\s$")
+_RATIO = re.compile(r"(\d+(?:\.\d+)?)\s*:\s*([1-9]\d*(?:\.\d+)?)")
+_IN_BRACES = re.compile(r"[{,]\s*([A-Za-z_][A-Za-z_0-9-]*):\s")
 _COMMENT = re.compile(r"(?:^|\s+)#.*")
 _WORD = re.compile(r""""[^"]*"|'[^']*'|[^\s,:\[\]{}]+""")
 _IN_TEXT = re.compile(r"""[{,]\s*(note|title):\s+(?=[^\s"'\[\]{},])(?=[^\[\]{},]*$)""")
@@ -100,6 +104,8 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         return Problem("`*` begins an alias here, and this is no alias", help, mark)
     if "anchor" in context:
         return Problem("`&` begins an anchor here, and this is no anchor", "quote the text", mark)
+    if "block scalar" in context and start is not None and start.line < len(lines):
+        return _folded(lines[start.line], start)
     if mark is not None and mark.line < len(lines) and "end of stream" not in problem:
         found = _marks(lines, mark)
         if found is not None:
@@ -142,9 +148,23 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         found = None if mark is None else _below_a_value(lines, mark.line)
         if found is not None:
             return found
+        if at in (",", ";"):
+            return Problem(f"this `{at}` ends nothing: each key has a line of its own", "remove it", mark)
         return Problem("a key is expected here, at the indentation of its mapping", _QUOTE, mark)
     message = f"not valid YAML: {problem or 'no reason given'}" + (f", {context}" if context else "")
     return Problem(message, None, mark)
+
+
+def _folded(line: str, start: Any) -> Problem:
+    """`> 60 Hz`, of which the `>` begins a text of several lines."""
+    sign, value = line[start.column], _COMMENT.sub("", line[start.column :]).strip()
+    number = value.lstrip(">|= ")
+    help = "quote it, if it is text"
+    if number[:1].isdigit():
+        help = f'a bound stands in a note: write `{{value: {cut(number)}, note: "{cut(value)}"}}`'
+    return Problem(
+        f"`{sign}` begins a text of several lines, and `{cut(value)}` goes on behind it", help, start
+    )
 
 
 def _no_colon(line: str, start: Any) -> Problem | None:
@@ -286,6 +306,14 @@ def _second_colon(lines: list[str], mark: Any) -> Problem | None:
     key = _KEY.match(line.strip())
     if key is not None and len(line) - len(line.lstrip()) + key.end(1) < mark.column:
         value = line.strip()[key.end() :].strip()
+        ratio = _RATIO.fullmatch(_COMMENT.sub("", value))
+        if ratio is not None:
+            help = f"write `{key[1]}: {float(ratio[1]) / float(ratio[2]):.6g}`"
+            return Problem(f"`{cut(value)}` is two numbers, not a ratio", help, mark)
+        second = _SECOND_KEY.search(line[: mark.column + 2].rstrip() + " ")
+        found = None if second is None else _on_one_line(key[1], value, second[1], mark.line, second.start(1))
+        if found is not None:
+            return found
         help = f'put it into quotes: {key[1]}: "{cut(value)}"' if '"' not in value else "quote the text"
         return Problem("the `: ` inside this text begins a mapping", help, mark)
     above = _above(lines, mark.line)
@@ -309,6 +337,29 @@ def _second_colon(lines: list[str], mark: Any) -> Problem | None:
     return _below_a_value(lines, mark.line)
 
 
+def _on_one_line(key: str, value: str, second: str, line: int, column: int) -> Problem | None:
+    """`kp: 400 N*m/rad kd: 25 N*m*s/rad` and `friction: coulomb: 1 N*m`: two keys on one line.
+
+    Args:
+        key: The first.
+        value: What stands behind it.
+        second: The other.
+        line: Where they stand, from 0.
+        column: Where the other stands, from 0.
+    """
+    first, mark = value[: value.index(second)].strip(), _Mark(line, column)
+    if not first and value.partition(":")[2].strip()[:1].isdigit():
+        message = f"`{second}:` stands on the line of `{key}:`"
+        return Problem(message, f"write `{key}: {{{cut(value)}}}`, or it below, indented further", mark)
+    if not first or (not first[0].isdigit() and " " in first) or key in ("title", "note", "page"):
+        return None
+    message = f"`{second}:` stands behind the value of `{key}`"
+    if second in ("source", "note", "std", "unit", "sure"):
+        rest = value[value.index(second) :]
+        return Problem(message, f"write `{key}: {{value: {cut(first.rstrip(','))}, {cut(rest)}}}`", mark)
+    return Problem(message, "write it on a line of its own", mark)
+
+
 def _below_a_value(lines: list[str], number: int) -> Problem | None:
     """A line that is indented below one that has a value already."""
     above = _above(lines, number)
@@ -317,11 +368,46 @@ def _below_a_value(lines: list[str], number: int) -> Problem | None:
     own, its = _indent(lines[number]), _indent(lines[above])
     if own <= its:
         return None
+    if _ONE_WORD.fullmatch(_COMMENT.sub("", lines[above].strip())):
+        return _lacks_colon(lines[above], above, _ALONE)
+    section = _section_below(lines, number) if its == 0 else None
+    if section is not None:
+        message = f"what begins here belongs to `{section}`: the line `{section}:` is missing above"
+        return Problem(message, f"write `{section}:` at the left edge, above this line", _Mark(number, own))
     return Problem(
-        f"this line is indented by {own} spaces, below line {above + 1} which has {its} and a value already",
-        f"indent it by {its} spaces as line {above + 1}, if it is a key beside it, or line {above + 1} by {own}",
+        f"this line is indented by {_spaces(own)}, below line {above + 1} which has {its} and a value already",
+        f"indent it by {_spaces(its)} as line {above + 1}, if it is a key beside it, or line {above + 1} by {own}",
         _Mark(number, own),
     )
+
+
+def _spaces(count: int) -> str:
+    return f"{count} space{'s' * (count != 1)}"
+
+
+def _section_below(lines: list[str], number: int) -> str | None:
+    """The section of which lines are that stand below the left edge; None: unclear, or the file has it.
+
+    Args:
+        lines: The file.
+        number: The first of them.
+    """
+    # The models take time to load, and a file that is right needs none of them here.
+    from actspec.spec.shape import section_of
+
+    own = _indent(lines[number])
+    outer: list[str] = []
+    inner: list[str] = []
+    for line in lines[number:]:
+        if line.strip() and not line.lstrip().startswith("#") and _indent(line) < own:
+            break
+        key = _KEY.match(line.strip())
+        if key is not None:
+            (outer if _indent(line) == own else inner).append(key[1])
+            inner += _IN_BRACES.findall(line) if _indent(line) == own else []
+    section = section_of(inner, outer)
+    have = section is None or any(line.startswith(f"{section}:") for line in lines)
+    return None if have else section
 
 
 def _no_level(lines: list[str], mark: Any) -> Problem | None:
@@ -341,10 +427,36 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
         return None
     # The key that is open between the levels around it: its own indentation may be what is wrong.
     outer = next((number for level, number in reversed(open_levels) if level < own), None)
+    if outer is not None:
+        found = _nameless(lines, outer, own)
+        if found is not None:
+            return found
     named = ", ".join(str(level) for level in levels)
     help = f"indent it by one of these, or check the indentation of line {(outer or 0) + 1}"
-    message = f"this line is indented by {own} spaces, and what is open above it by {named}"
+    message = f"this line is indented by {_spaces(own)}, and what is open above it by {named}"
     return Problem(message, help, _Mark(mark.line, own))
+
+
+def _nameless(lines: list[str], header: int, own: int) -> Problem | None:
+    """Fields that stand where a section has names, further in than the names further down.
+
+    Args:
+        lines: The file.
+        header: Where the section begins.
+        own: Indentation of the names.
+    """
+    from actspec.spec.shape import word_for
+
+    first = next((n for n in range(header + 1, len(lines)) if _above(lines, n + 1) == n), None)
+    if first is None or _indent(lines[first]) <= own:
+        return None
+    section, key = (_KEY.match(lines[n].strip()) for n in (header, first))
+    word = None if section is None or key is None else word_for(section[1], key[1])
+    if section is None or key is None or word is None:
+        return None
+    message = f"`{key[1]}` is a field of a {word}, and the line with the name of that {word} is missing above"
+    help = f"write the name above this line, such as `{word}_1:`, indented by {_spaces(own)}"
+    return Problem(message, help, _Mark(first, _indent(lines[first])))
 
 
 def _above(lines: list[str], number: int) -> int | None:

@@ -374,11 +374,18 @@ class _Builder:
             )
             self.error("SPEC006", message, header[1], help, where=mine[0].where)
             told.update(one.span for one in mine)
-        for one in repeats:
-            if one.span in told:
-                continue
+        rest = [one for one in repeats if one.span not in told]
+        if len(rest) > 2 and owner is not None:
+            names = listed([f"`{cut(one.key)}`" for one in rest], 4)
+            message = f"{names} are repeated in `{cut(owner[0])}`, first at {rest[0].first}"
+            help = "is the line of a name missing above this one? Else keep one of each"
+            self.error("SPEC006", message, rest[0].span, help, where=rest[0].where)
+            rest = []
+        for one in rest:
             message = f"the key '{cut(one.key)}' is repeated, first at {one.first}"
             more = "; what variants change stands under `variants`" if one.key == "variant" else ""
+            if depth == 1 and not frame.flow:
+                more = ", or write the line of the section that is missing between them"
             self.error("SPEC006", message, one.span, f"keep one of the two{more}", where=one.where)
 
     def syntax(self, err: Any, text: str) -> None:

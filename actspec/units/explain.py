@@ -23,6 +23,7 @@ _SPELLINGS = {
     "sec": "s", "second": "s", "seconds": "s", "msec": "ms", "usec": "us", "minute": "min", "hr": "h",
     "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "rps": "rev/s", "hertz": "Hz",
     "lb": "lbf", "lbs": "lbf", "inch": "in", "foot": "ft", "feet": "ft", "meter": "m", "metre": "m",
+    "newton": "N", "newtons": "N", "newtonmeter": "N*m", "newtonmeters": "N*m", "meters": "m", "metres": "m",
     "amp": "A", "amps": "A", "volt": "V", "volts": "V", "kgcm": "kgf*cm", "gcm": "gf*cm", "percent": "%",
 }  # fmt: skip
 
@@ -31,13 +32,13 @@ _TO = re.compile(r": *([1-9][0-9]{0,8}(?:\.[0-9]{1,9})?)")
 """The second half of `9:1`."""
 
 
-def unreadable(bad: BadUnit, text: str, shown_unit: str, shown: str, kind: Kind) -> UnitError:
+def unreadable(bad: BadUnit, text: str, whole: str, shown: str, kind: Kind) -> UnitError:
     """The error for a unit that is none.
 
     Args:
         bad: Why it is none.
         text: The unit in ASCII spelling.
-        shown_unit: The unit as its author wrote it.
+        whole: The quantity as its author wrote it.
         shown: The number as its author wrote it.
         kind: What was asked for.
     """
@@ -47,17 +48,17 @@ def unreadable(bad: BadUnit, text: str, shown_unit: str, shown: str, kind: Kind)
         help = f"write `{format_number(first / second)}`"
         if 0 < first < second:
             help += f", or `{format_number(second / first)}` for a gearbox that reduces the speed so"
-        return UnitError(f"{shortened(shown)}{shortened(shown_unit)} is two numbers, not a ratio", help)
+        return UnitError(f"{shortened(whole)} is two numbers, not a ratio", help)
     return UnitError(
-        f"{shortened(shown)} {shortened(shown_unit)} is not {an(kind.noun)}: {bad.reason}",
+        f"{shortened(whole)} is not {an(kind.noun)}: {bad.reason}",
         _did_you_mean(text, bad.unknown, shown, kind) or in_units(kind),
     )
 
 
 def _did_you_mean(text: str, unknown: str | None, shown: str, kind: Kind) -> str | None:
-    """The first rewriting that is of the right kind, else the first that is a unit at all."""
+    """The first rewriting that is of the right kind, else the first that is a unit at all and is not only similar."""
     fallback = None
-    for candidate in _rewritings(text, unknown):
+    for candidate, similar in _rewritings(text, unknown):
         try:
             unit = read_unit(candidate)
         except BadUnit:
@@ -68,49 +69,75 @@ def _did_you_mean(text: str, unknown: str | None, shown: str, kind: Kind) -> str
             value = format_number(unit.in_si(float(shown)))
             same = "" if candidate == si else f" That is {value} {si}"
             return f"did you mean `{shortened(shown)} {candidate}`?{same}"
-        fallback = fallback or f"did you mean `{candidate}`? {in_units(kind)}"
+        if not similar:
+            fallback = fallback or f"did you mean `{candidate}`? {in_units(kind)}"
     return fallback
 
 
-def _rewritings(text: str, unknown: str | None) -> Iterator[str]:
+def _rewritings(text: str, unknown: str | None) -> Iterator[tuple[str, bool]]:
+    """Units that may be meant, and whether they are only similar."""
+    if text[-1:] in ",;.":
+        text = text.rstrip(",;. ")
+        yield text, False
+    if _DOT.search(text):  # N.m
+        text = _DOT.sub("*", text)
+        yield text, False
     if "-" in text:  # oz-in
-        yield re.sub(r"(?<=[A-Za-z0-9)])\s*-\s*(?=[A-Za-z])", "*", text)
+        yield re.sub(r"(?<=[A-Za-z0-9)])\s*-\s*(?=[A-Za-z])", "*", text), False
     if re.search(r"[A-Za-z][2-9]", text):  # kg*m2
         text = re.sub(r"([A-Za-z])([2-9])", r"\1^\2", text)
-        yield text
+        yield text, False
     if re.search(r"/[^()]*[A-Za-z0-9] +[A-Za-z]", text):  # N*m/rad s
         head, _, tail = text.partition("/")
-        yield f"{head}/({re.sub(r' +', '*', tail.strip())})"
-        yield f"{head}*{'*'.join(tail.split()[1:])}/{tail.split()[0]}"
+        yield f"{head}/({re.sub(r' +', '*', tail.strip())})", False
+        yield f"{head}*{'*'.join(tail.split()[1:])}/{tail.split()[0]}", False
     if unknown is None or len(unknown) > 12:
         return
+    if "/" not in text and unknown.lower() in _SPELLINGS:  # Newton meter
+        yield (
+            re.sub(
+                r"[A-Za-z]+", lambda word: _SPELLINGS.get(word[0].lower(), word[0]), "*".join(text.split())
+            ),
+            False,
+        )
     lower = {name.lower(): name for name in TABLE}
     words = [_SPELLINGS.get(unknown), _SPELLINGS.get(unknown.lower()), lower.get(unknown.lower())]
+    words += [
+        unknown[: -len(end)]
+        for end in _ENDS
+        if unknown.lower().endswith(end) and unknown[: -len(end)] in TABLE
+    ]
     words += [
         f"{unknown[:i]}*{unknown[i:]}"
         for i in range(1, len(unknown))
         if unknown[:i] in TABLE and unknown[i:] in TABLE
     ]
-    words += [nearest(unknown, sorted(TABLE)), nearest(unknown.lower(), sorted(TABLE))]
+    slips = [nearest(unknown, sorted(TABLE)), nearest(unknown.lower(), sorted(TABLE))]
     if text != unknown and len(unknown) <= 2:
         # M*m/rad: one letter is wrong, and the rest tells which; SI first.
-        slips = [name for name in TABLE if len(name) == len(unknown) and _slip(name, unknown)]
-        slips.sort(key=lambda name: TABLE[name][:3] != (1, 1, 0))
-        words += slips
-    for word in words:
+        near = [name for name in TABLE if len(name) == len(unknown) and _slip(name, unknown)]
+        near.sort(key=lambda name: TABLE[name][:3] != (1, 1, 0))
+        slips += near
+    for word, similar in (*((word, False) for word in words), *((word, True) for word in slips)):
         if word is not None:
             if "/" in word and text != unknown:
                 word = f"({word})"
-            yield re.sub(rf"(?<![A-Za-z%]){re.escape(unknown)}(?![A-Za-z%])", word, text)
+            yield re.sub(rf"(?<![A-Za-z%]){re.escape(unknown)}(?![A-Za-z%])", word, text), similar
+
+
+_DOT = re.compile(r"(?<=[A-Za-z0-9)])\s*\.\s*(?=[A-Za-z(])")
+"""Between units, where `*` must stand."""
+_ENDS = ("rms", "dc", "ac", "pk", "peak", "max")
+"""Of units, in which they say which of several figures it is."""
 
 
 def _slip(one: str, other: str) -> bool:
     return sum(a != b for a, b in zip(one, other, strict=True)) == 1
 
 
-def mismatch(number: float, shown: str, shown_unit: str, unit: Unit, kind: Kind) -> UnitError:
+def mismatch(number: float, whole: str, unit: Unit, kind: Kind) -> UnitError:
     """The error for a unit of another kind."""
-    given = shortened(shown) if shown_unit == "1" else f"{shortened(shown)} {shortened(shown_unit)}"
+    given = shortened(whole)
     if unit.dims == ONE:
         message = f"{given} is dimensionless, not {an(kind.noun)}"
     elif unit.dims in _NOUN_OF and _NOUN_OF[unit.dims] != kind.noun:
@@ -183,17 +210,25 @@ def not_a_number(given: str, kind: Kind) -> UnitError:
         return UnitError(f"{shortened(given.strip())} is not a finite number, {an(kind.noun)} is needed")
     return UnitError(
         f"`{shortened(given.strip())}` does not start with a number, {an(kind.noun)} is needed",
-        f"write a number and its unit, e.g. `1 {kind.rotary_unit}`" if kind.rotary_unit != "1" else None,
+        f"write a number and its unit, e.g. `1 {kind.rotary_unit}`"
+        if kind.rotary_unit != "1"
+        else in_units(kind),
     )
 
 
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}(?:,[0-9]{3})+(?![0-9])")
 
 
+_POINTS = re.compile(r"[-+]?[1-9][0-9]{0,2}(?:\.[0-9]{3})+,[0-9]+(?![^ ]*\.)")
+
+
 def decimal_comma(given: str, kind: Kind) -> UnitError:
     """The error for a number such as `0,5`."""
+    text = given.strip()
+    # 5.000,5
+    point = (text.replace(".", "") if _POINTS.match(text) else text).replace(",", ".", 1)
     return UnitError(
-        f"{shortened(given.strip())} is not {an(kind.noun)}: a comma inside a number",
-        f"decimals have a point (`{shortened(given.strip().replace(',', '.', 1))}`), thousands no mark"
-        + (f" (`{shortened(given.strip().replace(',', ''))}`)" if _THOUSANDS.match(given.strip()) else ""),
+        f"{shortened(text)} is not {an(kind.noun)}: a comma inside a number",
+        f"decimals have a point (`{shortened(point)}`), thousands no mark"
+        + (f" (`{shortened(text.replace(',', ''))}`)" if _THOUSANDS.match(text) else ""),
     )

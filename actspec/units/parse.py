@@ -61,9 +61,8 @@ def parse_quantity(given: str | int | float, kind: Kind) -> Parsed:
         raise UnitError(f"{shortened(digits)} is out of range for {an(kind.noun)}")
     if not rest:
         return _bare(number, digits, kind)
-    # The author's own unit text is shown, not its plain form.
-    shown_unit = given.strip()[len(digits) :].strip()
-    return _with_unit(number, digits, rest, shown_unit, kind)
+    # The author's own text is shown, not its plain form.
+    return _with_unit(number, digits, rest, given.strip(), kind)
 
 
 def parse_with_unit(number: int | float, unit_text: str, kind: Kind) -> Parsed:
@@ -81,8 +80,9 @@ def parse_with_unit(number: int | float, unit_text: str, kind: Kind) -> Parsed:
         UnitError: as `parse_quantity`; also for an empty unit.
     """
     value = _finite(number, kind)
-    text = _unit_text(unit_text, kind)
-    return _with_unit(value, format_number(value), text, unit_text.strip(), kind)
+    text, shown = _unit_text(unit_text, kind), format_number(value)
+    whole = shown if unit_text.strip() == "1" else f"{shown} {unit_text.strip()}"
+    return _with_unit(value, shown, text, whole, kind)
 
 
 def convert(value_si: float, unit_text: str, kind: Kind) -> float:
@@ -100,9 +100,9 @@ def convert(value_si: float, unit_text: str, kind: Kind) -> float:
         UnitError: unknown unit, or a unit of another kind.
     """
     text = _unit_text(unit_text, kind)
-    unit = _unit(text, unit_text.strip(), "1", kind)
+    unit = _unit(text, f"1 {unit_text.strip()}", "1", kind)
     if unit.dims not in DIMS_OF[kind]:
-        raise mismatch(1.0, "1", unit_text.strip(), unit, kind)
+        raise mismatch(1.0, f"1 {unit_text.strip()}", unit, kind)
     if not math.isfinite(value_si):
         return float(value_si)
     return unit.power(-1).in_si(float(value_si))
@@ -148,21 +148,21 @@ def _unit_text(text: object, kind: Kind) -> str:
     return spelled
 
 
-def _unit(text: str, shown_unit: str, shown: str, kind: Kind) -> Unit:
+def _unit(text: str, whole: str, shown: str, kind: Kind) -> Unit:
     try:
         return read_unit(text)
     except BadUnit as bad:
-        raise unreadable(bad, text, shown_unit, shown, kind) from None
+        raise unreadable(bad, text, whole, shown, kind) from None
 
 
-def _with_unit(number: float, shown: str, text: str, shown_unit: str, kind: Kind) -> Parsed:
-    unit = _unit(text, shown_unit, shown, kind)
+def _with_unit(number: float, shown: str, text: str, whole: str, kind: Kind) -> Parsed:
+    unit = _unit(text, whole, shown, kind)
     rotary, linear = DIMS_OF[kind]
     if unit.dims not in (rotary, linear):
-        raise mismatch(number, shown, shown_unit, unit, kind)
+        raise mismatch(number, whole, unit, kind)
     value = unit.in_si(number)
     if not _possible(value) or (value == 0 and number != 0):
-        raise UnitError(f"{shortened(shown)} {shortened(shown_unit)} is out of range for {an(kind.noun)}")
+        raise UnitError(f"{shortened(whole)} is out of range for {an(kind.noun)}")
     if rotary == linear:
         return Parsed(value + 0.0, kind.rotary_unit, None)
     is_linear = unit.dims == linear

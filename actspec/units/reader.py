@@ -133,7 +133,10 @@ def _tokens(text: str) -> Iterator[_Token]:
     while at < len(text):
         match = _TOKEN.match(text, at)
         if match is None:
-            raise BadUnit(f"unexpected `{one_line(text[at:].lstrip(' ')[:1])}`")
+            rest = text[at:].lstrip(" ")
+            if rest[0] == "." and rest[1:].lstrip(" ")[:1].isalpha() and at:
+                raise BadUnit("units are multiplied by `*`, not by `.`")
+            raise BadUnit(f"unexpected `{one_line(rest[:1])}`")
         space, name, number, operator = match.groups()
         if name:
             yield _Token("name", name, bool(space))

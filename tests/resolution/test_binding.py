@@ -122,3 +122,67 @@ def test_order_is_the_robots() -> None:
     """The IR has the robot's joint order, whatever the spec's."""
     text = spec_of(f"z: {{joints: [slide], {PD}}}, a: {{joints: [calf, hip], {PD}}}")
     assert [j.joint for j in fit(text).joints] == ["hip", "calf", "slide"]
+
+
+ANOTHER = "name: r, model: none, joints: [LF_HAA, LF_HFE, LF_KFE, RF_HAA, RF_HFE, RF_KFE]"
+
+
+@pytest.mark.parametrize(
+    ("joints", "expected"),
+    [
+        # None of four.
+        (
+            '".*_hip", ".*_thigh", ".*_calf"',
+            [
+                "BIND001 robot.joints: no pattern of the spec matches a joint of 'r': the model is another "
+                "robot's, or its joints have other names"
+            ],
+        ),
+        # Three of five are more than a third.
+        (
+            '".*_HAA", ".*_HFE", ".*_hip", ".*_thigh", ".*_calf"',
+            [
+                "BIND001 robot.joints: 3 of the spec's 5 patterns match no joint of 'r': the model is another "
+                "robot's, or its joints have other names"
+            ],
+        ),
+        # Two of two may be slips.
+        (
+            '".*_hip", ".*_thigh"',
+            [
+                f"BIND001 actuators.a.joints[{i}]: the pattern '.*_{name}' matches no joint of 'r'"
+                for i, name in enumerate(("hip", "thigh"))
+            ],
+        ),
+        # One letter each: each has an answer of its own.
+        (
+            '".*_HAB", ".*_HFF", ".*_KFF"',
+            [
+                f"BIND001 actuators.a.joints[{i}]: the pattern '.*_{name}' matches no joint of 'r'"
+                for i, name in enumerate(("HAB", "HFF", "KFF"))
+            ],
+        ),
+    ],
+)
+def test_the_model_of_another_robot_is_told_once(joints: str, expected: list[str]) -> None:
+    """Where a third of the patterns, and three at least, match nothing, the model is another one."""
+    assert refused(spec_of(f"a: {{joints: [{joints}], {PD}}}", robot=ANOTHER)) == expected
+
+
+def test_another_model_is_told_with_its_joints() -> None:
+    """The help names joints of the one and patterns of the other."""
+    with pytest.raises(ResolveError) as refusal:
+        fit(spec_of(f"a: {{joints: [hip, thigh, calf, toe, heel], {PD}}}", robot=ANOTHER))
+    (item,) = refusal.value.diagnostics
+    assert item.help == (
+        "it has the joints LF_HAA, LF_HFE, LF_KFE, RF_HAA and 2 more; the patterns without a match: "
+        "'hip', 'thigh', 'calf', 'toe' and 1 more"
+    )
+
+
+def test_a_model_without_joints_is_told_once() -> None:
+    """However many patterns there are."""
+    empty = '<mujoco model="box"><worldbody><body><geom size="0.1" mass="1"/></body></worldbody></mujoco>'
+    assert refused(robot(f"g: {{joints: [a, b], {PD}}}", ", default_pose: {a: 1 rad}"), empty) == [
+        "BIND001 robot.model: 'box' has no hinge or slide joint with a name, and the spec has patterns of joints"
+    ]

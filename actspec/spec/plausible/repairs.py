@@ -150,9 +150,15 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     for field in ("torque_constant", "peak_current", "nominal_current", "nominal_voltage"):
         value: SpecValue | None = getattr(motor, field)
         if value is not None and number(value):
-            yield from (moved([(field,)], *slip) for slip in _slips(value))
+            slips = list(_slips(value))
+            yield from (moved([(field,)], *slip) for slip in slips)
             if field == "torque_constant" and across is not None:
-                yield sided((field,), across, lossy=True)
+                # What the current proves is no matter of the side.
+                factor = across * (passed if across > 1.0 else 1.0 / passed)
+                ours = not any(_is_proved_by(motor, slip[0]) for slip in slips) or _is_proved_by(
+                    motor, factor
+                )
+                yield sided((field,), across, lossy=True, rare=0.0 if ours else RARE + SIDED)
     plain = [path for path in torques if len(path) == 1]
     for one, two in itertools.combinations(plain, 2):
         result = _with(_with(motor, one, _at(motor, two)), two, _at(motor, one))
@@ -220,6 +226,13 @@ def _is_proved(motor: Motor, field: str) -> bool:
     if not torque or not constant or not ampere:
         return False
     return 1.0 / PROVED <= constant * ampere / torque <= PROVED
+
+
+def _is_proved_by(motor: Motor, factor: float) -> bool:
+    """Whether a torque is what the motor's constant, so many times as large, gives of its current."""
+    constant = _times(motor.torque_constant, factor)
+    other = motor.model_copy(update={"torque_constant": constant})
+    return any(_is_proved(other, field) for field in ("peak_torque", "continuous_torque"))
 
 
 def _stages(drive: Drive) -> Iterator[Repair]:

@@ -8,8 +8,8 @@ from actspec.spec.rules.groups import check_group
 from actspec.spec.rules.motors import check_linkages, check_motor
 from actspec.spec.rules.robot import (
     check_accept,
+    check_references,
     check_robot,
-    check_sources,
     check_targets,
     check_variants,
 )
@@ -27,13 +27,12 @@ def check_spec(model: SpecModel, document: Document, breaches: Breaches) -> None
             that `model` lacks because of other faults.
     """
     check_robot(model.robot, breaches)
-    if not any(path[0] == "sources" for path in breaches.left_out):
-        check_sources(document.data, model.sources, breaches)
+    check_references(document.data, model, breaches)
     for name, motor in model.motors.items():
         check_motor(name, motor, breaches)
     for name, group in model.actuators.items():
         check_group(name, group, model, breaches)
-    check_linkages(model.linkages, model.motors, model.sources, breaches)
+    check_linkages(model.linkages, breaches)
     check_targets(model.targets, breaches)
     check_variants(model.variants, breaches)
     check_accept(model.accept, model.targets, breaches)

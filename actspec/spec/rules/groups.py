@@ -11,7 +11,7 @@ from actspec.spec.document import Breaches
 from actspec.spec.fields import CommandRange, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, Friction, Motor, Randomize, SpecModel, Tunable
 from actspec.spec.rules.motors import check_stages, may_be_linked
-from actspec.spec.rules.robot import check_named, check_pattern
+from actspec.spec.rules.robot import check_pattern
 from actspec.spec.values import Fault, Pair, SpecValue, pair_or_fault
 from actspec.units import Kind
 
@@ -129,8 +129,6 @@ def check_joint_fields(
         breaches: Takes what is wrong.
         linked: Whether a linkage names motors of some of the group's joints.
     """
-    if fields.motor is not None:
-        check_named("motors", fields.motor, motors, (*path, "motor"), breaches)
     _check_command(path, fields, group.command, breaches)
     _check_gears(path, fields, group, breaches)
     motor = motors.get(fields.motor or group.motor or "")

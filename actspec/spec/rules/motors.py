@@ -9,8 +9,7 @@ from actspec.diagnostics import Path, listed, many
 from actspec.patterns import PatternError, match_names
 from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Linkage, Stage
-from actspec.spec.models import Motor, Source
-from actspec.spec.rules.robot import check_named
+from actspec.spec.models import Motor
 from actspec.spec.values import SpecValue
 from actspec.units import format_number, format_quantity
 
@@ -219,13 +218,8 @@ def _check_ratio(path: Path, motor: Motor, stages: Sequence[Stage], breaches: Br
         )
 
 
-def check_linkages(
-    linkages: Mapping[str, Linkage],
-    motors: Mapping[str, Motor],
-    sources: Mapping[str, Source],
-    breaches: Breaches,
-) -> None:
-    """Every linkage has its motors and one square Jacobian a pose, and no joint is in two."""
+def check_linkages(linkages: Mapping[str, Linkage], breaches: Breaches) -> None:
+    """Every linkage has one square Jacobian a pose, and no joint is in two."""
     owner: dict[str, str] = {}
     for name, linkage in linkages.items():
         path: Path = ("linkages", name)
@@ -236,10 +230,6 @@ def check_linkages(
                 )
                 breaches.error("SPEC170", f"the joint '{joint}' is {twice}", (*path, "joints", index))
             owner.setdefault(joint, name)
-        for index, motor in enumerate(linkage.motors):
-            check_named("motors", motor, motors, (*path, "motors", index), breaches)
-        if linkage.source is not None:
-            check_named("sources", linkage.source, sources, (*path, "source"), breaches)
         _check_geometry(path, linkage, breaches)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from actspec.diagnostics import Path, did_you_mean, nearest
 from actspec.patterns import PatternError, compile_pattern
 from actspec.spec.document import Breaches
-from actspec.spec.models import KINDS, AnyTarget, Robot, Source, Target
+from actspec.spec.models import KINDS, AnyTarget, Robot, SpecModel, Target
 
 
 def check_robot(robot: Robot, breaches: Breaches) -> None:
@@ -40,21 +40,45 @@ def check_robot(robot: Robot, breaches: Breaches) -> None:
         check_pattern(pattern, ("robot", "default_pose", pattern), breaches, key=True)
 
 
-def check_sources(data: Any, sources: Mapping[str, Source], breaches: Breaches) -> None:
-    """Every `source:` beside a value names one of the spec's."""
-    for path, key in _source_keys(data):
-        check_named("sources", key, sources, path, breaches)
+def check_references(data: Any, model: SpecModel, breaches: Breaches) -> None:
+    """Every motor and source that is named is in its section; a name that is in none is told once.
 
-
-def check_named(section: str, name: str, known: Mapping[str, object], path: Path, breaches: Breaches) -> None:
-    """A motor or a source that is named at `path` is in its section."""
-    if name not in known:
-        code, noun = {"sources": ("SPEC123", "source"), "motors": ("SPEC141", "motor")}[section]
+    Args:
+        data: The document.
+        model: What it says.
+        breaches: Takes what is wrong.
+    """
+    known: Mapping[str, Mapping[str, object]] = {"motors": model.motors, "sources": model.sources}
+    nouns = {"sources": ("SPEC123", "source"), "motors": ("SPEC141", "motor")}
+    missing: dict[tuple[str, str], list[Path]] = {}
+    sources = (("sources", key, path) for path, key in _source_keys(data))
+    for section, name, path in (*sources, *_named_in(model)):
+        out = breaches.left_out.intersection(((section,), (section, name), path[:1], path[:2]))
+        if name not in known[section] and not out:
+            missing.setdefault((section, name), []).append(path)
+    for (section, name), paths in missing.items():
+        code, noun = nouns[section]
         # `ec45` is short for `ec45_csf17`, and to the letter not near it.
-        longer = [other for other in known if name in other]
+        longer = [other for other in known[section] if name in other]
         meant = f"did you mean '{longer[0]}'?" if len(longer) == 1 and name else f"add it to `{section}`"
-        help = did_you_mean(name, sorted(known), meant)
-        breaches.error(code, f"no {noun} is named '{name}'", path, help)
+        help = did_you_mean(name, sorted(known[section]), meant)
+        more = f", here and at {len(paths) - 1} more place{'s' * (len(paths) > 2)}" if len(paths) > 1 else ""
+        breaches.error(code, f"no {noun} is named '{name}'{more}", paths[0], help)
+
+
+def _named_in(model: SpecModel) -> Iterator[tuple[str, str, Path]]:
+    """Section, name and place of the motors and sources that groups and linkages name."""
+    for name, group in model.actuators.items():
+        path: Path = ("actuators", name)
+        overrides = [((*path, "overrides", key), held) for key, held in group.overrides.items()]
+        for place, fields in ((path, group), *overrides):
+            if fields.motor is not None:
+                yield "motors", fields.motor, (*place, "motor")
+    for name, linkage in model.linkages.items():
+        for index, motor in enumerate(linkage.motors):
+            yield "motors", motor, ("linkages", name, "motors", index)
+        if linkage.source is not None:
+            yield "sources", linkage.source, ("linkages", name, "source")
 
 
 def _source_keys(node: Any, path: Path = ()) -> Iterator[tuple[Path, str]]:

@@ -319,3 +319,13 @@ def test_one_power_of_ten_is_offered() -> None:
 def test_sure_at_one_of_the_figures_keeps_them() -> None:
     assert said(no_load_speed="{value: 4800 rad/s, sure: true}") == []
     assert said(no_load_speed="{value: 4800 rad/s, sure: false}") != []
+
+
+def test_a_constant_that_its_currents_prove() -> None:
+    """0.68 x 13.2 = 8.98 and 0.68 x 4.4 = 2.99 N*m; at the rotor 68 mN*m/A would give 4.8 N*m of the peak's 9."""
+    sheet = (
+        "side: joint, stall_torque: 14, no_load_speed: 370 rpm, peak_torque: 9, continuous_torque: 3, gear_ratio: 6, "
+        "efficiency: 0.9, nominal_current: 4.4 A, peak_current: 13.2 A, nominal_voltage: 24 V"
+    )
+    (found,) = said(sheet=f"{sheet}, torque_constant: 68 mN*m/A")
+    assert (found.where, found.help) == ("motors.m.torque_constant", "did you mean 0.68 N*m/A?")
