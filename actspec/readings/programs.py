@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from actspec.files import NotRegular, TooLarge, in_common, read_regular
-from actspec.readings.artifact import FileKind, FileReading, Framework
+from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.gym_tasks import tasks
+from actspec.readings.written_over import written_over
 
 _HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
 _SLASHES = re.compile(rb"/\*.*?\*/|(?<![:\w\"'])//[^\n]*", re.DOTALL)
@@ -38,70 +40,6 @@ _EXPORTED = frozenset(("display.launch", "gazebo.launch"))
 """Written by a CAD exporter beside its URDF, both of them, and run by nobody who has written another program.
 
 Source: SolidWorks to URDF exporter."""
-
-_WRITES: dict[str, re.Pattern[bytes]] = {
-    "effort_limit": re.compile(
-        rb"(?:actuator_forcerange|jnt_actfrcrange)(?:\s*\[[^\]\n]*\])*\s*=(?!=)|set_dofs_force_range|\.forcerange\s*=(?!=)"
-    ),
-    "timestep": re.compile(rb"\bopt(?:ion)?\.timestep\s*=(?!=)"),
-    "urdf_effort": re.compile(rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""),
-    "drive": re.compile(rb"\.control_dofs_position\("),
-    "dampratio": re.compile(
-        rb"\bmujoco(?![-\w])[^\n]*?"
-        rb"(?:==[ \t]*(?:2\.|3\.(?:\d|1[0-4])(?!\d))|<[ \t]*3(?:\.(?:\d|1[0-5])(?!\d)|(?![\d.])))"
-    ),
-    "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
-}
-"""What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names.
-
-Forks of legged_gym clip at limits of the configuration in place of the URDF's effort. And by what it hands a
-configuration's drive to the simulator: Genesis integrates the gains of control_dofs_position implicitly
-(RigidOptions.integrator is approximate_implicitfast); what puts actuators that it made into any configuration of
-Isaac Lab has their limits from elsewhere. A MuJoCo that is held below 3.15 has one meaning of dampratio.
-"""
-
-_CLIPS = re.compile(
-    rb"(?:ctrl|tau|torques?|effort)\w*(?:\[[^\]\n]*\])?\s*=\s*\w+\.(?:clip|clamp)\([^\n]*,\s*-\s*\d"
-    rb"|\bclip_torques\s*=\s*\d"
-    rb"|-\s*(?:1(?:\.0?)?\s*\*\s*)?(?:self\.)?_?(?:MAX_TORQUE|max_torque|max_tau|TORQUE_LIMIT|motor_torque_limit)S?s?\b"
-)
-"""A torque that a program clips at a number of its own before the model's limit can matter."""
-
-_ASKS_NO_EFFORT = re.compile(
-    rb"\b(?:setJointMotorControl\w*|pinocchio|PyKDL|kdl\w*|urdf_parser_py|urdfpy|yourdfpy|ikpy|trimesh"
-    rb"|pytorch_kinematics|roboticstoolbox|mink|pink|placo)\b"
-)
-_TAKES_EFFORT = re.compile(
-    rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|mujoco|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|dartpy|webots)\b|effort"
-)
-"""Libraries that ask a URDF for no effort, and simulators and programs that do.
-
-PyBullet drives a joint with the force of each command (setJointMotorControl2, `force`), and kinematics have none.
-"""
-
-_LIMITS_BY_URDF = re.compile(
-    rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|genesis|raisim\w*|effort_bounds|effortLimit)\b"
-    rb"""|\w\[["']effort["']\]"""
-)
-"""Trainers that take a URDF's effort as the limit of the drive, and programs that optimise within it.
-
-Elsewhere a URDF is mostly there for its links, and the drive's limit is another file's (docs/survey.md: of the efforts
-that were not the published ones, readers would have acted on 15 of 18 beside a trainer, and on 4 of 15 without one).
-"""
-
-_REGISTERED = re.compile(rb"\.register\((?:[^()]|\([^()]*\))*\)")
-"""A task that legged_gym runs by its name. Source: legged_gym, task_registry.register(name, class, config, ...)."""
-
-_CLASS = re.compile(rb"^[ \t]*class[ \t]+(\w+)[ \t]*\(([^()]*)\)", re.MULTILINE)
-"""A class and its bases."""
-
-_LAW = re.compile(
-    rb"^([ \t]+)def[ \t]+_compute_torques\b[^\n]*\n((?:\1[ \t]+[^\n]*\n|[ \t]*\n)*)", re.MULTILINE
-)
-"""What a task of legged_gym makes of gains and actions, and how far it goes."""
-
-_GAINS = (b"p_gains", b"d_gains")
-"""What legged_gym's own law takes of the configuration."""
 
 _MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)")
 _REFERENCE = re.compile(rb"\.(urdf|xml|mjcf|usd[acz]?|xacro)\b")
@@ -246,7 +184,7 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     texts = dict(_texts(path for path in programs if kinds.get(path) not in (FileKind.MJCF, FileKind.URDF)))
     others = any(True for path, text in texts.items() if path not in configs for _ in _names(text))
     alone = _idle_configs(configs, texts, others)
-    no_task, own_law = _tasks(members, texts)
+    no_task, own_law = tasks(members, texts)
     for path, names in no_task.items():
         alone[path] = alone.get(path, frozenset()) | names
     # A configuration that nobody runs runs no model.
@@ -258,21 +196,9 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
         alone[path] = alone.get(path, frozenset()) | names
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
-        _written(tuple(texts.values())),
+        written_over(tuple(texts.values())),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
-
-
-def _written(texts: Collection[bytes]) -> frozenset[str]:
-    """What programs write over, of `_WRITES`; of URDFs what nothing asks for, and what is no drive's limit."""
-    found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
-    if any(map(_CLIPS.search, texts)):
-        found |= {"effort_limit", "urdf_effort"}
-    if any(map(_ASKS_NO_EFFORT.search, texts)) and not any(map(_TAKES_EFFORT.search, texts)):
-        found.add("urdf_effort")
-    if not any(map(_LIMITS_BY_URDF.search, texts)):
-        found.add("urdf_limit")
-    return frozenset(found)
 
 
 def _texts(programs: Iterable[str]) -> Iterator[tuple[str, bytes]]:
@@ -493,57 +419,6 @@ def _idle_configs(
         if alone:
             result[path] = frozenset(alone)
     return result
-
-
-def _tasks(
-    members: Mapping[str, FileReading], programs: Mapping[str, bytes]
-) -> tuple[dict[str, frozenset[bytes]], dict[str, frozenset[bytes]]]:
-    """Of classes of legged_gym, by path: those that are no task, nor the base of one, where programs register others.
-
-    And those of tasks alone whose torques are not made of a configuration's gains.
-    """
-    own = {
-        path: {
-            artifact.config.name.encode()
-            for artifact in reading.artifacts
-            if artifact.config is not None and artifact.config.framework is Framework.LEGGED_GYM
-        }
-        for path, reading in members.items()
-    }
-    tasks = [
-        re.findall(rb"\w+", call[0]) for text in programs.values() for call in _REGISTERED.finditer(text)
-    ]
-    if set().union(*tasks).isdisjoint(set().union(*own.values())):
-        return {}, {}
-    bases: dict[bytes, list[bytes]] = {}
-    laws: dict[bytes, bool] = {}
-    for text in programs.values():
-        classes = list(_CLASS.finditer(text))
-        for found, following in zip(classes, [*classes[1:], None], strict=False):
-            bases.setdefault(found[1], []).extend(re.findall(rb"\w+", found[2]))
-            law = _LAW.search(text, found.end(), following.start() if following else len(text))
-            if law and b"super()" not in law[2]:
-                laws[found[1]] = laws.get(found[1], False) or any(name in law[2] for name in _GAINS)
-    run: set[bytes] = set()
-    by_gains: set[bytes] = set()
-    for words in tasks:
-        names = [name for word in words for name in _lineage(word, bases)]
-        run |= set(names)
-        # The environment is the first that has a law, or inherits one.
-        if next((laws[name] for name in names if name in laws), True):
-            by_gains |= set(names)
-    return (
-        {path: frozenset(names - run) for path, names in own.items() if names - run},
-        {path: others for path, names in own.items() if (others := frozenset(names & run - by_gains))},
-    )
-
-
-def _lineage(name: bytes, bases: Mapping[bytes, Sequence[bytes]]) -> list[bytes]:
-    """A class and its bases, the closest first."""
-    found = [name]
-    for each in found:
-        found += [base for base in bases.get(each, ()) if base not in found]
-    return found
 
 
 def _read(path: str) -> bytes:
