@@ -74,7 +74,7 @@ def rows_of(joint: JointActuator, kinds: Sequence[FileKind], *, speeds: bool) ->
         if quantity is None or not (always or stated(quantity)):
             return
         hint = hints.get(key, "")
-        silent = _silence(key, name, quantity, kinds)
+        silent = _silence(key, name, quantity, kinds) or _holds_it(name, quantity, joint)
         rows[key] = _row(quantity, hint) if silent is None else _row(quantity, hint or silent, "unknown")
 
     add("kp", joint.kp, "kp")
@@ -157,6 +157,16 @@ def _silence(key: str, name: str, quantity: Quantity, kinds: Sequence[FileKind])
     if value == 0.0 and name in _POSITIVE:
         return f"the file has {quantity_text(quantity)}, which no drive would move with"
     return None
+
+
+def _holds_it(name: str, friction: Quantity, joint: JointActuator) -> str | None:
+    """Why a dry friction is no measurement: the drive could not move the joint. The language refuses it (FRC101)."""
+    limit = joint.effort_limit
+    if name not in ("friction_coulomb", "friction_static") or limit.value is None:
+        return None
+    if not 0.0 < limit.value <= friction.require():
+        return None
+    return f"the file has {quantity_text(friction)}; an effort limit of {quantity_text(limit)} cannot overcome it"
 
 
 _SILENT = {

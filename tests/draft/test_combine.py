@@ -168,6 +168,15 @@ def test_numbers_that_are_none(tmp_path: Path, number: str) -> None:
     assert ("# no limit" if number == "1e999" else "# the file has") in found.draft.text
 
 
+def test_a_friction_that_holds_the_joint(tmp_path: Path) -> None:
+    """30 N*m are above the hip's limit of 25, which would never move, and below the knee's 50."""
+    urdf = URDF.replace('friction="0.2"', 'friction="30"')
+    found = imported(write(tmp_path, leg_urdf=urdf), tmp_path)
+    assert joint(found, "hip")["friction"]["coulomb"] == "unknown"
+    assert joint(found, "knee")["friction"]["coulomb"] == "30 N*m"
+    assert "# the file has 30 N*m; an effort limit of 25 N*m cannot overcome it" in found.draft.text
+
+
 def test_equality_that_a_configuration_drives(tmp_path: Path) -> None:
     """Of two fingers that an equality holds together, the one that a configuration drives is the spec's."""
     fingers = mjcf(
