@@ -122,7 +122,11 @@ class Case:
     def written(self, place: Span) -> frozenset[str]:
         """What programs of its folder write over of the model or configuration at a place."""
         file = self._file(place.path)
-        return frozenset() if file is None else file.written & _WRITTEN.get(file.kind, frozenset())
+        if file is not None:
+            return file.written & _WRITTEN.get(file.kind, frozenset())
+        # One MuJoCo takes all parts; which of them a program means that writes, nobody knows.
+        whole = self.once(_wholes).get(place.path)
+        return frozenset() if whole is None else whole.written & {"dampratio"}
 
     def _file(self, path: str) -> FileReading | None:
         return self.once(_files).get(path)
@@ -151,9 +155,13 @@ class Case:
 
 
 def _files(case: Case) -> dict[str, FileReading]:
-    """The files by their paths, and what they include that is none of them."""
-    parts = {part.path: file for file in case.files for part in file.files}
-    return parts | {file.path: file for file in case.files}
+    """The files by their paths."""
+    return {file.path: file for file in case.files}
+
+
+def _wholes(case: Case) -> dict[str, FileReading]:
+    """Parts, and a file that includes each."""
+    return {part.path: file for file in case.files for part in file.files}
 
 
 def _met(case: Case) -> dict[str, bool]:

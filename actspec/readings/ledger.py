@@ -232,7 +232,7 @@ def _of_drive(reading: JointReading, drive: DriveReading, places: Mapping[str, S
     # But of clamps the one that binds: the control range of 25 N*m, and not the joint's 60 N*m.
     bound, own = drive.bound, reading.joint_bound.value
     if bound.span is not None and bound.value is not None and own is not None and bound.value < own:
-        places["effort_limit"] = bound.span
+        places["effort_limit"] = drive.places.get("effort_limit", bound.span)
     same = {
         "span": view.span,
         "actuator": view.name,
