@@ -139,7 +139,7 @@ def test_settings_and_options_add_up(capsys: pytest.CaptureFixture[str]) -> None
     )
     assert main(["audit", "robots/third_party/b.xml", "--config", "pyproject.toml"]) == 0
     assert main(["audit", "robots/third_party/b.xml"]) == 0
-    assert capsys.readouterr().out == "no findings in 0 files\nno findings in 1 file\n"
+    assert capsys.readouterr().out == "no findings in 0 files\nno findings in 1 file; 1 warning about files\n"
 
 
 def test_the_spec_is_never_excluded(capsys: pytest.CaptureFixture[str]) -> None:
