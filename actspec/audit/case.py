@@ -24,6 +24,9 @@ _WRITTEN: dict[FileKind | None, frozenset[str]] = {
 }
 """What of a kind of file a program can write over."""
 
+LIMIT_WRITTEN = frozenset({"effort_limit", "urdf_effort", "urdf_limit", "actuators"})
+"""Of these, what leaves a file's effort limit out of force."""
+
 
 @dataclass(frozen=True, slots=True)
 class Case:

@@ -155,12 +155,15 @@ def _told_once(checked: Mapping[str, _Checked]) -> tuple[Diagnostic, ...]:
     try:
         for item, names in variants.items():
             if "" not in names:
-                told = f"variant{'s' * (len(names) > 1)} {listed(names)}"
-                item = replace(item, where=f"{item.where} ({told})".lstrip())
+                item = replace(item, where=f"{item.where} ({_variants(names)})".lstrip())
             collector.add(item)
     except TooManyErrors as err:
         return err.diagnostics
     return collector.sorted()
+
+
+def _variants(names: Sequence[str]) -> str:
+    return f"variant{'s' * (len(names) > 1)} {listed(names)}"
 
 
 def _summary(path: str, checked: Mapping[str, _Checked], refused: bool) -> str:
@@ -177,7 +180,7 @@ def _summary(path: str, checked: Mapping[str, _Checked], refused: bool) -> str:
         if check.unread:
             reasons.setdefault(check.unread, []).append(name)
     for reason, names in reasons.items():
-        of = "" if "" in names else f"variant{'s' * (len(names) > 1)} {listed(names)}: "
+        of = "" if "" in names else f"{_variants(names)}: "
         text += f" ({of}{reason})"
     return text
 

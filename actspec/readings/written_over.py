@@ -13,7 +13,7 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     "urdf_effort": re.compile(rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""),
     "drive": re.compile(rb"\.control_dofs_position\("),
     "dampratio": re.compile(
-        rb"\bmujoco(?![-\w])[^\n]*?"
+        rb"\bmujoco(?![-\w])(?:(?!\bmujoco(?![-\w]))[^\n])*?"
         rb"(?:==[ \t]*(?:2\.|3\.(?:\d|1[0-4])(?!\d))|<[ \t]*3(?:\.(?:\d|1[0-5])(?!\d)|(?![\d.])))"
     ),
     "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
@@ -26,12 +26,19 @@ configuration's drive to the simulator: Genesis integrates the gains of control_
 Isaac Lab has their limits from elsewhere. A MuJoCo that is held below 3.15 has one meaning of dampratio.
 """
 
+_CLIPPED = (
+    rb"(?:ctrl|tau|torques?|effort)(?:(?!ctrl|tau|torque|effort)\w)*(?:\[[^\]\n]*\])?\s*=\s*\w+"
+    rb"\.(?:clip|clamp)\("
+)
 _CLIPS = re.compile(
-    rb"(?:ctrl|tau|torques?|effort)\w*(?:\[[^\]\n]*\])?\s*=\s*\w+\.(?:clip|clamp)\([^\n]*,\s*-\s*\d"
+    _CLIPPED + rb"(?:(?!" + _CLIPPED + rb")[^\n])*,\s*-\s*\d"
     rb"|\bclip_torques\s*=\s*\d"
     rb"|-\s*(?:1(?:\.0?)?\s*\*\s*)?(?:self\.)?_?(?:MAX_TORQUE|max_torque|max_tau|TORQUE_LIMIT|motor_torque_limit)S?s?\b"
 )
-"""A torque that a program clips at a number of its own before the model's limit can matter."""
+"""A torque that a program clips at a number of its own before the model's limit can matter.
+
+Of several beginnings on a line the last before the number counts, here as above: a long line is gone through once.
+"""
 
 _ASKS_NO_EFFORT = re.compile(
     rb"\b(?:setJointMotorControl\w*|pinocchio|PyKDL|kdl\w*|urdf_parser_py|urdfpy|yourdfpy|ikpy|trimesh"

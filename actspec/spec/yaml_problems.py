@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from actspec.diagnostics import many
 from actspec.spec.yaml_text import BREAK, cut
 
 _QUOTE = "quote text that begins with one of [ ] { } * & ! | > % @ `"
@@ -375,14 +376,11 @@ def _below_a_value(lines: list[str], number: int) -> Problem | None:
         message = f"what begins here belongs to `{section}`: the line `{section}:` is missing above"
         return Problem(message, f"write `{section}:` at the left edge, above this line", _Mark(number, own))
     return Problem(
-        f"this line is indented by {_spaces(own)}, below line {above + 1} which has {its} and a value already",
-        f"indent it by {_spaces(its)} as line {above + 1}, if it is a key beside it, or line {above + 1} by {own}",
+        f"this line is indented by {many(own, 'space')}, below line {above + 1} which has {its} and a value already",
+        f"indent it by {many(its, 'space')} as line {above + 1}, if it is a key beside it, or line {above + 1} "
+        f"by {own}",
         _Mark(number, own),
     )
-
-
-def _spaces(count: int) -> str:
-    return f"{count} space{'s' * (count != 1)}"
 
 
 def _section_below(lines: list[str], number: int) -> str | None:
@@ -433,7 +431,7 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
             return found
     named = ", ".join(str(level) for level in levels)
     help = f"indent it by one of these, or check the indentation of line {(outer or 0) + 1}"
-    message = f"this line is indented by {_spaces(own)}, and what is open above it by {named}"
+    message = f"this line is indented by {many(own, 'space')}, and what is open above it by {named}"
     return Problem(message, help, _Mark(mark.line, own))
 
 
@@ -455,7 +453,7 @@ def _nameless(lines: list[str], header: int, own: int) -> Problem | None:
     if section is None or key is None or word is None:
         return None
     message = f"`{key[1]}` is a field of a {word}, and the line with the name of that {word} is missing above"
-    help = f"write the name above this line, such as `{word}_1:`, indented by {_spaces(own)}"
+    help = f"write the name above this line, such as `{word}_1:`, indented by {many(own, 'space')}"
     return Problem(message, help, _Mark(first, _indent(lines[first])))
 
 

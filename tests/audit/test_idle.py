@@ -10,6 +10,7 @@ import pytest
 from actspec.audit.engine import audit
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
+from actspec.readings.written_over import written_over
 
 JOINT = """<joint name="{side}_knee" type="revolute"><parent link="base"/><child link="{side}"/>
     <limit lower="-1" upper="1" effort="{effort}" velocity="9"/></joint>"""
@@ -196,6 +197,11 @@ from isaaclab.assets import ArticulationCfg
 """
 
 
+def one_config(name: str) -> str:
+    """The first of the two alone."""
+    return CONFIGS.format(one=name, two="OTHER_CFG").partition("OTHER_CFG")[0]
+
+
 @pytest.mark.parametrize(
     ("task", "more", "lines"),
     [
@@ -311,7 +317,7 @@ def test_the_odd_one_of_three(odd: str) -> None:
     Path("r/models/dog.urdf").write_text(
         f'<robot name="dog"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
     )
-    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
+    text = one_config("DOG_CFG").replace("20.0", "10.0")
     Path("r/dog.py").write_text(
         text.replace("damping=1.0", f"damping=1.0, effort_limit_sim={effort['dog.py']}.0")
     )
@@ -337,7 +343,7 @@ def test_the_odd_one_of_three(odd: str) -> None:
 def test_a_urdf_is_no_evidence_against_a_configuration(files: list[str], severity: str) -> None:
     """In a folder; whoever names both wants to know. 45 is 2.25 times 20 and 1.5 times 30."""
     Path("r/models/two.urdf").unlink()
-    text = CONFIGS.format(one="ONE_CFG", two="ONE_2_CFG").replace("20.0", "10.0").partition("ONE_2_CFG")[0]
+    text = one_config("ONE_CFG").replace("20.0", "10.0")
     limits = 'effort_limit_sim={"left_knee": 45.0, "right_knee": 67.5}'
     Path("r/dog.py").write_text(text.replace("damping=1.0", f"damping=1.0, {limits}"))
     said = audit(files, Settings(select=("SRC101",))).findings
@@ -367,7 +373,7 @@ def test_one_limit_for_all_is_no_evidence(limits: tuple[int, ...], severity: str
     Path("r/models/dog.xml").write_text(
         f'<mujoco model="dog"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
     )
-    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
+    text = one_config("DOG_CFG").replace("20.0", "10.0")
     drive = 'damping=1.0, effort_limit_sim={"left_knee": 6.0, "right_knee": 6.0}'
     Path("r/dog.py").write_text(text.replace("damping=1.0", drive))
     found = audit(["r"], Settings(select=("SRC101",))).findings
@@ -436,7 +442,7 @@ def test_launch_files_of_an_exporter() -> None:
 @pytest.mark.parametrize("used", [True, False])
 def test_what_only_an_idle_configuration_names(used: bool) -> None:
     """Nobody runs it either."""
-    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").partition("DOG_2_CFG")[0]
+    text = one_config("DOG_CFG")
     Path("r/dog.py").write_text(text.replace("ArticulationCfg(act", "ArticulationCfg(spawn='two.urdf', act"))
     Path("r/run.py").write_text("FILE = 'one.urdf'\n" + "from dog import DOG_CFG\n" * used)
     two = Severity.WARNING if used else Severity.INFO
@@ -533,7 +539,7 @@ def test_a_rule_that_speaks_in_notes_of_a_folder(files: list[str], severity: str
         f'<mujoco model="dog"><worldbody><body>{joints}<geom size="0.1"/></body></worldbody>'
         '<actuator><motor joint="left_knee"/><motor joint="right_knee"/></actuator></mujoco>'
     )
-    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
+    text = one_config("DOG_CFG").replace("20.0", "10.0")
     Path("r/dog.py").write_text(text.replace("damping=1.0", "damping=1.0, armature=0.009"))
     for settings, expected in (
         (Settings(select=("SRC104",)), severity),
@@ -624,7 +630,7 @@ def test_actuators_that_a_program_makes(program: str, severity: Severity) -> Non
     """What puts actuators of its own into any configuration has their limits from elsewhere. 33.5 as above."""
     for path in Path("r/models").iterdir():
         path.unlink()
-    text = CONFIGS.format(one="GO1_CFG", two="GO1_2_CFG").partition("GO1_2_CFG")[0]
+    text = one_config("GO1_CFG")
     joints = '["[FR][LR]_hip_joint", "[FR][LR]_thigh_joint", "[FR][LR]_calf_joint"]'
     text = text.replace('["left_knee", "right_knee"]', joints)
     text = text.replace('{"left_knee": 10.0, "right_knee": 20.0}', "20.0, effort_limit_sim=50.0")
@@ -632,6 +638,12 @@ def test_actuators_that_a_program_makes(program: str, severity: Severity) -> Non
     Path("r/run.py").write_text(f"from go1 import GO1_CFG\nuse(GO1_CFG)\n{program}")
     found = audit(["r"], Settings(select=("KNW101",))).findings
     assert {item.severity for item in found} == {severity}
+
+
+@pytest.mark.parametrize("text", [b"mujoco ", b"tau = np.clip(", b"tau", b".replace("])
+def test_a_line_of_a_megabyte(text: bytes) -> None:
+    """Strangers' files have such lines; gone through once for each beginning on it, this takes half an hour."""
+    assert written_over((text * (1_000_000 // len(text)),)) == {"urdf_limit"}
 
 
 @pytest.mark.parametrize(

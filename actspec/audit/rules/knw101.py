@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
 
+from actspec.audit.case import LIMIT_WRITTEN
 from actspec.audit.known import KnownJoint, Likeness, likenesses, same
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import finite, is_exporters, shown, unit
@@ -19,7 +20,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
     name = "limit-is-not-the-published-one"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
-    written_over = frozenset({"effort_limit", "urdf_effort", "urdf_limit", "actuators"})
+    written_over = LIMIT_WRITTEN
     options: ClassVar[dict[str, float]] = {"times": 1.2}
     needs = "no robot among the files whose limits are published"
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from actspec.audit.case import Case
+from actspec.audit.case import LIMIT_WRITTEN, Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
 from actspec.audit.rules.joints import is_held, is_undriven
@@ -35,7 +35,7 @@ _SEVERAL = 4
 class EffortLimit(SourceRule):
     code = "SRC101"
     name = "effort-limit-disagrees"
-    written_over = frozenset({"effort_limit", "urdf_effort", "urdf_limit", "actuators"})
+    written_over = LIMIT_WRITTEN
     groups = (("effort_limit",),)
     needs = "an effort limit of one joint"
 

@@ -97,19 +97,19 @@ class ExplicitDrive(RuleOver[_Subject]):
 
 def _damping_beside(case: Case, row: LedgerRow) -> float:
     """The damping of the URDF beside a configuration of legged_gym, which the simulator may take implicitly, or not."""
+    return max((model.joint_damping or 0.0 for model in _urdf_beside_gym(case, row)), default=0.0)
+
+
+def _urdf_beside_gym(case: Case, row: LedgerRow) -> list[LedgerRow]:
+    """What URDFs state of a joint of a configuration of legged_gym; nothing of another framework's."""
     config = case.artifacts[row.artifact].config
-    if config is None or config.framework is not Framework.LEGGED_GYM:
-        return 0.0
-    beside = (model.joint_damping for model in partner_rows(case, row, FileKind.URDF))
-    return max((damping for damping in beside if damping), default=0.0)
+    is_gym = config is not None and config.framework is Framework.LEGGED_GYM
+    return list(partner_rows(case, row, FileKind.URDF)) if is_gym else []
 
 
 def _is_wheel(case: Case, row: LedgerRow) -> bool:
     """Whether a joint of a legged_gym configuration turns without end: forks give it a law of its own, in code."""
-    config = case.artifacts[row.artifact].config
-    if config is None or config.framework is not Framework.LEGGED_GYM:
-        return False
-    models = list(partner_rows(case, row, FileKind.URDF))
+    models = _urdf_beside_gym(case, row)
     return bool(models) and all(model.position_range is None for model in models)
 
 

@@ -32,6 +32,10 @@ class RangeInDegrees(RuleInParts):
     options: ClassVar[dict[str, float]] = {"least": 12.6, "most": 720.0}
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
+        """What LIM101 asks for too."""
+        yield from case.once(_told)
+
+    def ranges(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare ranges with each other and with what joints do."""
         locked = case.once(read_as_degrees)
         found: list[LedgerRow] = []
@@ -173,9 +177,14 @@ class RangeInDegrees(RuleInParts):
         )
 
 
+def _told(case: Case) -> tuple[tuple[Finding, ...], ...]:
+    """What is said of each range."""
+    return tuple(tuple(part) for part in RangeInDegrees().ranges(case))
+
+
 def ranges_in_doubt(case: Case) -> frozenset[tuple[str, str]]:
     """Files and joints with a range that is in another unit than it is read in: no torque follows from it."""
-    found = (one for part in RangeInDegrees().subjects(case) for one in part)
+    found = (one for part in case.once(_told) for one in part)
     return frozenset((one.span.path, joint) for one in found for joint in one.joints or (one.joint,))
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from actspec.diagnostics import Path, did_you_mean, nearest
+from actspec.diagnostics import Path, did_you_mean, many, nearest
 from actspec.patterns import PatternError, compile_pattern
 from actspec.spec.document import Breaches
 from actspec.spec.models import KINDS, AnyTarget, Robot, SpecModel, Target
@@ -62,7 +62,7 @@ def check_references(data: Any, model: SpecModel, breaches: Breaches) -> None:
         longer = [other for other in known[section] if name in other]
         meant = f"did you mean '{longer[0]}'?" if len(longer) == 1 and name else f"add it to `{section}`"
         help = did_you_mean(name, sorted(known[section]), meant)
-        more = f", here and at {len(paths) - 1} more place{'s' * (len(paths) > 2)}" if len(paths) > 1 else ""
+        more = f", here and at {many(len(paths) - 1, 'more place')}" if len(paths) > 1 else ""
         breaches.error(code, f"no {noun} is named '{name}'{more}", paths[0], help)
 
 
