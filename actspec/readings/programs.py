@@ -12,7 +12,7 @@ from functools import cached_property
 from actspec.files import NotRegular, TooLarge, in_common, read_regular
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.gym_tasks import tasks
-from actspec.readings.written_over import written_over
+from actspec.readings.written_over import poses_alone, written_over
 
 _HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
 _SLASHES = re.compile(rb"/\*.*?\*/|(?<![:\w\"'])//[^\n]*", re.DOTALL)
@@ -101,13 +101,22 @@ _HANDED_ON = re.compile(
 )
 """What a package's `__init__.py` hands on to who imports it, which is no use of it."""
 
+_MADE_UP = re.compile(
+    rb"^\w+(?=(?:\.\w+|\[[^\]\n]*\])+[ \t]*=(?!=))|\bin[ \t]+\w+(?=\.actuators\b)", re.MULTILINE
+)
+"""The name of what a module sets a part of, or goes through the drives of to make a table of action scales.
+
+Neither is a use of it: CFG.actuators["legs"] = ..., for drive in CFG.actuators.values(): ...
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class Idle:
     """What nobody runs.
 
     Attributes:
-        models: Paths of models that no program names, nor a model that one names, where programs name others.
+        models: Paths of models that no program names, nor a model that one names, where programs name others; a program
+            that only asks where the links are counts for nothing.
         written: Figures of models that programs write over.
         configs: Path to the configurations that stand there alone, where a program imports others.
     """
@@ -257,22 +266,25 @@ class _Models:
     """The models of a folder and what its programs name of them."""
 
     def __init__(self, paths: Collection[str], programs: Mapping[str, bytes]) -> None:
-        self.paths, self.programs = paths, programs
+        self.paths, self.programs, self.still = paths, programs, poses_alone(programs)
         self.by_stem: dict[bytes, list[str]] = {}
         for path in sorted(paths):
             self.by_stem.setdefault(_stem(path), []).append(path)
 
     def run(self) -> frozenset[str] | None:
-        """Those that are named; None where no program names a model or a USD."""
+        """Those that are named to be run; None where no program names a model or a USD."""
         exported = [path for path in self.programs if self._is_exported(path)]
         named: set[str] = set()
-        usd = False
+        others = False
         for program, text in self.programs.items():
             for name in _names(text) if program not in exported else ():
-                usd = usd or (name.ending.startswith(b"usd") and program.endswith(".py"))
-                named.update(self._meant(name, program))
+                others = others or (name.ending.startswith(b"usd") and program.endswith(".py"))
+                meant = self._meant(name, program)
+                if program not in self.still:
+                    named.update(meant)
+                others = others or bool(meant)
         named |= self._spelt_out()
-        if not named and not usd:
+        if not named and not others:
             named = {
                 path
                 for program in exported
@@ -386,13 +398,19 @@ def _idle_configs(
         return {}
     every = frozenset().union(*configs.values()) | {_stem(path) for path in configs}
     # Whole words, each name that is not part of a longer one.
-    pattern = re.compile(rb"(?<![\w])(?:" + b"|".join(map(re.escape, sorted(every))) + rb")(?![\w])")
+    words = [rb"(?<![\w])" + re.escape(name) for name in sorted(every - _twins(configs))]
+    words += [
+        b"(?<=" + before + b")" + re.escape(name)
+        for name in sorted(_twins(configs))
+        for before in (re.escape(name) + rb"\.", rb"from \.", b"import ")
+    ]
+    pattern = re.compile(b"(?:" + b"|".join(words) + rb")(?![\w])")
     counts = {
         path: Counter(
             pattern.findall(
                 _HANDED_ON.sub(b"", text)
                 if os.path.basename(path) == "__init__.py"
-                else _IMPORTED.sub(rb"\1", text)
+                else _IMPORTED.sub(rb"\1", _MADE_UP.sub(b"", text) if path in configs else text)
             )
         )
         for path, text in programs.items()
@@ -419,6 +437,11 @@ def _idle_configs(
         if alone:
             result[path] = frozenset(alone)
     return result
+
+
+def _twins(paths: Iterable[str]) -> frozenset[bytes]:
+    """Modules that are called as their package: its name in an import is not theirs."""
+    return frozenset(_stem(path) for path in paths if _folders(path)[0] == _stem(path))
 
 
 def _read(path: str) -> bytes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 _WRITES: dict[str, re.Pattern[bytes]] = {
     "effort_limit": re.compile(
@@ -40,10 +40,11 @@ _CLIPS = re.compile(
 Of several beginnings on a line the last before the number counts, here as above: a long line is gone through once.
 """
 
-_ASKS_NO_EFFORT = re.compile(
-    rb"\b(?:setJointMotorControl\w*|pinocchio|PyKDL|kdl\w*|urdf_parser_py|urdfpy|yourdfpy|ikpy|trimesh"
-    rb"|pytorch_kinematics|roboticstoolbox|mink|pink|placo)\b"
+_KINEMATICS = (
+    rb"pinocchio|PyKDL|kdl\w*|urdf_parser_py|urdfpy|yourdfpy|ikpy|pytorch_kinematics|roboticstoolbox|mink|pink|placo"
+    rb"|forwardkinematics"
 )
+_ASKS_NO_EFFORT = re.compile(rb"\b(?:setJointMotorControl\w*|trimesh|" + _KINEMATICS + rb")\b")
 _TAKES_EFFORT = re.compile(
     rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|mujoco|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|dartpy|webots)\b|effort"
 )
@@ -61,6 +62,40 @@ _LIMITS_BY_URDF = re.compile(
 Elsewhere a URDF is mostly there for its links, and the drive's limit is another file's (docs/survey.md: of the efforts
 that were not the published ones, readers would have acted on 15 of 18 beside a trainer, and on 4 of 15 without one).
 """
+
+
+_POSES = re.compile(rb"\b(?:mj_forward|mj_kinematics|mj_fwdPosition)\b")
+"""MuJoCo computes where the bodies are, and no motion."""
+
+_COMPUTES = re.compile(rb"\b(?:" + _KINEMATICS + rb")\b")
+"""Libraries that know where the links are, and of dynamics what a program asks them for."""
+
+_STEPS = re.compile(
+    rb"\b(?:mj_step\w*|mjx\w*|mujoco_warp|mjwarp|mjlab|mujoco_py|mujoco[-_]?env|do_simulation|dm_control|pipeline_step|robosuite"
+    rb"|physics\.step|sim(?:ulation|ulator)?\.step|isaac\w*|omni\.isaac|ignition|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien"
+    rb"|mani_?skill\w*|dartpy|webots|pybullet\w*|stepSimulation|newton|brax|playground|vrep|coppelia\w*|mujoco\.viewer\.launch\()",
+    re.IGNORECASE,
+)
+"""A simulation that goes on: the steps of MuJoCo, what takes them for a program, and other simulators."""
+
+_FORCES = re.compile(rb"effort|torque|\btau\b", re.IGNORECASE)
+
+
+def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
+    """Programs that ask a model where its links are and for nothing else: what drives its joints is nothing to them.
+
+    One that has MuJoCo compute poses counts where no program of the folder steps a simulation: another may step what
+    this one loads.
+    """
+    steps = {path for path, text in programs.items() if _STEPS.search(text)}
+    return frozenset(
+        path
+        for path, text in programs.items()
+        if path not in steps
+        and (
+            (not steps and _POSES.search(text)) or (_COMPUTES.search(text) and not _FORCES.search(text))
+        )
+    )
 
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:

@@ -16,6 +16,7 @@ class MilliOrGram(RuleInParts):
     name = "milli-or-gram-taken-for-one"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    noted_in_folders = True
     paired = True
     needs = "no file states friction, damping or armature to compare"
     options: ClassVar[dict[str, float]] = {"least": 5.0}

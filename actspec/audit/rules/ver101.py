@@ -29,6 +29,7 @@ class RatioChangedMeaning(RuleInParts):
     name = "dampratio-changed-meaning"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    noted_in_folders = True
     fix = Safety.UNSAFE
     written_over = frozenset({"dampratio"})
     needs = NO_ACTUATORS
