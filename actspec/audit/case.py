@@ -18,7 +18,7 @@ MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 """Files of a robot itself, to which the others give drives."""
 
 _WRITTEN: dict[FileKind | None, frozenset[str]] = {
-    FileKind.MJCF: frozenset({"effort_limit", "timestep", "dampratio"}),
+    FileKind.MJCF: frozenset({"effort_limit", "timestep"}),
     FileKind.URDF: frozenset({"urdf_effort", "urdf_limit"}),
     FileKind.CFG: frozenset({"drive", "actuators"}),
 }
@@ -125,11 +125,7 @@ class Case:
     def written(self, place: Span) -> frozenset[str]:
         """What programs of its folder write over of the model or configuration at a place."""
         file = self._file(place.path)
-        if file is not None:
-            return file.written & _WRITTEN.get(file.kind, frozenset())
-        # One MuJoCo takes all parts; which of them a program means that writes, nobody knows.
-        whole = self.once(_wholes).get(place.path)
-        return frozenset() if whole is None else whole.written & {"dampratio"}
+        return frozenset() if file is None else file.written & _WRITTEN.get(file.kind, frozenset())
 
     def _file(self, path: str) -> FileReading | None:
         return self.once(_files).get(path)
@@ -160,11 +156,6 @@ class Case:
 def _files(case: Case) -> dict[str, FileReading]:
     """The files by their paths."""
     return {file.path: file for file in case.files}
-
-
-def _wholes(case: Case) -> dict[str, FileReading]:
-    """Parts, and a file that includes each."""
-    return {part.path: file for file in case.files for part in file.files}
 
 
 def _met(case: Case) -> dict[str, bool]:

@@ -20,7 +20,7 @@ _MARKUP = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 _COMMENTS: dict[str, re.Pattern[bytes]] = {
     **dict.fromkeys(
-        (".py", ".ipynb", ".jl", ".yaml", ".yml", ".toml", ".cfg", ".ini", ".sh", ".bash", ".txt"), _HASH
+        (".py", ".ipynb", ".jl", ".yaml", ".yml", ".toml", ".cfg", ".ini", ".sh", ".bash"), _HASH
     ),
     **dict.fromkeys(
         (".c", ".cc", ".cpp", ".cxx", ".h", ".hh", ".hpp", ".hxx", ".cu", ".rs", ".js", ".ts", ".json"),
@@ -32,9 +32,6 @@ _COMMENTS: dict[str, re.Pattern[bytes]] = {
 
 _NO_PROGRAMS = ("setup.py",)
 """They name what they install, all of it."""
-
-_REQUIREMENTS = re.compile(r"requirements[\w.-]*\.txt")
-"""Of texts only those that say what is installed."""
 
 _EXPORTED = frozenset(("display.launch", "gazebo.launch"))
 """Written by a CAD exporter beside its URDF, both of them, and run by nobody who has written another program.
@@ -165,7 +162,6 @@ def programs_in(folder: str, exclude: Callable[[str, bool], bool] | None) -> tup
         for path in files_in(folder, exclude)
         if os.path.splitext(path)[1].lower() in (*_COMMENTS, ".xml")
         and os.path.basename(path) not in _NO_PROGRAMS
-        and (not path.endswith(".txt") or _REQUIREMENTS.fullmatch(os.path.basename(path)))
         and not ASIDE.search(os.path.relpath(path, folder))
     )
 

@@ -12,10 +12,6 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     "timestep": re.compile(rb"\bopt(?:ion)?\.timestep\s*=(?!=)"),
     "urdf_effort": re.compile(rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""),
     "drive": re.compile(rb"\.control_dofs_position\("),
-    "dampratio": re.compile(
-        rb"\bmujoco(?![-\w])(?:(?!\bmujoco(?![-\w]))[^\n])*?"
-        rb"(?:==[ \t]*(?:2\.|3\.(?:\d|1[0-4])(?!\d))|<[ \t]*3(?:\.(?:\d|1[0-5])(?!\d)|(?![\d.])))"
-    ),
     "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
 }
 """What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names.
@@ -23,7 +19,7 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
 Forks of legged_gym clip at limits of the configuration in place of the URDF's effort. And by what it hands a
 configuration's drive to the simulator: Genesis integrates the gains of control_dofs_position implicitly
 (RigidOptions.integrator is approximate_implicitfast); what puts actuators that it made into any configuration of
-Isaac Lab has their limits from elsewhere. A MuJoCo that is held below 3.15 has one meaning of dampratio.
+Isaac Lab has their limits from elsewhere.
 """
 
 _CLIPPED = (
@@ -92,9 +88,7 @@ def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
         path
         for path, text in programs.items()
         if path not in steps
-        and (
-            (not steps and _POSES.search(text)) or (_COMPUTES.search(text) and not _FORCES.search(text))
-        )
+        and ((not steps and _POSES.search(text)) or (_COMPUTES.search(text) and not _FORCES.search(text)))
     )
 
 

@@ -31,7 +31,6 @@ class RatioChangedMeaning(RuleInParts):
     confidence = Confidence.HIGH
     noted_in_folders = True
     fix = Safety.UNSAFE
-    written_over = frozenset({"dampratio"})
     needs = NO_ACTUATORS
     options: ClassVar[dict[str, float]] = {"change": 0.01}
 
