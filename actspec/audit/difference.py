@@ -38,7 +38,7 @@ class Change:
 
     Attributes:
         joint: Whose; "" for the whole robot.
-        field: Of `FIELDS` or `SETTING_NOUNS`, or `control`, `network`.
+        field: Of `FIELDS` or `SETTING_NOUNS`, or `control`, `network`, `randomize`.
         noun: The field in words.
         old: Before, in `unit`; None is unknown, or that there was none.
         new: After.
@@ -298,6 +298,12 @@ def _joint(
     )
     if alike and old.network != new.network:
         yield _network(old, new, NONE)
+    if alike and old.ranges is not None and new.ranges is not None:
+        for name in dict.fromkeys((*old.ranges, *new.ranges)):
+            ends = old.ranges.get(name), new.ranges.get(name)
+            if ends[0] != ends[1]:
+                noun = f"randomization of {name}"
+                yield Change(new.joint, "randomize", noun, *ends, "", old.place, new.place, NONE)
     # Over the poses, of which a spec takes more than a model.
     if alike and old.inertia is not None and new.inertia is not None:
         unit = new.figures["armature"].unit

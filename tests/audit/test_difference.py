@@ -208,6 +208,41 @@ def test_nothing_in_common_is_no_agreement(tmp_path: Path) -> None:
     assert "  nothing was compared: no figure is stated by both" in report_lines([found], "a", "b")
 
 
+@pytest.mark.parametrize(
+    "old, new, expected",
+    [
+        ("brake_torque: 32", "brake_torque: 40", ["  brake torque of the curve 32 -> 40 N*m (+25 %)"]),
+        ("no_load_speed: 24", "no_load_speed: 20", ["  no-load speed of the curve 24 -> 20 rad/s (-16.7 %)"]),
+        (
+            "[0.9, 1.1]",
+            "[0.5, 1.1]",
+            [
+                "  randomization of armature scale 0.9 to 1.1 (uniform, at startup, per joint) -> "
+                "scale 0.5 to 1.1 (uniform, at startup, per joint)"
+            ],
+        ),
+        (
+            "    randomize: {armature: {scale: [0.9, 1.1], when: startup, per: joint}}\n",
+            "",
+            ["  randomization of armature scale 0.9 to 1.1 (uniform, at startup, per joint) -> none"],
+        ),
+    ],
+    ids=["curve", "its end", "range", "no range"],
+)
+def test_what_a_spec_has_beside_its_figures(old: str, new: str, expected: list[str], tmp_path: Path) -> None:
+    """A curve of the motor and ranges of randomisation are no row of the ledger, and change what a policy learns."""
+    curve = (
+        "curve: {drive_torque: 25 N*m, brake_torque: 32 N*m, knee_speed: 12 rad/s, no_load_speed: 24 rad/s}"
+    )
+    text = SPEC.replace("ideal_pd", "dc_motor\n    motor: m").replace(
+        "actuators:", f"motors:\n  m: {{side: joint, {curve}}}\nactuators:"
+    )
+    text += "    randomize: {armature: {scale: [0.9, 1.1], when: startup, per: joint}}\n"
+    assert old in text
+    (found,) = compare(tmp_path, ("leg.yaml", text), ("leg.yaml", text.replace(old, new)))
+    assert told(found) == ["hip, knee:", *expected]
+
+
 def test_unknown_is_not_none(tmp_path: Path) -> None:
     """A gain that the spec calls unknown is not a drive without one."""
     (found,) = compare(tmp_path, ("leg.yaml", SPEC), ("leg.yaml", SPEC.replace("100 N*m/rad", "unknown")))
