@@ -143,15 +143,19 @@ _TABLE = (
     ),
     Field(
         "curve.drive_torque", "drive torque of the curve", "", Role.LIMIT, Kind.TORQUE, "",
-        "curve.drive_torque", "torque_speed_curve",
+        "curve.drive_torque", "torque_speed_curve", optional=True,
     ),
     Field(
         "curve.brake_torque", "brake torque of the curve", "", Role.LIMIT, Kind.TORQUE, "",
-        "curve.brake_torque", "torque_speed_curve",
+        "curve.brake_torque", "torque_speed_curve", optional=True,
     ),
     Field(
         "curve.knee_speed", "knee speed of the curve", "", Role.LIMIT, Kind.SPEED, "",
-        "curve.knee_speed", "torque_speed_curve",
+        "curve.knee_speed", "torque_speed_curve", optional=True,
+    ),
+    Field(
+        "curve.no_load_speed", "no-load speed of the curve", "", Role.LIMIT, Kind.SPEED, "",
+        "curve.no_load_speed", "torque_speed_curve", optional=True,
     ),
     Field("armature", "armature", "", Role.PASSIVE, Kind.INERTIA, "", "armature", "armature", drawn=4, fitted=True),
     Field("inertia_min", "least inertia of the links", "inertia min", Role.DERIVED, Kind.INERTIA),

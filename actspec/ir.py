@@ -21,6 +21,7 @@ from functools import lru_cache
 from actspec.diagnostics import Diagnostic, Span
 from actspec.joints import InertiaRange as InertiaRange
 from actspec.joints import JointKind as JointKind
+from actspec.units import format_number
 
 
 class Origin(str, Enum):
@@ -205,6 +206,13 @@ class Randomization:
     every: tuple[float, float] | None
     per: str
     span: Span | None
+
+    @property
+    def words(self) -> str:
+        """`scale 0.9 to 1.1 (uniform, at reset, per joint)`."""
+        ends = f"{format_number(self.low)} to {format_number(self.high)}"
+        every = "" if self.every is None else " every {} to {} s".format(*map(format_number, self.every))
+        return f"{self.operation} {ends} ({self.distribution}, at {self.when}{every}, per {self.per})"
 
 
 @dataclass(frozen=True, slots=True)

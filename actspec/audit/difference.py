@@ -20,6 +20,14 @@ SAME_INERTIA = 1e-6
 """Largest relative difference of equal inertia of the links. Chosen: engines of other versions compute it from the
 same file to 1e-7."""
 
+UNKNOWN, NONE, NOT_STATED = "unknown", "none", "not stated"
+
+_WITH_LINKS = {FileKind.MJCF, FileKind.URDF, FileKind.SPEC}
+"""Kinds of files with a model, whose links have inertia."""
+
+_UNDRIVEN = {"none", "motor", "network", "other"}
+"""Controls without gains: there are none, which is not the same as unknown ones."""
+
 EFFECTS = ("natural_frequency", "damping_ratio")
 """What follows from the other figures and the links, and is reported beside them."""
 
@@ -30,13 +38,14 @@ class Change:
 
     Attributes:
         joint: Whose; "" for the whole robot.
-        field: Of `FIELDS` or `SETTING_NOUNS`, or `control`, `network`.
+        field: Of `FIELDS` or `SETTING_NOUNS`, or `control`, `network`, `randomize`.
         noun: The field in words.
         old: Before, in `unit`; None is unknown, or that there was none.
         new: After.
         unit: SI unit; "" where there is none.
         old_place: Where it was written; None when nowhere.
         new_place: Where it is.
+        absent: What None means: `unknown`, `none`, or `not stated`.
     """
 
     joint: str
@@ -47,6 +56,7 @@ class Change:
     unit: str
     old_place: Span | None = None
     new_place: Span | None = None
+    absent: str = UNKNOWN
 
     @property
     def ratio(self) -> float | None:
@@ -67,6 +77,9 @@ class Difference:
         removed: Joints that only the old one has.
         changes: Robot first, then by joint; without those of joints that were added or removed.
         effects: What follows for joints with changes.
+        compared: How many figures were held against each other.
+        left: What was not: a figure that one of two kinds of file states alone, one that is written in both and known
+            in neither, and inertia of the links that is unknown or of two kinds of file.
     """
 
     old: RobotDynamics
@@ -75,11 +88,14 @@ class Difference:
     removed: tuple[str, ...]
     changes: tuple[Change, ...]
     effects: tuple[Change, ...]
+    compared: int
+    left: tuple[Change, ...]
 
     @property
     def same(self) -> bool:
-        """Whether nothing changed."""
-        return not (self.added or self.removed or self.changes)
+        """Whether nothing changed of what was compared; where nothing was, nobody knows."""
+        nothing = bool(self.left) and not self.compared
+        return not (self.added or self.removed or self.changes or nothing)
 
 
 def compare_files(
@@ -89,7 +105,7 @@ def compare_files(
     robot: str | None = None,
     texts: Mapping[str, str] | None = None,
 ) -> tuple[Difference, ...]:
-    """What is different between two files, robot by robot.
+    """What is different between two files, robot by robot; of one kind of file also robots that only one of them has.
 
     Args:
         old: The file before.
@@ -105,7 +121,15 @@ def compare_files(
     before, after = ([i for i, a in enumerate(case.artifacts) if a.path == path] for path in (old, new))
     pairs = _pairs(case, before, after, robot, tuple((texts or {}).get(path, path) for path in (old, new)))
     dynamics = [dynamics_of(artifact, case.rows_of(i)) for i, artifact in enumerate(case.artifacts)]
-    return tuple(compare_robots(dynamics[one], dynamics[other]) for one, other in pairs)
+    found = [compare_robots(dynamics[one], dynamics[other]) for one, other in pairs]
+    by_name = all(dynamics[one].name == dynamics[other].name for one, other in pairs)
+    if robot is None and by_name and dynamics[before[0]].kind is dynamics[after[0]].kind:
+        # A robot that only one of the files has is all gone, or all new.
+        paired = {index for pair in pairs for index in pair}
+        for index in sorted({*before, *after} - paired):
+            whole, none = dynamics[index], replace(dynamics[index], joints={})
+            found.append(compare_robots(whole, none) if index in before else compare_robots(none, whole))
+    return tuple(found)
 
 
 def one_robot(case: Case, spec: int, other: int, robot: str | None) -> tuple[int, int]:
@@ -202,12 +226,16 @@ def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EX
         tolerance: Largest relative difference of equal figures.
     """
     changes = list(_settings(old, new, tolerance))
+    compared, left = _settings_left(old, new)
     effects: list[Change] = []
     for name, after in new.joints.items():
         before = old.joints.get(name)
         if before is None:
             continue
-        found = list(_joint(before, after, old.kind, new.kind, tolerance))
+        fields = _shared(before, after, old.kind, new.kind)
+        found = list(_joint(before, after, fields, tolerance, alike=old.kind is new.kind))
+        compared += len(fields)
+        left += _left(before, after, old.kind, new.kind)
         changes += found
         if found:
             effects += _effects(before, after)
@@ -218,38 +246,64 @@ def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EX
         tuple(name for name in old.joints if name not in new.joints),
         tuple(changes),
         tuple(effects),
+        compared,
+        tuple(left),
     )
 
 
 def _settings(old: RobotDynamics, new: RobotDynamics, tolerance: float) -> Iterator[Change]:
-    for name, noun in SETTING_NOUNS.items():
+    for name in SETTING_NOUNS:
         before, after = old.settings.get(name), new.settings.get(name)
         if (before is None or after is None) and old.kind is not new.kind:
             continue
         if isinstance(before, str) or isinstance(after, str) or not same(before, after, tolerance):
             if before == after:
                 continue
-            unit = "s" if name in ("physics_dt", "control_dt") else ""
-            yield Change("", name, noun, before, after, unit)
+            yield _setting(name, before, after)
+
+
+def _settings_left(old: RobotDynamics, new: RobotDynamics) -> tuple[int, list[Change]]:
+    """How many settings both state, and those that only one of two kinds of file does."""
+    names = [name for name in SETTING_NOUNS if name in old.settings or name in new.settings]
+    alone = [name for name in names if (name in old.settings) is not (name in new.settings)]
+    if old.kind is new.kind:
+        return len(names), []
+    one_sided = (_setting(name, old.settings.get(name), new.settings.get(name), NOT_STATED) for name in alone)
+    return len(names) - len(alone), list(one_sided)
+
+
+def _setting(name: str, old: float | str | None, new: float | str | None, absent: str = UNKNOWN) -> Change:
+    unit = "s" if name in ("physics_dt", "control_dt") else ""
+    return Change("", name, SETTING_NOUNS[name], old, new, unit, absent=absent)
+
+
+def _shared(old: JointDynamics, new: JointDynamics, old_kind: FileKind, new_kind: FileKind) -> list[str]:
+    """Fields that are compared: of one kind of file all that one of them knows, of two what both state."""
+    if old_kind is new_kind:
+        known = {name for side in (old, new) for name, one in side.figures.items() if one.value is not None}
+        return [name for name in FIELDS if name in known]
+    return [name for name in FIELDS if states(old, name, old_kind) and states(new, name, new_kind)]
 
 
 def _joint(
-    old: JointDynamics, new: JointDynamics, old_kind: FileKind, new_kind: FileKind, tolerance: float
+    old: JointDynamics, new: JointDynamics, fields: Sequence[str], tolerance: float, *, alike: bool
 ) -> Iterator[Change]:
-    alike = old_kind is new_kind
     if alike and old.control != new.control:
         yield Change(new.joint, "control", "drive", old.control, new.control, "", old.place, new.place)
-    fields = [
-        name for name in FIELDS if alike or (states(old, name, old_kind) and states(new, name, new_kind))
-    ]
-    found = [_change(new.joint, item) for item in compare(new.figures, old.figures, fields, tolerance)]
+    found = [_change(old, new, item) for item in compare(new.figures, old.figures, fields, tolerance)]
     parts = [(change.old, change.new) for change in found if change.field in DAMPING_PARTS]
     # A total that is its only part says nothing new.
     yield from (
         change for change in found if change.field != "total_damping" or (change.old, change.new) not in parts
     )
     if alike and old.network != new.network:
-        yield Change(new.joint, "network", "network", old.network, new.network, "", old.place, new.place)
+        yield _network(old, new, NONE)
+    if alike and old.ranges is not None and new.ranges is not None:
+        for name in dict.fromkeys((*old.ranges, *new.ranges)):
+            ends = old.ranges.get(name), new.ranges.get(name)
+            if ends[0] != ends[1]:
+                noun = f"randomization of {name}"
+                yield Change(new.joint, "randomize", noun, *ends, "", old.place, new.place, NONE)
     # Over the poses, of which a spec takes more than a model.
     if alike and old.inertia is not None and new.inertia is not None:
         unit = new.figures["armature"].unit
@@ -259,11 +313,47 @@ def _joint(
                 yield Change(new.joint, name, FIELDS[name].noun, low, high, unit)
 
 
-def _change(joint: str, item: Deviation) -> Change:
-    new, old = item.figure, item.reference
-    unit = next((figure.unit for figure in (new, old) if figure is not None), "")
-    places = (None if figure is None else figure.place for figure in (old, new))
-    return Change(joint, item.field, FIELDS[item.field].noun, item.expected, item.value, unit, *places)
+def _left(old: JointDynamics, new: JointDynamics, old_kind: FileKind, new_kind: FileKind) -> Iterator[Change]:
+    """What is not compared at a joint that both have."""
+    alike = old_kind is new_kind
+    for name, field in FIELDS.items():
+        one, other = old.figures.get(name), new.figures.get(name)
+        # A default of an engine is nobody's statement, and a total is what its parts are.
+        stated = any(figure is not None and figure.stated for figure in (one, other))
+        if not stated or field.role is Role.TOTAL:
+            continue
+        known = [states(old, name, old_kind), states(new, name, new_kind)]
+        if alike and all(figure is not None and figure.value is None for figure in (one, other)):
+            yield _change(old, new, Deviation(name, other, one))
+        elif not alike and known == [True, False]:
+            yield _change(old, new, Deviation(name, None, one), NOT_STATED)
+        elif not alike and known == [False, True]:
+            yield _change(old, new, Deviation(name, other, None), NOT_STATED)
+    if not alike and old.network != new.network:
+        yield _network(old, new, UNKNOWN if old.network and new.network else NOT_STATED)
+    of_links = {old_kind, new_kind} <= _WITH_LINKS and "armature" in new.figures
+    if of_links and not (alike and old.inertia and new.inertia):
+        low, high = (None if side.inertia is None else side.inertia[1] for side in (old, new))
+        noun, unit = FIELDS["inertia_max"].noun, new.figures["armature"].unit
+        yield Change(new.joint, "inertia_max", noun, low, high, unit)
+
+
+def _network(old: JointDynamics, new: JointDynamics, absent: str) -> Change:
+    return Change(new.joint, "network", "network", old.network, new.network, "", old.place, new.place, absent)
+
+
+def _change(old: JointDynamics, new: JointDynamics, item: Deviation, absent: str | None = None) -> Change:
+    figures = (item.reference, item.figure)
+    unit = next((figure.unit for figure in reversed(figures) if figure is not None), "")
+    field = FIELDS[item.field]
+    if absent is None:
+        without = old if item.expected is None else new
+        undriven = field.role is Role.DRIVE and set(without.control.split("+")) <= _UNDRIVEN
+        absent = NONE if field.optional or field.role is Role.COMMAND or undriven else UNKNOWN
+    old_place, new_place = (None if figure is None else figure.place for figure in figures)
+    return Change(
+        new.joint, item.field, field.noun, item.expected, item.value, unit, old_place, new_place, absent
+    )
 
 
 def states(joint: JointDynamics, name: str, kind: FileKind) -> bool:
@@ -277,6 +367,8 @@ def states(joint: JointDynamics, name: str, kind: FileKind) -> bool:
     figure: Figure | None = joint.figures.get(name)
     if figure is None or figure.value is None:
         return False
+    if kind in (FileKind.CFG, FileKind.DEPLOY) and name in ("position_low", "position_high"):
+        return False  # they are those of the model beside it
     if joint.control in ("none", "motor") and FIELDS[name].role in (Role.DRIVE, Role.TOTAL, Role.COMMAND):
         return False
     return figure.stated or not (joint.control == "none" or kind is FileKind.URDF)

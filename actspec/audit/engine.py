@@ -15,7 +15,7 @@ from actspec.audit.baseline import Entry, apply_baseline, entry_about, read_base
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.causes import by_cause
-from actspec.audit.exclude import Exclude, glob_matches
+from actspec.audit.exclude import Exclude, glob_matches, unfit
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.fix import without_doubtful
 from actspec.audit.ignores import (
@@ -67,10 +67,16 @@ def audit(
     if settings.as_named:
         readings = tuple(reading.as_named() for reading in readings)
     case = case_of(readings, settings.versions, settings.options, spec)
-    globs = files.exclude
-    said = globs.misspelt(files.named, files.met) if isinstance(globs, Exclude) else ()
-    said = (*said, *beyond_known(settings.versions), *not_read(settings))
-    return judge(case, settings, spec=spec, whole=files.in_folders, said=said)
+    globs = files.exclude.globs if isinstance(files.exclude, Exclude) else ()
+    ignored = [(glob, settings.folder) for glob, _ in settings.per_file_ignores]
+    said = (
+        *unfit(globs, files.named, files.met),
+        *unfit(ignored, files.named, files.met, "per-file-ignores", _fits_file),
+        *beyond_known(settings.versions),
+        *not_read(settings),
+    )
+    report = judge(case, settings, spec=spec, whole=files.in_folders, said=said)
+    return replace(report, excluded=files.excluded)
 
 
 def judge(
@@ -302,6 +308,10 @@ def _ignored_by_setting(file: str, names: Sequence[str], settings: Settings) -> 
         if glob_matches(glob, path)
         for selector in selectors
     )
+
+
+def _fits_file(glob: str, folder: str, path: str) -> bool:
+    return os.path.isfile(path) and glob_matches(glob, relative_path(path, folder))
 
 
 def _unsure(confidence: Confidence, settings: Settings) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -16,6 +16,8 @@ from actspec.diagnostics import Diagnostic, Severity
 
 _NEAR = 0.8
 """Likeness from which a name is a glob's, misspelt. Chosen: one letter of five."""
+
+_NUMBER = re.compile(r"\d+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,39 +48,71 @@ class Exclude:
         full = os.path.join(os.path.realpath(os.path.dirname(full)), os.path.basename(full))
         return any(_excludes(glob, folder, full, above=named) for glob, folder in self.globs)
 
-    def misspelt(self, named: Iterable[str], met: Iterable[str]) -> Iterator[Diagnostic]:
-        """Globs that fit nothing, where something has nearly their name.
 
-        Only where all was looked at that a glob could name: a hook is handed some of the files. A glob without a near
-        name is left alone, for what it names may not be made yet.
+def unfit(
+    globs: Iterable[tuple[str, str]],
+    named: Iterable[str],
+    met: Iterable[str],
+    setting: str = "exclude",
+    fits: Callable[[str, str, str], bool] | None = None,
+) -> Iterator[Diagnostic]:
+    """Globs that fit nothing, where something has nearly their name.
 
-        Args:
-            named: What the user named.
-            met: Paths of all files and folders that were found, those that are passed over too.
-        """
-        if not self.globs:
-            return
-        whole = [os.path.join(os.path.realpath(path), "") for path in named if os.path.isdir(path)]
-        paths = [os.path.realpath(path) for path in met]
-        for glob, folder in dict.fromkeys(self.globs):
-            base = os.path.join(os.path.realpath(folder), "")
-            if not any(base.startswith(path) for path in whole):
-                continue
-            own = [path for path in paths if path.startswith(base)]
-            if any(_excludes(glob, folder, path, above=False) for path in own):
-                continue
-            names = {part for path in own for part in path[len(base) :].split(os.sep)}
-            parts = [part for part in os.path.normpath(glob).split(os.sep) if part not in names]
-            for part in parts:
-                near = get_close_matches(part, sorted(names), n=1, cutoff=_NEAR)
-                if near and not any(sign in part for sign in "*?"):
-                    yield Diagnostic(
-                        "AUD017",
-                        Severity.WARNING,
-                        f"the glob {glob!r} of exclude fits nothing here",
-                        help=f"did you mean {near[0]!r}?",
-                    )
-                    break
+    Only of folders, for a hook is handed some of the files. A glob without a near name is left alone, for what it names
+    may not be made yet, or lie in another folder than those that were named.
+
+    Args:
+        globs: Globs, each with the folder that it is relative to.
+        named: What the user named.
+        met: Paths of all files and folders that were found, those that are passed over too.
+        setting: What the globs are of.
+        fits: Whether a glob, below a folder, fits a path; default: as of `exclude`, a file or folder.
+    """
+    whole = [os.path.join(os.path.realpath(path), "") for path in named if os.path.isdir(path)]
+    paths = [os.path.realpath(path) for path in met] if whole else []
+    for glob, folder in dict.fromkeys(globs) if whole else ():
+        base = os.path.join(os.path.realpath(folder), "")
+        own = [path for path in paths if path.startswith(base)]
+        fit = fits or (lambda glob, folder, path: _excludes(glob, folder, path, above=False))
+        if any(fit(glob, folder, path) for path in own):
+            continue
+        if fits is not None and any(_excludes(glob, folder, path, above=False) for path in own):
+            # A folder, where files are named.
+            bare = glob.rstrip("/")
+            near: str | None = f"{bare}/**" if "/" in bare else f"**/{bare}/**"
+        else:
+            everything = any(base.startswith(path) for path in whole)
+            near = _near(glob, base, own, everything=everything)
+        if near:
+            message = f"the glob {glob!r} of {setting} fits nothing here"
+            yield Diagnostic("AUD017", Severity.WARNING, message, help=f"did you mean {near!r}?")
+
+
+def _near(glob: str, base: str, own: Sequence[str], *, everything: bool) -> str | None:
+    """What a part of a glob that is no name there is nearly the name of.
+
+    What is there and was not looked at is left alone. Where not all was looked at that it could name, so are, of names
+    that may lie at any depth, those that are near on purpose: `tests` and `test`, `mode_13` and `mode_14`.
+    """
+    names = {part for path in own for part in path[len(base) :].split(os.sep)}
+    parts = os.path.normpath(glob).split(os.sep)
+    for number, part in enumerate(parts, 1):
+        if part in names or any(sign in part for sign in "*?"):
+            continue
+        if os.path.lexists(os.path.join(base, *parts[:number])):
+            return None
+        near = get_close_matches(part, sorted(names), n=1, cutoff=_NEAR)
+        fixed = len(parts) > 1 and not any(sign in before for before in parts[:number] for sign in "*?")
+        if near and (everything or fixed or _is_slip(part, near[0])):
+            return near[0]
+    return None
+
+
+def _is_slip(one: str, other: str) -> bool:
+    """Whether two near names differ inside, and in no number."""
+    return not (
+        one.startswith(other) or other.startswith(one) or _NUMBER.findall(one) != _NUMBER.findall(other)
+    )
 
 
 def _excludes(glob: str, folder: str, path: str, *, above: bool) -> bool:

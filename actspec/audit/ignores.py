@@ -11,6 +11,7 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 from actspec.audit.case import Case
 from actspec.audit.comments import comments
@@ -18,7 +19,7 @@ from actspec.audit.finding import Finding, Skipped
 from actspec.audit.outcome import Means, Reported, Suppressed
 from actspec.audit.rule import Rule
 from actspec.audit.selection import guess, strength
-from actspec.diagnostics import Diagnostic, Severity, Span, shortened
+from actspec.diagnostics import Diagnostic, Severity, Span, nearest, shortened
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.read import FAULT
 
@@ -31,7 +32,12 @@ FIRST_LINES = 10
 _OF_UNREAD = {FAULT, "unreadable-file"}
 """What a remark in a file that cannot be read may set aside."""
 
-_REMARK = re.compile(r"\s*actspec:\s*(ignore(?:-file)?)\b(?:\s*\[([^\]]*)\])?\s*(.*)", re.DOTALL)
+_REMARK = re.compile(r"\s*actspec:\s*([A-Za-z][\w-]*)(?:\s*(\[)([^\]]*)\])?\s*(.*)", re.DOTALL)
+
+_WORDS = ("ignore", "ignore-file")
+
+_NEAR = 0.75
+"""Likeness from which another word is a slip. Chosen: two letters exchanged; `note` is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +51,7 @@ class Ignore:
         whole_file: Whether it speaks about the whole file.
         first: First line that it speaks about; 0: none.
         last: Last such line.
+        word: `ignore` or `ignore-file`; another one is a slip.
     """
 
     span: Span
@@ -53,6 +60,7 @@ class Ignore:
     whole_file: bool
     first: int
     last: int
+    word: str
 
     @property
     def placed(self) -> bool:
@@ -89,11 +97,17 @@ def ignores_of(
 def _ignores(path: str, data: bytes) -> Iterator[Ignore]:
     for comment in comments(path, data):
         remark = _REMARK.match(comment.text)
-        if remark is not None:
-            codes = tuple(code.strip() for code in (remark[2] or "").split(",") if code.strip())
-            reason = " ".join(remark[3].split()).lstrip("-:– ")
-            span = Span(path, comment.line, comment.column)
-            yield Ignore(span, codes, reason, remark[1] == "ignore-file", comment.first, comment.last)
+        if remark is None:
+            continue
+        word = remark[1]
+        span, lines = Span(path, comment.line, comment.column), (comment.first, comment.last)
+        if word in _WORDS:
+            codes = tuple(code.strip() for code in (remark[3] or "").split(",") if code.strip())
+            reason = " ".join(remark[4].split()).lstrip("-:– ")
+            yield Ignore(span, codes, reason, word == "ignore-file", *lines, word)
+        elif remark[2] or get_close_matches(word.lower(), _WORDS, n=1, cutoff=_NEAR):
+            # Without brackets and of another word it is a sentence.
+            yield Ignore(span, (), "", False, *lines, word)
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,10 +194,14 @@ def unused(ignores: Iterable[tuple[Ignore, str]]) -> Iterator[Diagnostic]:
 
 
 def unknown(ignores: Iterable[Ignore], rules: Sequence[type[Rule]]) -> Iterator[Diagnostic]:
-    """ACT003: remarks that name no rule, or one that is not there."""
+    """ACT003: remarks that name no rule, or one that is not there, or are none."""
     known = {name for rule in rules for name in (rule.code, *rule.names())} | {*REMARKS, *REMARKS.values()}
     for ignore in ignores:
-        if not ignore.codes:
+        if ignore.word not in _WORDS:
+            message = f"'{shortened(ignore.word)}' is no word that actspec knows here, and is not followed"
+            word = nearest(ignore.word.lower(), _WORDS) or _WORDS[0]
+            yield _warning("ACT003", message, ignore, f"did you mean `actspec: {word}[CODE] the reason`?")
+        elif not ignore.codes:
             message, help = (
                 "this ignore names no rule, and is not followed",
                 "write `actspec: ignore[CODE] the reason`",

@@ -83,6 +83,7 @@ class Report:
         skipped: Rules that had no input.
         problems: Errors of actspec itself (a rule that broke off), and notes such as stale baseline entries.
         quiet: Of `diagnostics` those that the settings ignore.
+        excluded: How many files and how many folders were passed over.
     """
 
     case: Case
@@ -92,6 +93,7 @@ class Report:
     skipped: tuple[Skipped, ...] = ()
     problems: tuple[Diagnostic, ...] = ()
     quiet: frozenset[Diagnostic] = frozenset()
+    excluded: tuple[int, int] = (0, 0)
 
     @property
     def misnamed(self) -> bool:

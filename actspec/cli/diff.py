@@ -23,7 +23,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "Compare two robot files, or a file with an earlier revision of it, in what acts on each joint: "
         "gains, damping, friction, limits, armature, delays, steps.",
         "actspec diff HEAD:robots/a1/a1.xml robots/a1/a1.xml",
-        "0 no change; 1 changes; 2 could not compare",
+        "0 no change in what both state; 1 changes, or nothing to compare; 2 could not run",
     )
     command.add_argument(
         "old",

@@ -114,7 +114,7 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
         if changed:
             print("policies trained before need re-evaluation; `actspec lock` records the new dynamics")
         else:
-            print(f"{one_line(path)}: no change in effective dynamics")
+            print(f"{one_line(path)}: no change in what it records")
     return EXIT_FINDINGS if changed else EXIT_CLEAN
 
 

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 from actspec.diagnostics import Span
 from actspec.fields import BY_IR, FIELDS, Role, unit_of
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.ir import JointActuator
+from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind
 from actspec.readings.compare import Figure
 from actspec.readings.ledger import LedgerRow
@@ -49,6 +49,7 @@ class JointDynamics:
         inertia: Least and largest inertia of the links over the poses, armature left out; None when unknown.
         natural_frequency: [rad/s]; None when unknown.
         damping_ratio: [-]; None when unknown.
+        ranges: What is randomised to how, in words; None where nobody knows.
     """
 
     joint: str
@@ -59,6 +60,7 @@ class JointDynamics:
     inertia: tuple[float, float] | None = None
     natural_frequency: float | None = None
     damping_ratio: float | None = None
+    ranges: Mapping[str, str] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,13 +168,16 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
             place = first.place(f"{name}_range")
             add(f"{name}_low", ends[0], place)
             add(f"{name}_high", ends[1], place)
-    network = None
+    network = ranges = None
     if artifact.spec is not None:
         actuator = artifact.spec.joint(first.joint)
         if actuator is not None:
             for name, value in _of_spec(actuator):
                 add(name, value)
             network = _network(actuator)
+            ranges = {one.field: one.words for one in actuator.randomize}
+            if actuator.delay is not None and actuator.delay.low != actuator.delay.high:
+                ranges["delay"] = f"drawn each {actuator.delay.sampling}"
     elif artifact.robot is not None:
         view = artifact.robot.joint(first.joint)
         drives = [a for a in artifact.robot.actuators if a.target == first.joint]
@@ -193,6 +198,7 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         _links(first),
         first.natural_frequency,
         first.damping_ratio,
+        ranges,
     )
 
 
@@ -200,9 +206,12 @@ def _of_spec(actuator: JointActuator) -> Iterator[tuple[str, float | None]]:
     """What a spec says beyond the ledger."""
     for figure in BY_IR.values():
         if figure.role is Role.PASSIVE and figure.name not in _OF_ROW:
-            quantity = getattr(actuator, figure.ir)
+            quantity: Quantity | None = getattr(actuator, figure.ir)
             if quantity is not None:
                 yield figure.name, quantity.value
+    if actuator.curve is not None:
+        for part in fields(actuator.curve):
+            yield f"curve.{part.name}", getattr(actuator.curve, part.name).value
     if actuator.filter_cutoff is not None:
         yield "filter_cutoff", actuator.filter_cutoff.value
     if actuator.delay is not None and actuator.delay.low != actuator.delay.high:

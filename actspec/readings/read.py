@@ -233,7 +233,7 @@ class PendingFiles:
             exclude: As in `expand`.
         """
         self._skip_other = skip_other
-        self._excluded: list[str] = []
+        self._excluded: dict[str, bool] = {}
         self.named, self.exclude = tuple(paths), exclude
         self.met: list[str] = []
         """Files and folders that were found, those that are passed over too."""
@@ -242,7 +242,7 @@ class PendingFiles:
             self.met.append(path)
             if exclude is None or not exclude(path, named):
                 return False
-            self._excluded.append(path)
+            self._excluded[path] = os.path.isdir(path)
             return True
 
         self._files = expand(paths, skip_other=skip_other, exclude=passes_over)
@@ -260,6 +260,12 @@ class PendingFiles:
     def __exit__(self, *_: object) -> None:
         """Stop reading."""
         self._pool.__exit__()
+
+    @property
+    def excluded(self) -> tuple[int, int]:
+        """How many files and how many folders were passed over; what is in these is not counted."""
+        folders = sum(self._excluded.values())
+        return len(self._excluded) - folders, folders
 
     @property
     def in_folders(self) -> frozenset[str]:
@@ -287,7 +293,12 @@ class PendingFiles:
             found[index] = answer
             if progress is not None:
                 progress(len(found), len(self._files))
-        return tuple(_chosen(self._paths, self._files, found, self._skip_other, self.exclude))
+        chosen = _chosen(self._paths, self._files, found, self._skip_other, self.exclude)
+        if not chosen:
+            # Globs that are too wide would be a green check of nothing.
+            gone = [path for path in self.named if path not in self._paths and os.path.isdir(path)]
+            chosen += [_nothing_in(path, None) for path in gone]
+        return tuple(chosen)
 
 
 def expand(
@@ -421,17 +432,26 @@ def _nothing_at(path: str) -> FileReading:
     return FileReading(path, None, "there is no such file or folder", diagnostics=(fault,))
 
 
-def _nothing_in(folder: str, count: int) -> FileReading:
-    """A folder without anything to audit, of which that is said in place of that it cannot be read."""
+def _nothing_in(folder: str, count: int | None) -> FileReading:
+    """A folder without anything to audit, of which that is said in place of that it cannot be read.
+
+    Args:
+        folder: As it was named.
+        count: Its files with a known ending; None: what it has is passed over.
+    """
     endings = ", ".join((*ROBOT, *PYTHON, *YAML))
     reason = f"it has no file that ends in {endings}"
-    if count:
+    if count is None:
+        reason = "exclude leaves out all robot files, configurations, deploy files and specs of it"
+    elif count:
         files = "file that ends" if count == 1 else "files that end"
         reason = (
             f"of its {count} {files} in {endings} none is a robot file, configuration, deploy file or spec"
         )
     message = f"nothing to audit in this folder: {reason}"
     help = "links to folders are not followed and hidden folders are passed over; name those"
+    if count is None:
+        help = "take a glob out of exclude, or the folder out of the command"
     fault = Diagnostic("AUD014", Severity.ERROR, message, "", Span(folder), help)
     return FileReading(folder, None, f"nothing to audit: {reason}", diagnostics=(fault,))
 

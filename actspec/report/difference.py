@@ -6,17 +6,14 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from actspec.audit.difference import Change, Difference
-from actspec.diagnostics import Span, listed, one_line
+from actspec.audit.difference import NOT_STATED, Change, Difference
+from actspec.diagnostics import Span, listed, many, one_line
 from actspec.fields import FIELDS, Role
 from actspec.report.terminal import json_number
 from actspec.units import format_number
 
 _NO_RATIO = ("encoder_bias", "command_low", "command_high", "natural_frequency", "damping_ratio")
 """What is measured from a zero that means nothing, or is rough; so are poses."""
-
-_MAY_LACK = frozenset({"network", *(field.name for field in FIELDS.values() if field.optional)})
-"""What a joint need not have, beside drive and command, so that a file without it has none of it."""
 
 
 def report_lines(found: Sequence[Difference], old: str, new: str) -> Iterator[str]:
@@ -27,12 +24,54 @@ def report_lines(found: Sequence[Difference], old: str, new: str) -> Iterator[st
         old: What the old file is called.
         new: What the new file is called.
     """
-    changed = [item for item in found if not item.same]
-    for item in changed:
+    told = [item for item in found if not item.same or item.left]
+    for item in told:
         yield f"{one_line(old)} -> {one_line(new)} ({one_line(item.new.name)})"
         yield from lines(item)
-    if not changed:
+        yield from _left_lines(item, one_line(old), one_line(new))
+    if not told:
         yield "no change in effective dynamics"
+
+
+def _left_lines(found: Difference, old: str, new: str) -> Iterator[str]:
+    """What was not compared; a line a figure, with how many joints have it."""
+    if not found.left:
+        return
+    if not found.compared:
+        yield "  nothing was compared: no figure is stated by both"
+    elif found.same:
+        count = many(found.compared, "figure")
+        yield f"  no change in {count}" + (" that both state" if found.old.kind is not found.new.kind else "")
+    for name, side in ((old, "old"), (new, "new")):
+        alone = [item for item in found.left if item.absent == NOT_STATED and getattr(item, side) is not None]
+        if alone:
+            which = "which is" if len(alone) == 1 else "which are"
+            yield f"  only {name} states {many(len(alone), 'figure')}, {which} not compared:"
+            yield from _by_field(alone, side)
+    others: dict[str, list[Change]] = {}
+    for item in found.left:
+        if item.absent != NOT_STATED:
+            others.setdefault(item.noun, []).append(item)
+    for noun, items in others.items():
+        unknown = any(item.old is None or item.new is None for item in items)
+        why = "unknown" if unknown else "not comparable between two kinds of file"
+        yield f"  not compared: {noun} at {many(len(items), 'joint')}, {why}"
+
+
+def _by_field(alone: Sequence[Change], side: str) -> Iterator[str]:
+    """`armature 0.1 kg*m^2 (19 joints)`, `stiffness kp 20 to 150 N*m/rad (12 joints)`."""
+    fields: dict[str, list[Change]] = {}
+    for change in alone:
+        fields.setdefault(change.field, []).append(change)
+    for changes in fields.values():
+        values = [getattr(change, side) for change in changes]
+        texts = dict.fromkeys(_shown(value, "") for value in values)
+        if len(texts) > 1 and all(isinstance(value, float) for value in values):
+            texts = dict.fromkeys([_shown(min(values), ""), _shown(max(values), "")])
+        first = changes[0]
+        unit = f" {first.unit}" if first.unit and any(map(_has_unit, values)) else ""
+        where = f" ({many(len(changes), 'joint')})" if first.joint else ""
+        yield f"    {first.noun} {' to '.join(texts)}{unit}{where}"
 
 
 def lines(found: Difference, indent: str = "  ") -> Iterator[str]:
@@ -57,18 +96,20 @@ def lines(found: Difference, indent: str = "  ") -> Iterator[str]:
 
 def words(change: Change) -> str:
     """`total damping 4 -> 22 N*m*s/rad (x5.5)`."""
-    field = FIELDS.get(change.field)
-    optional = change.field in _MAY_LACK or (field and field.role in (Role.DRIVE, Role.COMMAND))
-    absent = "none" if optional else "unknown"
+    absent = change.absent
     old, new = (_shown(value, absent) for value in (change.old, change.new))
     if old == new:
         old, new = (_shown(value, absent, 10) for value in (change.old, change.new))
-    unit = (
-        f" {change.unit}"
-        if change.unit and isinstance(change.new, float) and math.isfinite(change.new)
-        else ""
-    )
-    return f"{change.noun} {old} -> {new}{unit}{_ratio(change)}"
+    unit = f" {change.unit}" if change.unit else ""
+    if _has_unit(change.new):
+        new += unit
+    elif _has_unit(change.old):
+        old += unit
+    return f"{change.noun} {old} -> {new}{_ratio(change)}"
+
+
+def _has_unit(value: float | str | None) -> bool:
+    return isinstance(value, float) and math.isfinite(value)
 
 
 def record(found: Difference, old: str, new: str) -> dict[str, Any]:
@@ -85,6 +126,8 @@ def record(found: Difference, old: str, new: str) -> dict[str, Any]:
         "added": list(found.added),
         "removed": list(found.removed),
         "changes": [_change(change) for change in found.changes],
+        "compared": found.compared,
+        "not_compared": [_change(change) for change in found.left],
         "effects": [_change(change) for change in found.effects],
     }
 

@@ -18,7 +18,7 @@ from actspec.report.findings import FindingGroup, grouped
 from actspec.report.ledger import comparisons, ledger_sheets, sheet_table
 from actspec.report.page import fold, plain, whole
 from actspec.report.sources import Sources
-from actspec.report.text import counted, worst_first
+from actspec.report.text import aside, counted, worst_first
 
 _MOST_OPEN = 8
 """So many files or tables are shown, more are folded away. Chosen: they fit on a screen."""
@@ -56,8 +56,9 @@ def _head(report: Report, options: ReportOptions) -> Iterator[str]:
                 f'<td class="severity">{severity.value}</td><td class="n">{count}</td></tr>'
             )
         yield "</table></div>"
-    if report.suppressed:
-        yield f'<p class="faint">{many(len(report.suppressed), "finding")} suppressed.</p>'
+    left = "; ".join(aside(report))
+    if left:
+        yield f'<p class="faint">Not shown: {plain(left)}.</p>'
 
 
 def _worst_first(entry: tuple[tuple[Severity, str, str], int]) -> tuple[int, int, str]:

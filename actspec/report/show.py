@@ -37,11 +37,7 @@ def details(joint: JointActuator, approximations: Iterable[Approximation]) -> It
             f"drawn each {joint.delay.sampling}"
         )
     for entry in joint.randomize:
-        yield (
-            f"  randomize {entry.field}: {entry.operation} {format_number(entry.low)} to "
-            f"{format_number(entry.high)} "
-            f"({entry.distribution}, at {entry.when}, per {entry.per})"
-        )
+        yield f"  randomize {entry.field}: {entry.words}"
     for loss in (item for item in approximations if item.joint == joint.joint):
         error = loss.max_torque_error
         size = f"; torque error {format_quantity(error, loss.unit, 4)}" if error else ""

@@ -159,8 +159,7 @@ def summary(
             yield style.faint(f"{listed(codes)} did not apply: {one_line(reason)}")
     else:
         yield style.faint(f"{many(count, 'rule')} did not apply; --select CODE reports why")
-    aside = Counter(item.means for item in report.suppressed)
-    notes = [f"{aside[means]} {text}" for means, text in _MEANS.items() if aside[means]]
+    notes = list(aside(report))
     gone = sum(file.names_nothing for file in report.case.files)
     if gone:
         notes.insert(0, f"{many(gone, 'name')} {'has' if gone == 1 else 'have'} nothing to audit")
@@ -171,10 +170,20 @@ def summary(
     found = counted(groups)
     if report.findings and not groups:
         found = "no errors" if told else "no errors or warnings"
-    yield f"{found} in {_files(report)}" + "".join(f"; {text}" for text in notes)
+    yield f"{found} in {counted_files(report)}" + "".join(f"; {text}" for text in notes)
 
 
-def _files(report: Report) -> str:
+def aside(report: Report) -> Iterator[str]:
+    """How many findings were set aside and how, and what was not looked at: `14 in the baseline`."""
+    counts = Counter(item.means for item in report.suppressed)
+    yield from (f"{counts[means]} {text}" for means, text in _MEANS.items() if counts[means])
+    parts = zip(report.excluded, ("file", "folder"), strict=True)
+    left = " and ".join(many(count, noun) for count, noun in parts if count)
+    if left:
+        yield f"{left} left out by exclude"
+
+
+def counted_files(report: Report) -> str:
     """How many files were there, and how many of them could not be read: `3 files, 1 of which could not be read`."""
     there = [file for file in report.case.files if not file.names_nothing]
     unread = sum(not file.readable for file in there)

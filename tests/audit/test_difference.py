@@ -9,7 +9,7 @@ import pytest
 from actspec.audit.difference import Difference, compare_files
 from actspec.diagnostics import AuditError
 from actspec.readings.versions import Versions
-from actspec.report.difference import lines
+from actspec.report.difference import lines, record, report_lines
 from tests.audit.robots import CFG, LEG, SPEC
 
 STEP = "# Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1 (PhysX). \n# physics_dt 0.005 s\n"
@@ -59,7 +59,7 @@ def told(found: Difference) -> list[str]:
         (
             'forcerange="-30 30" forcelimited="true"',
             "",
-            ["hip, knee:", "  effort limit 30 -> none"],
+            ["hip, knee:", "  effort limit 30 N*m -> none"],
         ),
         (
             'timestep="0.002" integrator="implicitfast"',
@@ -170,6 +170,98 @@ def test_what_a_kind_leaves_to_others_is_no_change(tmp_path: Path) -> None:
     assert told(found) == ["hip:", "  effort limit 45 -> 30 N*m (-33.3 %)"]
 
 
+def test_what_one_side_alone_states_is_told(tmp_path: Path) -> None:
+    """It is counted and shown with its figures, and nobody calls two kinds of file equal beside it."""
+    text = LEG.replace("-1 1", "-57.295779513082323 57.295779513082323")
+    (found,) = compare(tmp_path, ("leg.urdf", URDF.replace('"45"', '"30"')), ("leg.xml", text))
+    assert found.same
+    # Per joint: effort limit and the two ends of its range.
+    assert found.compared == 2 * 3
+    # Of the URDF 2 speeds; of the MJCF step and integrator, and kp, kd, joint damping, armature at 2 joints.
+    told = list(report_lines([found], "leg.urdf", "leg.xml"))
+    assert told == [
+        "leg.urdf -> leg.xml (leg)",
+        "  no change in 6 figures that both state",
+        "  only leg.urdf states 2 figures, which are not compared:",
+        "    velocity limit 20 rad/s (2 joints)",
+        "  only leg.xml states 10 figures, which are not compared:",
+        "    physics step 0.002 s",
+        "    integrator implicitfast",
+        "    stiffness kp 100 N*m/rad (2 joints)",
+        "    drive gain kd 3 N*m*s/rad (2 joints)",
+        "    joint damping 1 N*m*s/rad (2 joints)",
+        "    armature 0.01 kg*m^2 (2 joints)",
+        "  not compared: largest inertia of the links at 2 joints, unknown",
+    ]
+    entry = record(found, "leg.urdf", "leg.xml")
+    assert (entry["changes"], entry["compared"], len(entry["not_compared"])) == ([], 6, 2 + 10 + 2)
+    words = {one["words"] for one in entry["not_compared"] if one["joint"] == "hip"}
+    assert "stiffness kp not stated -> 100 N*m/rad" in words
+    assert "velocity limit 20 rad/s -> not stated" in words
+
+
+def test_nothing_in_common_is_no_agreement(tmp_path: Path) -> None:
+    """A URDF and a deploy file of gains share joints and no figure: that is not `no change`."""
+    deploy = "joint_names: [hip, knee]\nkp: [100, 100]\nkd: [3, 3]\n"
+    (found,) = compare(tmp_path, ("leg.urdf", URDF), ("leg_deploy.yaml", deploy))
+    assert (found.compared, found.changes, found.same) == (0, (), False)
+    assert "  nothing was compared: no figure is stated by both" in report_lines([found], "a", "b")
+
+
+@pytest.mark.parametrize(
+    "old, new, expected",
+    [
+        ("brake_torque: 32", "brake_torque: 40", ["  brake torque of the curve 32 -> 40 N*m (+25 %)"]),
+        ("no_load_speed: 24", "no_load_speed: 20", ["  no-load speed of the curve 24 -> 20 rad/s (-16.7 %)"]),
+        (
+            "[0.9, 1.1]",
+            "[0.5, 1.1]",
+            [
+                "  randomization of armature scale 0.9 to 1.1 (uniform, at startup, per joint) -> "
+                "scale 0.5 to 1.1 (uniform, at startup, per joint)"
+            ],
+        ),
+        (
+            "    randomize: {armature: {scale: [0.9, 1.1], when: startup, per: joint}}\n",
+            "",
+            ["  randomization of armature scale 0.9 to 1.1 (uniform, at startup, per joint) -> none"],
+        ),
+    ],
+    ids=["curve", "its end", "range", "no range"],
+)
+def test_what_a_spec_has_beside_its_figures(old: str, new: str, expected: list[str], tmp_path: Path) -> None:
+    """A curve of the motor and ranges of randomisation are no row of the ledger, and change what a policy learns."""
+    curve = (
+        "curve: {drive_torque: 25 N*m, brake_torque: 32 N*m, knee_speed: 12 rad/s, no_load_speed: 24 rad/s}"
+    )
+    text = SPEC.replace("ideal_pd", "dc_motor\n    motor: m").replace(
+        "actuators:", f"motors:\n  m: {{side: joint, {curve}}}\nactuators:"
+    )
+    text += "    randomize: {armature: {scale: [0.9, 1.1], when: startup, per: joint}}\n"
+    assert old in text
+    (found,) = compare(tmp_path, ("leg.yaml", text), ("leg.yaml", text.replace(old, new)))
+    assert told(found) == ["hip, knee:", *expected]
+
+
+def test_unknown_is_not_none(tmp_path: Path) -> None:
+    """A gain that the spec calls unknown is not a drive without one."""
+    (found,) = compare(tmp_path, ("leg.yaml", SPEC), ("leg.yaml", SPEC.replace("100 N*m/rad", "unknown")))
+    assert told(found) == ["hip, knee:", "  stiffness kp 100 N*m/rad -> unknown"]
+
+
+def test_what_both_compute_is_not_called_equal(tmp_path: Path) -> None:
+    """A gain that neither configuration states as a number may be another one."""
+    one, other = (CFG.replace("stiffness=100.0", f"stiffness=gain({n})") for n in (1, 2))
+    (found,) = compare(tmp_path, ("leg_cfg.py", one), ("leg_cfg.py", other))
+    assert found.same
+    # Of 2 joints: kd, limit and the friction as it is written; and the back-EMF of 0 that such a drive has.
+    assert list(report_lines([found], "a.py", "b.py")) == [
+        "a.py -> b.py (LEG_CFG)",
+        "  no change in 8 figures",
+        "  not compared: stiffness kp at 2 joints, unknown",
+    ]
+
+
 def test_a_motor_is_no_drive_without_gains(tmp_path: Path) -> None:
     """What drives a motor is in the configuration, so its gain of 0 is not compared with the configuration's."""
     text = LEG
@@ -199,7 +291,7 @@ def test_friction_of_unknown_unit_is_seen(tmp_path: Path) -> None:
         (STEP, "max_delay=4", "max_delay=6", ["largest delay 0.02 -> 0.03 s (+50 %)"]),
         # A fixed delay is one figure.
         (STEP, "min_delay=1, max_delay=4", "min_delay=4, max_delay=4", [
-            "delay none -> 0.02 s", "least delay 0.005 -> none", "largest delay 0.02 -> none"
+            "delay none -> 0.02 s", "least delay 0.005 s -> none", "largest delay 0.02 s -> none"
         ]),
     ],
     ids=["largest", "least", "in seconds", "fixed"],
@@ -216,8 +308,10 @@ def test_robots_of_one_file_by_name(tmp_path: Path) -> None:
     """Robots are matched by name; of several that match nothing, one can be named, and else they are listed."""
     head, _, body = CFG.partition("LEG_CFG")
     two = f"{head}FIRST_CFG{body}\nLEG_CFG{body.replace('stiffness=100.0', 'stiffness=150.0')}"
-    (found,) = compare(tmp_path, ("leg_cfg.py", CFG), ("leg_cfg.py", two))
+    found, new = compare(tmp_path, ("leg_cfg.py", CFG), ("leg_cfg.py", two))
     assert [change.field for change in found.changes] == ["kp", "kp"]
+    # The other one is all new: nobody says `no change` beside it.
+    assert (new.new.name, new.added, new.removed, new.changes) == ("FIRST_CFG", ("hip", "knee"), (), ())
 
     other = two.replace("LEG_CFG", "SECOND_CFG")
     (tmp_path / "third").mkdir()

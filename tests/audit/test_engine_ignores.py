@@ -162,10 +162,25 @@ def _judged(text: str, *lines: int, select: tuple[str, ...] = ("ALL",)) -> list[
         ("actspec: ignore[LIM901]", ["LIM901", "ACT001"]),
         ("actspec: ignore[LIM9]  a family", ["LIM901", "ACT003"]),
         ("actspec: ignore", ["LIM901", "ACT003"]),
-        ("actspec: ignored[LIM901] no", ["LIM901"]),
+        ("actspec: ignored[LIM901] no", ["LIM901", "ACT003"]),
+        ("actspec: noqa[LIM901] no", ["LIM901", "ACT003"]),
+        ("actspec: ignroe LIM901 no", ["LIM901", "ACT003"]),
+        ("actspec: note that LIM901 is meant", ["LIM901"]),
         ("see actspec: ignore[LIM901] no", ["LIM901"]),
     ],
-    ids=["code", "name", "one of two", "no reason", "family", "no code", "another word", "not at the start"],
+    ids=[
+        "code",
+        "name",
+        "one of two",
+        "no reason",
+        "family",
+        "no code",
+        "a past",
+        "bracket",
+        "letters",
+        "a sentence",
+        "not at the start",
+    ],
 )
 def test_remarks_on_the_line(remark: str, found: list[object]) -> None:
     """A remark with a reason and the rule's code or name sets the finding aside; any other does not, and is told."""
@@ -210,3 +225,16 @@ def test_inline_goes_before_the_settings() -> None:
     report = judge(case_of({"a.xml": text}), settings, (rule,))
     assert not report.findings
     assert [item.means for item in report.suppressed] == [Means.INLINE]
+
+
+def test_a_misspelt_remark_has_the_right_one() -> None:
+    """With its place and the word to write."""
+    report = judge(
+        case_of({"a.yaml": b"a: 1\n# actspec: ignroe-file[LIM901] no motor\nb: 2\n"}), Settings(), ()
+    )
+    (item,) = report.problems
+    assert (str(item.span), item.message, item.help) == (
+        "a.yaml:2:1",
+        "'ignroe-file' is no word that actspec knows here, and is not followed",
+        "did you mean `actspec: ignore-file[CODE] the reason`?",
+    )

@@ -107,39 +107,48 @@ def test_an_excluded_folder_is_not_looked_into(monkeypatch: pytest.MonkeyPatch) 
     assert looked == ["robots", "robots/own"]
 
 
-def test_nothing_left_is_no_wrong_name(capsys: pytest.CaptureFixture[str]) -> None:
-    """A folder without robots is a slip; one of which all is excluded is none."""
-    settings = Settings(exclude=("*.xml", "*.urdf"))
-    assert audit(["robots"], settings).complete
-    assert main(["audit", "robots", "--exclude", "*.xml,*.urdf"]) == 0
-    assert (
-        main(["audit", "--force-exclude", "--exclude", "third_party", "--", "robots/third_party/b.xml"]) == 0
-    )
-    assert capsys.readouterr().out == "no findings in 0 files\n" * 2
+def test_named_files_that_are_excluded_are_no_slip(capsys: pytest.CaptureFixture[str]) -> None:
+    """A hook is handed all files of a commit."""
+    named = ["robots/third_party/b.xml", "robots/own/third_party/d.xml"]
+    assert main(["audit", "--force-exclude", "--exclude", "third_party", "--", *named]) == 0
+    assert capsys.readouterr() == ("no findings in 0 files; 2 files left out by exclude\n", "")
 
 
 @pytest.mark.parametrize(
     "folder", [".", "./", "robots/..", "robots", "./robots/", os.path.join("..", "{}", "robots")]
 )
-def test_a_folder_of_which_all_is_excluded_has_files(
-    folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("options", [["*.xml,*.urdf"], ["**"], ["**", "--force-exclude"]])
+def test_a_folder_of_which_all_is_excluded_is_a_slip(
+    folder: str, options: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """However it is written; that it has no file with a known ending is untrue."""
-    assert main(["audit", folder.format(tmp_path.name), "--exclude", "*.xml,*.urdf"]) == 0
-    assert capsys.readouterr() == ("no findings in 0 files\n", "")
+    """However it is written: a glob that is too wide would be a green check of nothing, as of an empty folder."""
+    folder = folder.format(tmp_path.name)
+    assert main(["audit", folder, "--exit-zero", "--exclude", *options]) == 2
+    assert capsys.readouterr().err == (
+        f"{folder}: AUD014: nothing to audit in this folder: exclude leaves out all robot files, configurations, "
+        "deploy files and specs of it\n  help: take a glob out of exclude, or the folder out of the command\n"
+    )
+    assert main(["audit", folder, "robots/a.xml", "--exclude", options[0]]) == 0
 
 
 def test_settings_and_options_add_up(capsys: pytest.CaptureFixture[str]) -> None:
-    """`exclude` of the file and of the command line; the settings' `force-exclude` too."""
+    """`exclude` of the file and of the command line, which the last line counts; the settings' `force-exclude` too."""
     Path("actspec.toml").write_text('[audit]\nexclude = ["third_party"]\n')
-    assert main(["audit", "robots", "--exclude", "own"]) == 0
-    assert capsys.readouterr().out == "no findings in 1 file\n"
+    assert main(["audit", "robots", "--exclude", "e.urdf"]) == 0
+    # robots/third_party, robots/own/third_party and robots/own/e.urdf
+    told = "1 file and 2 folders left out by exclude"
+    assert capsys.readouterr().out == f"no findings in 1 file; {told}\n"
+    for output_format, text in (("markdown", f"in 1 file; {told}\n"), ("html", f"Not shown: {told}.<")):
+        main(["audit", "robots", "--exclude", "e.urdf", "--output-format", output_format])
+        assert text in capsys.readouterr().out
     Path("pyproject.toml").write_text(
         '[tool.actspec.audit]\nexclude = ["third_party"]\nforce-exclude = true\n'
     )
     assert main(["audit", "robots/third_party/b.xml", "--config", "pyproject.toml"]) == 0
     assert main(["audit", "robots/third_party/b.xml"]) == 0
-    assert capsys.readouterr().out == "no findings in 0 files\nno findings in 1 file; 1 warning about files\n"
+    assert capsys.readouterr().out == (
+        "no findings in 0 files; 1 file left out by exclude\nno findings in 1 file; 1 warning about files\n"
+    )
 
 
 def test_the_spec_is_never_excluded(capsys: pytest.CaptureFixture[str]) -> None:
@@ -193,14 +202,24 @@ def test_what_is_said_of_files_can_be_ignored(settings: Settings, shown: list[st
         pytest.param("robots/own/third_prty/*.xml", ".", "did you mean 'third_party'?", id="in a path"),
         pytest.param("third_party", ".", None, id="one that fits"),
         pytest.param("build", ".", None, id="not made yet, and nothing has nearly its name"),
-        pytest.param("thrid_party", "robots", None, id="a part of what the settings are for"),
+        pytest.param(
+            "thrid_party", "robots", "did you mean 'third_party'?", id="of a folder of the settings"
+        ),
+        pytest.param("robotz/own", "robots", "did you mean 'robots'?", id="in a path, of a folder"),
+        pytest.param("elsewhere/thrid_party", "robots", None, id="there, in another folder"),
+        pytest.param("thrid_part", "robots", None, id="there, beside the folder"),
+        pytest.param("third_partys", "robots", None, id="perhaps elsewhere: the plural"),
+        pytest.param("third_party2", "robots", None, id="perhaps elsewhere: another number"),
         pytest.param("thrid_party", "robots/a.xml", None, id="a file, as a hook names it"),
     ],
 )
 def test_a_misspelt_glob_is_told(
     glob: str, named: str, said: str | None, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Where all was looked at that it could name; the exit code stays."""
+    """Of folders, where it can hardly mean something else; the exit code stays."""
+    if named == "robots":
+        Path("elsewhere/thrid_party").mkdir(parents=True)
+        Path("thrid_part").mkdir()
     Path("actspec.toml").write_text(f'[audit]\nexclude = ["{glob}"]\n')
     main(["audit", named, "--exit-zero", "--jobs", "1"])
     found = [
@@ -212,3 +231,35 @@ def test_a_misspelt_glob_is_told(
         else []
     )
     assert found == wanted
+
+
+def test_a_misspelt_glob_of_the_command_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    """As one of the settings is."""
+    assert main(["audit", "robots", "--exclude", "thrid_party"]) == 0
+    assert capsys.readouterr().err == (
+        "AUD017 [warning]: the glob 'thrid_party' of exclude fits nothing here\n  help: did you mean 'third_party'?\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("glob", "help"),
+    [
+        ("robots/own/**", None),
+        ("e.urdf", None),
+        ("*.xml", None),
+        ("robot/own/**", "did you mean 'robots'?"),
+        ("robots/thrid_party/*", "did you mean 'third_party'?"),
+        # A folder is no file.
+        ("robots/own", "did you mean 'robots/own/**'?"),
+        ("own/", "did you mean '**/own/**'?"),
+        ("grippers/**", None),
+    ],
+)
+def test_per_file_ignores_that_fit_nothing(
+    glob: str, help: str | None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """They are told as globs of `exclude` are, and a folder where files are named."""
+    Path("actspec.toml").write_text(f'[audit.per-file-ignores]\n"{glob}" = ["ORD"]\n')
+    assert main(["audit", "robots"]) == 0
+    wanted = f"AUD017 [warning]: the glob {glob!r} of per-file-ignores fits nothing here\n  help: {help}\n"
+    assert capsys.readouterr().err == (wanted if help else "")

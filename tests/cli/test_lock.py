@@ -52,7 +52,7 @@ def test_check(capsys: pytest.CaptureFixture[str]) -> None:
     """A change is told in words with exit code 1, and is gone when the lock is written anew."""
     main(["lock", "leg.xml", "leg.yaml"])
     assert main(["lock", "--check"]) == 0
-    assert capsys.readouterr().out == "actspec.lock: no change in effective dynamics\n"
+    assert capsys.readouterr().out == "actspec.lock: no change in what it records\n"
     before = Path("actspec.lock").read_bytes()
     Path("leg.xml").write_text(LEG.replace('kv="3"', 'kv="3.72"'))
     assert main(["lock", "--check"]) == 1

@@ -303,7 +303,39 @@ def test_the_audit_hook_is_calm(
     assert main([*entry, *hook["args"], "leg.xml", "vendor/broken.xml", "vendor/leg.xml"]) == 0
     first, *rest = capsys.readouterr().out.splitlines()
     assert first.startswith("leg.xml:3:13: LIM101 [warning] knee: ")
-    assert rest == ["1 note (GEA104): --notes shows it", "1 warning affecting 1 joint in 1 file"]
+    left = "1 warning affecting 1 joint in 1 file; 2 files left out by exclude"
+    assert rest == ["1 note (GEA104): --notes shows it", left]
+
+
+def test_the_hook_of_the_readme_fails_on_a_warning(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """5 N*m in the URDF and a control of 300 in the MJCF is a warning, which pre-commit hides where the hook passes."""
+    hooks = {hook["id"]: hook for hook in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())}
+    _, *entry = shlex.split(hooks["actspec-audit"]["entry"])
+    monkeypatch.chdir(tmp_path)
+    Path("robots").mkdir()
+    urdf = """<robot name="leg"><link name="base"/><link name="shank"/>
+  <joint name="knee" type="revolute"><parent link="base"/><child link="shank"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="5" velocity="20"/></joint></robot>
+"""
+    model = """<mujoco model="leg">
+  <worldbody><body><joint name="knee" range="-57.29578 57.29578" armature="0.01"/><geom size="0.1"/></body></worldbody>
+  <actuator><motor joint="knee" ctrlrange="-300 300"/></actuator>
+</mujoco>
+"""
+    Path("robots/leg.xml").write_text(model)
+    Path("robots/leg.urdf").write_text(urdf)
+    for page in ("README.md", "docs/audit.md"):
+        text = (ROOT / page).read_text(encoding="utf-8")
+        block = text.split('title=".pre-commit-config.yaml"\n')[1].split("```")[0]
+        used = {hook["id"]: hook for hook in yaml.safe_load(block)["repos"][0]["hooks"]}["actspec-audit"]
+        assert main([*entry, *used["args"]]) == 1, page
+        out = capsys.readouterr().out
+        assert (
+            "SRC101 [warning] knee: the effort limit is 300 N*m here and 5 N*m in robots/leg.urdf (x60)"
+            in out
+        )
 
 
 def test_what_is_not_there_is_told(capsys: pytest.CaptureFixture[str]) -> None:
