@@ -10,7 +10,7 @@ from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, for_people
 from actspec.report.ledger import Sheet, comparisons, ledger_sheets
 from actspec.report.tables import escaped, markdown_table
-from actspec.report.text import NOUNS, counted, left_out, remarks, worst_first
+from actspec.report.text import NOUNS, counted, files_counted, left_out, remarks, worst_first
 
 LONGEST = 60_000
 """Characters. Source: a GitHub comment takes 65 536; this leaves room for words around it."""
@@ -18,9 +18,8 @@ LONGEST = 60_000
 
 def render(report: Report, options: ReportOptions) -> str:
     """The report as Markdown; what does not fit into a comment is counted."""
-    read = sum(file.readable for file in report.case.files)
     groups = worst_first(for_people(report.at_or_above(options.least)))
-    text = f"### actspec audit: {counted(groups)} in {many(read, 'file')}\n"
+    text = f"### actspec audit: {counted(groups)} in {files_counted(report)}\n"
     for block in (
         _findings(groups),
         tuple(left_out(report, options.least)),

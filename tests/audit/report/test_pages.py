@@ -127,7 +127,7 @@ def test_markdown(made: Report) -> None:
     text = render(made, "markdown", ReportOptions())
     lines = text.splitlines()
     assert lines[:7] == [
-        "### actspec audit: 2 errors, 1 warning, 1 note affecting 3 joints in 2 files",
+        "### actspec audit: 2 errors, 1 warning, 1 note affecting 3 joints in 3 files, 1 of which could not be read",
         "",
         "|  | rule | place | joints | finding |",
         "| --- | --- | --- | --- | --- |",
