@@ -156,11 +156,11 @@ def _nothing(combined: Combined) -> RobotError:
     whole = including(combined.model.path) if combined.model is not None else None
     instead = f"it is a part of {whole}: import the whole model" if whole else ""
     if alone:
-        reasons = dict.fromkeys(f"{item.joint}: {item.why}" for item in alone)
+        reasons = [f"{why}: {listed(map(one_line, names), 4)}" for why, names in combined.reasons().items()]
         return _error(
             combined,
             "DRF002",
-            f"none of its {len(alone)} joints can go into a group: {listed(reasons, 4)}",
+            f"none of its {len(alone)} joints can go into a group: {'; '.join(reasons)}",
             instead
             or "a spec describes joints that are driven one by one; `actspec init` alone writes an example",
         )

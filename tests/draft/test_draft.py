@@ -338,6 +338,27 @@ def test_nothing_to_draft(tmp_path: Path, joints: str, actuators: str, code: str
     assert item.span is not None and item.span.path.endswith("robot.xml")
 
 
+def test_every_reason_with_its_joints(tmp_path: Path) -> None:
+    """Tendons and servos of many names and gains are two reasons, however many joints have them."""
+    joints = "".join(f'<joint name="{name}"/>' for name in ("a", "b", "c", "d"))
+    actuators = (
+        '<general joint="a" biastype="affine" gainprm="2" biasprm="0 -3"/>'
+        '<general joint="b" biastype="affine" gainprm="5" biasprm="0 -3"/>'
+        '<motor tendon="t"/><motor tendon="u"/>'
+    )
+    tendons = (
+        '<tendon><fixed name="t"><joint joint="c" coef="1"/></fixed>'
+        '<fixed name="u"><joint joint="d" coef="1"/></fixed></tendon>'
+    )
+    with pytest.raises(RobotError) as caught:
+        drafted(tmp_path, mjcf(joints, actuators).replace("<actuator>", f"{tendons}<actuator>"))
+    (item,) = caught.value.diagnostics
+    assert item.message == (
+        "none of its 4 joints can go into a group: position servos whose gain is not their stiffness: a, b; "
+        "driven through tendons: c, d"
+    )
+
+
 # --- bare models ----------------------------------------------------------------------------------
 
 
