@@ -13,7 +13,6 @@ from actspec.readings.joint import JointReading
 from actspec.robot.view import ActuatorView, RobotView
 from actspec.robot.xml_tree import Element, XmlDocument
 
-
 _SERVO = "a position servo with gain"
 
 

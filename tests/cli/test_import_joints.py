@@ -89,9 +89,20 @@ def test_a_misspelt_key(folder: Path, robot: tuple[str, ...], capsys: pytest.Cap
         "leg_cfg.py:9:86: DRF012 [warning]: `left_kneee` of stiffness selects no joint of group legs\n" in err
     )
     assert "help: did you mean `left_knee`?" in err
-    assert "no file states kp: " in out and "command is" not in out
     why = "no key of stiffness is for the joint, and 'left_kneee' for none, which Isaac Lab refuses"
+    assert f"kp is left out, {why}: " in out and "no file states kp" not in out and "command is" not in out
     assert f"kp: unknown    # {why}\n" in (folder / "leg.yaml").read_text("utf-8")
+
+
+def test_friction_that_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file states it; what it means depends on versions that nobody states."""
+    (folder / "leg_cfg.py").write_text(
+        CFG.replace("damping=1.5", "damping=1.5, friction=0.05"), encoding="utf-8"
+    )
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert "friction.coulomb is left out, friction 0.05 is no torque: its unit is not known: legs\n" in out
+    assert "no file states friction.coulomb" not in out and "no file states friction.viscous: legs\n" in out
 
 
 def test_a_misspelt_pattern(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -118,7 +118,7 @@ def test_unstated_is_unknown(tmp_path: Path) -> None:
     assert legs["effort_limit"] == "unknown"
     assert "velocity_limit" not in legs
     assert legs["overrides"] == {"knee": {"armature": "unknown"}}
-    assert found.draft.unknown["armature"] == ("legs (knee)",)
+    assert found.draft.unknown["armature", ""] == ("legs (knee)",)
 
 
 def test_some_joints_lack_a_figure(tmp_path: Path) -> None:
@@ -132,9 +132,9 @@ def test_some_joints_lack_a_figure(tmp_path: Path) -> None:
         ),
     )
     unknown = drafted(tmp_path, text).draft.unknown
-    assert unknown["kd"] == ("arms (elbow)",)
-    assert unknown["friction.coulomb"] == ("arms",)
-    assert "armature" not in unknown
+    assert unknown["kd", ""] == ("arms (elbow)",)
+    assert unknown["friction.coulomb", ""] == ("arms",)
+    assert ("armature", "") not in unknown
 
 
 def test_stated_by_class(tmp_path: Path) -> None:
@@ -415,7 +415,7 @@ def test_urdf(tmp_path: Path) -> None:
             "friction": {"coulomb": "unknown", "viscous": "unknown"},
         },
     }
-    assert found.draft.unknown["kp"] == ("shoulder", "elbow")
+    assert found.draft.unknown["kp", ""] == ("shoulder", "elbow")
     assert "timing" not in found.data
 
 
