@@ -333,7 +333,7 @@ def test_gains_that_cannot_be_read(folder: Path, capsys: pytest.CaptureFixture[s
     )
     assert main(["import", "robot.xml", "cfg.py", "-o", "spec.yaml"]) == 0
     said = capsys.readouterr()
-    assert "cfg.py:4:53: CFG001 [info] all.stiffness: not folded:" in said.err
+    assert "cfg.py:4:53: CFG001 [info] all.stiffness: not known without running it:" in said.err
     assert "cfg.py: group all: '(a+)+$' has a repeat" in said.out and "so it selects no joint" in said.out
     group = load_spec("spec.yaml").model.actuators["all"]
     assert group.command == "position" and group.kp is not None and group.kp.written == "unknown"
