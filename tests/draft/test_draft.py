@@ -132,8 +132,8 @@ def test_some_joints_lack_a_figure(tmp_path: Path) -> None:
         ),
     )
     unknown = drafted(tmp_path, text).draft.unknown
-    assert unknown["kd", ""] == ("arms (elbow)",)
-    assert unknown["friction.coulomb", ""] == ("arms",)
+    assert unknown["kd", ""] == ("arm (elbow)",)
+    assert unknown["friction.coulomb", ""] == ("arm",)
     assert ("armature", "") not in unknown
 
 

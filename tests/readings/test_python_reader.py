@@ -341,7 +341,10 @@ DOG_CFG = ArticulationCfg(
     reasons = [(note.where, note.message) for note in config.notes]
     assert reasons == [
         ("actuators", "not known without running it: ARM comes from my_lab, which is not beside this file"),
-        ("actuators.legs", "not known without running it: LEGS comes from my_lab, which is not beside this file"),
+        (
+            "actuators.legs",
+            "not known without running it: LEGS comes from my_lab, which is not beside this file",
+        ),
         ("tail", "not known without running it: names comes from my_lab, which is not beside this file"),
     ]
 
