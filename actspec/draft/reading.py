@@ -210,9 +210,13 @@ def _lifted(
     joints: Sequence[JointView | str] = ()
     if model is not None and model.robot is not None:
         joints = [j for j in model.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
-    renamed = ""
+    of, renamed, follow = "the robot" if model is None else one_line(os.path.basename(model.path)), "", {}
     if named is not None:
         joints, renamed = _named(artifacts, named, out)
+        # What only names the joints says nothing of who drives them: the configuration does, of its USD.
+        follow = {j.name: j.mimic for j in joints if not isinstance(j, str) and j.mimic is not None}
+        joints = [j if isinstance(j, str) else replace(j, mimic=None) for j in joints]
+        of = "--joints"
     elif model is None:
         _check_names(artifacts, out)
     for artifact in artifacts:
@@ -226,19 +230,16 @@ def _lifted(
             source = os.path.basename(named) if os.path.exists(named) else "the list"
             count = many(len(joints), "joint")
             said = f"the {kinds} of the {count} are from {one_line(source)} (--joints){renamed and ', '}{renamed}"
-            part = replace(part, notes={**part.notes, "": (said, *part.notes.get("", ()))})
+            notes = {**part.notes, "": (said, *part.notes.get("", ()))}
+            for joint in (j.joint for j in part.actuators.joints if j.joint in follow):
+                also = f"follows '{one_line(follow[joint])}' in {source} (mimic), and the configuration drives it too"
+                notes[joint] = (*notes.get(joint, ()), also)
+            part = replace(part, notes=notes)
         if config is not None:
             own = [
                 *(joint.joint for joint in part.actuators.joints),
                 *(item.joint for item in part.left_alone),
             ]
-            of = (
-                "--joints"
-                if named is not None
-                else "the robot"
-                if model is None
-                else one_line(os.path.basename(model.path))
-            )
             more = (*part.actuators.diagnostics, *_unmatched(config, names_of(joints) or beside or own, of))
             part = replace(part, actuators=replace(part.actuators, diagnostics=more))
         if model is not None and artifact is not model:

@@ -94,6 +94,22 @@ def test_a_misspelt_key(folder: Path, robot: tuple[str, ...], capsys: pytest.Cap
     assert f"kp: unknown    # {why}\n" in (folder / "leg.yaml").read_text("utf-8")
 
 
+def test_a_joint_that_follows_in_the_urdf(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As the Panda's second finger: what only names the joints does not take one from the configuration."""
+    urdf = URDF.replace(
+        "name='right_knee' type='prismatic'>", "name='right_knee' type='prismatic'><mimic joint='left_knee'/>"
+    )
+    (folder / "leg.urdf").write_text(urdf, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "leg.urdf", "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert (
+        "  right_knee: follows 'left_knee' in leg.urdf (mimic), and the configuration drives it too\n" in out
+    )
+    assert "unmanaged" not in out and load_spec("leg.yaml").model.actuators["knees"].joints == (".*_knee",)
+    assert main(["import", "leg_cfg.py", "leg.urdf"]) == 0
+    assert "  unmanaged, follows 'left_knee' (mimic): right_knee\n" in capsys.readouterr().err
+
+
 def test_friction_that_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A file states it; what it means depends on versions that nobody states."""
     (folder / "leg_cfg.py").write_text(

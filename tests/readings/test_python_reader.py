@@ -667,7 +667,8 @@ def test_legged_gym_without_its_base(tmp_path: Path) -> None:
     assert config.groups[0].cls == ""
     (note,) = config.notes
     assert note.message == (
-        "not known without running it: what it inherits: LeggedRobotCfg comes from legged_gym, which is not beside this file"
+        "not known without running it: what it inherits: LeggedRobotCfg comes from legged_gym, which is not beside "
+        "this file"
     )
 
 
