@@ -44,6 +44,7 @@ from actspec.robot.view import JointView
 _PART_ROOT = b"<mujocoinclude"
 _REFUSED = "MuJoCo refuses the model: "
 
+_PLUGIN = re.compile(r"\bplugin \S+ not found")
 _USD = re.compile(r"\.usd[acz]?$", re.IGNORECASE)
 
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
@@ -131,7 +132,7 @@ def _check(reading: FileReading, out: Collector) -> None:
                 "DRF006",
                 f"MuJoCo refuses the file, and so would a compile: {artifact.text_only.replace(_REFUSED, '', 1)}",
                 span=artifact.refused_at or place,
-                help=_instead(reading) or "correct it first; `actspec audit` reads it as it is",
+                help=_instead(reading) or f"{_mend(artifact.text_only)}; `actspec audit` reads it as it is",
             )
         elif artifact.is_part and (whole := including(reading.path)):
             out.warning(
@@ -141,6 +142,15 @@ def _check(reading: FileReading, out: Collector) -> None:
                 span=place,
                 help="import the whole model instead",
             )
+
+
+def _mend(reason: str) -> str:
+    """What to do with a file that MuJoCo refuses for a reason."""
+    if _PLUGIN.search(reason):
+        return (
+            "MuJoCo comes without that plugin: put its library into the folder `plugin` of the mujoco package"
+        )
+    return "correct it first"
 
 
 def _instead(reading: FileReading) -> str | None:

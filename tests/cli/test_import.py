@@ -140,6 +140,11 @@ def mjcf(joints: str) -> str:
         ({"a.xml": mjcf('<freejoint name="f"/>')}, "DRF001", "nothing"),
         ({"a.xml": "<mujoco><worldbody>"}, "ROBOT004", "a.xml:1"),
         ({"a.xml": "<mujoco><nonsense/></mujoco>"}, "DRF006", "MuJoCo refuses the file"),
+        (
+            {"a.xml": '<mujoco><extension><plugin plugin="acme.pid"/></extension></mujoco>'},
+            "DRF006",
+            "without that plugin",
+        ),
         ({"a.xml": "<svg/>"}, "DRF004", "neither an MJCF"),
         ({"a.xml": ""}, "ROBOT004", "no XML element"),
         (
@@ -156,8 +161,8 @@ def mjcf(joints: str) -> str:
         ({}, "DRF004", "there is no such file"),
     ],
     ids=[
-        "ball", "no names", "free", "not XML", "not MJCF", "another XML", "empty", "names twice", "URDF without joints",
-        "other Python", "broken Python", "broken spec", "other YAML", "binary", "not there",
+        "ball", "no names", "free", "not XML", "not MJCF", "plugin", "another XML", "empty", "names twice",
+        "URDF without joints", "other Python", "broken Python", "broken spec", "other YAML", "binary", "not there",
     ],
 )  # fmt: skip
 def test_nothing_to_import(
