@@ -320,8 +320,9 @@ def _told(found: Drafted, output: str | None, files: Sequence[str]) -> Iterator[
         yield f"  {listed(map(one_line, names), 4)}: {one_line(text)}" if names else f"  {one_line(text)}"
     for text in spec.inferred:
         yield f"  {one_line(text)}"
-    for field, lacking in spec.unknown.items():
-        yield f"  no file states {field}: {listed(lacking)}"
+    for (field, why), lacking in spec.unknown.items():
+        said = f"{field} is left out, {one_line(why)}" if why else f"no file states {field}"
+        yield f"  {said}: {listed(lacking)}"
     left_out: dict[str, list[str]] = {}
     for target in targets:
         if target.left_out:
@@ -335,7 +336,7 @@ def _told(found: Drafted, output: str | None, files: Sequence[str]) -> Iterator[
     if found.stops:
         yield f"  compile stops until that is mended: {found.stops}"
     if output is not None:
-        needed = [field for field in ("kp", "kd") if field in spec.unknown]
+        needed = [field for field in ("kp", "kd") if any(field == lacking for lacking, _ in spec.unknown)]
         yield f"next: check it{', state ' + ' and '.join(needed) if 'kp' in needed else ''}, then"
         canonical = any(target.remark.startswith(CANONICAL) for target in targets)
         yield from commands(output, "show", "compile --canonical" if canonical else "compile")

@@ -41,14 +41,15 @@ class DraftedSpec:
         text: The spec's YAML.
         robot: Name of the robot.
         groups: Name of each group to its number of joints.
-        unknown: Fields that no file states, to the groups that lack them, with the joints where it is not all.
+        unknown: Fields that no file states, and behind them why what one states is left out, to the groups that lack
+            them, with the joints where it is not all.
         inferred: What was taken, or may be taken, for one motor, and why; whose damping may be kd, or is.
     """
 
     text: str
     robot: str
     groups: Mapping[str, int]
-    unknown: Mapping[str, tuple[str, ...]]
+    unknown: Mapping[tuple[str, str], tuple[str, ...]]
     inferred: tuple[str, ...]
 
 
@@ -135,20 +136,24 @@ def _gears(groups: Sequence[DraftGroup]) -> Iterator[str]:
         yield from (f"{listed(names, 4)}: {why}" for names, why in cls.maybe)
 
 
-def _unknown(groups: Sequence[DraftGroup]) -> dict[str, tuple[str, ...]]:
-    """Fields that no file states, to the groups that lack them: `legs`, and `arms (elbow)` where it is some joints."""
-    found: dict[str, list[str]] = {}
+def _unknown(groups: Sequence[DraftGroup]) -> dict[tuple[str, str], tuple[str, ...]]:
+    """Fields that are unknown, each with why a number of a file is left out or "" where none states one.
+
+    To the groups that lack them: `legs`, and `arms (elbow)` where it is some joints.
+    """
+    found: dict[tuple[str, str], list[str]] = {}
     for group in groups:
-        lacking: dict[str, list[str]] = {}
+        lacking: dict[tuple[str, str], list[str]] = {}
         for cls in group.classes:
             for key, row in cls.rows.items():
                 # A delay has a row where a file states one, and a note of its own where its steps have no length.
                 if row.value == "unknown" and key != "delay":
-                    lacking.setdefault(key, []).extend(map(one_line, cls.names))
-        for key, names in lacking.items():
+                    why = row.hint if row.refused else ""
+                    lacking.setdefault((key, why), []).extend(map(one_line, cls.names))
+        for missing, names in lacking.items():
             some = f" ({listed(names, 4)})" if len(names) < len(group.names) else ""
-            found.setdefault(key, []).append(group.name + some)
-    return {key: tuple(lost) for key, lost in found.items()}
+            found.setdefault(missing, []).append(group.name + some)
+    return {missing: tuple(lost) for missing, lost in found.items()}
 
 
 def _nothing(combined: Combined) -> RobotError:
@@ -156,11 +161,11 @@ def _nothing(combined: Combined) -> RobotError:
     whole = including(combined.model.path) if combined.model is not None else None
     instead = f"it is a part of {whole}: import the whole model" if whole else ""
     if alone:
-        reasons = dict.fromkeys(f"{item.joint}: {item.why}" for item in alone)
+        reasons = [f"{why}: {listed(map(one_line, names), 4)}" for why, names in combined.reasons().items()]
         return _error(
             combined,
             "DRF002",
-            f"none of its {len(alone)} joints can go into a group: {listed(reasons, 4)}",
+            f"none of its {len(alone)} joints can go into a group: {'; '.join(reasons)}",
             instead
             or "a spec describes joints that are driven one by one; `actspec init` alone writes an example",
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from types import MappingProxyType
 
 from actspec.patterns import PatternError, covering_pattern, match_names
@@ -76,7 +77,7 @@ _PART_OF = {**{word: name for name, known in _BODY_PARTS for word in known}, **_
 _AMBIGUOUS = _words("middle index ring little")
 """Fingers, beside words of a hand."""
 _JOINED = re.compile(
-    f"(?:left|right|lower|upper|[lr])?({'|'.join(sorted(_PART_OF, key=len, reverse=True))})(?:r?([xyz]))?"
+    f"(?:left|right|lower|upper|[lrbf])?({'|'.join(sorted(_PART_OF, key=len, reverse=True))})(?:r?([xyz]))?"
 )
 """A side, a part and an axis without anything between them: `lhumerusrx`."""
 _SIDE_AT_END = re.compile(r"(?<=[a-z]{3})(?:left|right)$")
@@ -291,6 +292,7 @@ def group_name(
     choices = []
     if all(parts):
         choices = [_PLURALS.get(c, c) if len(joints) > 1 else c for c in _common(parts)] + [*_mixed(parts)]
+        choices = ["arm" if c == "arms" and _is_one_arm(joints, above) else c for c in choices]
     choices = [side + choice for choice in choices]
     known = any(word in _PART_OF for words in parts for word in words)
     row = len(joints) > 1 and len({re.sub(r"[0-9]+", "0", name) for name in joints}) == 1
@@ -309,6 +311,16 @@ def group_name(
     while f"{choices[0]}_{number}" in used:
         number += 1
     return f"{choices[0]}_{number}"
+
+
+def _is_one_arm(joints: Sequence[str], above: Mapping[str, frozenset[str]]) -> bool:
+    """Whether joints are one chain; where no file says so, whether nothing in their names counts or takes sides."""
+    if above:
+        chain = sorted(joints, key=lambda name: len(above.get(name, ())))
+        return all(before in above.get(name, ()) for before, name in pairwise(chain))
+    names = [re.sub(r"[0-9]+", "", name) for name in joints]
+    words = [word for name in names for word in _tokens(name)]
+    return len({*names}) == len(names) and all(w not in _SIDES and _sideless(w) == [w] for w in words)
 
 
 def _own_side(joints: Sequence[str], parts: Sequence[list[str]], every: Iterable[str]) -> str:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from actspec.audit.rules.dict_keys import meant_for
 from actspec.diagnostics import (
     AuditError,
     Collector,
@@ -30,8 +31,10 @@ from actspec.readings.artifact import (
     FileReading,
     Framework,
     RobotConfig,
+    Setting,
     without_comments,
 )
+from actspec.readings.config import lost_keys
 from actspec.readings.joint_lists import fitting, joint_lists, names_of, other_endings
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
@@ -41,6 +44,7 @@ from actspec.robot.view import JointView
 _PART_ROOT = b"<mujocoinclude"
 _REFUSED = "MuJoCo refuses the model: "
 
+_PLUGIN = re.compile(r"\bplugin \S+ not found")
 _USD = re.compile(r"\.usd[acz]?$", re.IGNORECASE)
 
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
@@ -128,7 +132,7 @@ def _check(reading: FileReading, out: Collector) -> None:
                 "DRF006",
                 f"MuJoCo refuses the file, and so would a compile: {artifact.text_only.replace(_REFUSED, '', 1)}",
                 span=artifact.refused_at or place,
-                help=_instead(reading) or "correct it first; `actspec audit` reads it as it is",
+                help=_instead(reading) or f"{_mend(artifact.text_only)}; `actspec audit` reads it as it is",
             )
         elif artifact.is_part and (whole := including(reading.path)):
             out.warning(
@@ -138,6 +142,15 @@ def _check(reading: FileReading, out: Collector) -> None:
                 span=place,
                 help="import the whole model instead",
             )
+
+
+def _mend(reason: str) -> str:
+    """What to do with a file that MuJoCo refuses for a reason."""
+    if _PLUGIN.search(reason):
+        return (
+            "MuJoCo comes without that plugin: put its library into the folder `plugin` of the mujoco package"
+        )
+    return "correct it first"
 
 
 def _instead(reading: FileReading) -> str | None:
@@ -207,9 +220,13 @@ def _lifted(
     joints: Sequence[JointView | str] = ()
     if model is not None and model.robot is not None:
         joints = [j for j in model.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
-    renamed = ""
+    of, renamed, follow = "the robot" if model is None else one_line(os.path.basename(model.path)), "", {}
     if named is not None:
         joints, renamed = _named(artifacts, named, out)
+        # What only names the joints says nothing of who drives them: the configuration does, of its USD.
+        follow = {j.name: j.mimic for j in joints if not isinstance(j, str) and j.mimic is not None}
+        joints = [j if isinstance(j, str) else replace(j, mimic=None) for j in joints]
+        of = "--joints"
     elif model is None:
         _check_names(artifacts, out)
     for artifact in artifacts:
@@ -223,9 +240,17 @@ def _lifted(
             source = os.path.basename(named) if os.path.exists(named) else "the list"
             count = many(len(joints), "joint")
             said = f"the {kinds} of the {count} are from {one_line(source)} (--joints){renamed and ', '}{renamed}"
-            part = replace(part, notes={**part.notes, "": (said, *part.notes.get("", ()))})
-            lost = _unmatched(config, names_of(joints))
-            more = (*part.actuators.diagnostics, *lost)
+            notes = {**part.notes, "": (said, *part.notes.get("", ()))}
+            for joint in (j.joint for j in part.actuators.joints if j.joint in follow):
+                also = f"follows '{one_line(follow[joint])}' in {source} (mimic), and the configuration drives it too"
+                notes[joint] = (*notes.get(joint, ()), also)
+            part = replace(part, notes=notes)
+        if config is not None:
+            own = [
+                *(joint.joint for joint in part.actuators.joints),
+                *(item.joint for item in part.left_alone),
+            ]
+            more = (*part.actuators.diagnostics, *_unmatched(config, names_of(joints) or beside or own, of))
             part = replace(part, actuators=replace(part.actuators, diagnostics=more))
         if model is not None and artifact is not model:
             _check_joints(artifact, part, model, joints, out)
@@ -289,19 +314,48 @@ def _named(
     return joints, renamed
 
 
-def _unmatched(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
-    """Patterns that select none of the joints that were named, which the framework refuses: names are missing."""
-    if config.framework not in (Framework.ISAACLAB, Framework.MJLAB):
+def _unmatched(config: RobotConfig, joints: Sequence[str], of: str) -> Iterator[Diagnostic]:
+    """Patterns and keys that select no joint, for which the framework refuses the configuration: each once.
+
+    Args:
+        config: The configuration.
+        joints: The robot's.
+        of: What names them, in words.
+    """
+    framework = config.framework
+    if framework not in (Framework.ISAACLAB, Framework.MJLAB):
         return
-    settings = [*config.settings.values(), *(s for group in config.groups for s in group.settings.values())]
-    keys = [key for setting in settings if isinstance(setting.value, Mapping) for key in setting.value]
-    every = dict.fromkeys([*_patterns(config), *keys])
-    lost = [f"`{one_line(key)}`" for key in every if not matching(config.framework, key, joints)]
-    if lost:
-        select = "select none" if len(lost) > 1 else "selects none"
-        message = f"{listed(lost)} of {one_line(config.name)} {select} of the {many(len(joints), 'joint')} of --joints"
-        help = "are names missing? A pattern that selects nothing is refused when the robot is made"
-        yield Diagnostic("DRF012", Severity.WARNING, message, "", config.span, help)
+    taken = {name for pattern in _patterns(config) for name in matching(framework, pattern, joints)}
+    free = [name for name in joints if name not in taken]
+    none = f"none of the {many(len(joints), 'joint')} of {of}"
+    lost: list[tuple[Span, str, str, list[str]]] = []
+    for group in config.groups:
+        patterns = [pattern for pattern in group.joints or () if not matching(framework, pattern, joints)]
+        lost.append((group.span, f"of {one_line(config.name)}", none, patterns))
+        for name, setting in group.settings.items():
+            keys = lost_keys(config, group, setting, joints)
+            # Where a pattern is misspelt, its keys are right.
+            keys = [key for key in keys if not (patterns and matching(framework, key, free))]
+            lost.append((setting.span, f"of {name}", f"no joint of group {one_line(group.name)}", keys))
+    for name, setting in config.settings.items():
+        keys = [key for key in _keys(setting) if not matching(framework, key, joints)]
+        lost.append((setting.span, f"of {name}", none, keys))
+    told = set[str]()
+    for span, owner, instead, keys in lost:
+        new = [key for key in dict.fromkeys(keys) if key not in told]
+        told.update(new)
+        if new:
+            near = meant_for(new[0], joints, free)
+            guess = f"did you mean `{one_line(near)}`?" if near else "is it misspelt, or are joints missing?"
+            names = listed(f"`{one_line(key)}`" for key in new)
+            message = f"{names} {owner} select{'s' * (len(new) == 1)} {instead}"
+            help = f"{guess} {one_line(config.name)} is refused for it when the robot is made"
+            yield Diagnostic("DRF012", Severity.WARNING, message, "", span, help)
+
+
+def _keys(setting: Setting) -> Sequence[str]:
+    """Keys of values by joint; none of any other value."""
+    return tuple(setting.value) if isinstance(setting.value, Mapping) else ()
 
 
 def _patterns(config: RobotConfig) -> Iterator[str]:

@@ -51,12 +51,14 @@ class Row:
         hint: Remark beside it.
         lost: What other files say.
         spans: Where the value is written.
+        refused: Whether a file states it, and what it states is of no use.
     """
 
     value: str
     hint: str = ""
     lost: tuple[Lost, ...] = ()
     spans: tuple[Span, ...] = ()
+    refused: bool = False
 
 
 def rows_of(joint: JointActuator, kinds: Sequence[FileKind], *, speeds: bool) -> dict[str, Row]:
@@ -214,7 +216,10 @@ def lost_of(quantity: Quantity) -> tuple[Lost, ...]:
 def _row(quantity: Quantity, hint: str = "", value: str | None = None) -> Row:
     """The line of a quantity, which stands there itself where there is no other value."""
     text = sourced(quantity) if value is None else value
-    return Row(text, hint, lost_of(quantity), _places(quantity))
+    refused = (
+        value == "unknown" and quantity.span is not None and (quantity.value is None or stated(quantity))
+    )
+    return Row(text, hint, lost_of(quantity), _places(quantity), refused)
 
 
 def _places(quantity: Quantity) -> tuple[Span, ...]:

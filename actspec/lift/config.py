@@ -103,7 +103,8 @@ def lift_config(
         beside = f" (the configuration reads {one_line(asset)}: name it too)" if asset else ""
         whole.append(
             f"no robot file states the kinds of the joints: all are taken as hinges{beside}; a joint that slides is "
-            "{name: NAME, kind: slide} in robot.joints of the spec"
+            "{name: NAME, kind: slide} in robot.joints of the spec, with a group of its own: --joints with the robot's "
+            "URDF does both"
         )
     if whole:
         notes[""] = whole

@@ -173,7 +173,13 @@ class ConfigJoint:
                 command = Command.VELOCITY if self._control == "velocity" else Command.EFFORT
             elif kp.value == 0.0 and self._control != "network":
                 command = Command.EFFORT if kd.value == 0.0 else Command.VELOCITY
-                self.notes.append(f"stiffness 0: the command is {_ARTICLE[command]}")
+                zero = self._figures["kp"]
+                why = (
+                    "stiffness 0"
+                    if zero.stated
+                    else "no key of stiffness is for it, which is 0 in Isaac Lab 2.x"
+                )
+                self.notes.append(f"{why}: the command is {_ARTICLE[command]}")
         return (
             kp if command is Command.POSITION else None,
             None if command is Command.EFFORT else kd,

@@ -13,6 +13,8 @@ from actspec.readings.joint import JointReading
 from actspec.robot.view import ActuatorView, RobotView
 from actspec.robot.xml_tree import Element, XmlDocument
 
+_SERVO = "a position servo with gain"
+
 
 @dataclass(frozen=True, slots=True)
 class Held:
@@ -65,9 +67,11 @@ def unsupported(robot: RobotView, reading: JointReading, held: Held) -> LeftAlon
             return LeftAlone(name, f"its {figure} is {value:g}", joint.places.get(figure, span))
     if reading.drives:
         why = _unsupported_drives(reading)
-        return None if why is None else LeftAlone(name, why, reading.drives[0].view.span)
+        kind = "position servos whose gain is not their stiffness" if why and why.startswith(_SERVO) else ""
+        return None if why is None else LeftAlone(name, why, reading.drives[0].view.span, kind=kind)
     if name in held.pulled:
-        return LeftAlone(name, f"driven through the tendon '{one_line(held.pulled[name])}'", span)
+        why = f"driven through the tendon '{one_line(held.pulled[name])}'"
+        return LeftAlone(name, why, span, kind="driven through tendons")
     if name in held.coupled:
         leader = held.coupled[name]
         why = f"follows '{one_line(leader)}' (equality)" if leader else "held by an equality"
@@ -110,7 +114,7 @@ def _unsupported_drive(actuator: ActuatorView) -> str | None:
             return "a position servo whose stiffness is not known from the text alone"
         before_gear = actuator.kp / actuator.gear**2
         if actuator.kp <= 0.0 or abs(actuator.gain - before_gear) > EXACT * abs(before_gear):
-            return f"a position servo with gain {actuator.gain:g} and stiffness {before_gear:g}"
+            return f"{_SERVO} {actuator.gain:g} and stiffness {before_gear:g}"
     elif kind == "motor":
         if actuator.kd != 0.0 or actuator.offset != 0.0 or {"kd", "gain"} & actuator.unknown:
             return "a motor with a velocity term or a constant force"

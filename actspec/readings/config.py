@@ -116,6 +116,15 @@ def selected(config: RobotConfig, group: ActuatorGroup, named: Sequence[str] | N
     return list(found.items())
 
 
+def lost_keys(
+    config: RobotConfig, group: ActuatorGroup, setting: Setting, named: Sequence[str] | None
+) -> list[str]:
+    """Keys of a dict that select none of the group's joints, for which Isaac Lab and mjlab refuse it."""
+    joints = [joint for joint, _ in selected(config, group, named)]
+    keys = setting.value if isinstance(setting.value, Mapping) else ()
+    return [key for key in keys if not matching(config.framework, key, joints)]
+
+
 def models_of(config: RobotConfig, partners: Sequence[Artifact]) -> list[Artifact]:
     """The robot files among partners, the one first that a configuration is for.
 
@@ -258,9 +267,16 @@ def figures_of(
             if setting is None or (setting.value is None and setting.unknown is None):
                 continue
             found = value_of(config.framework, setting, joint, pattern, named)
-            if found is not None:
-                values[field] = found
-                return
+            if found is None:
+                continue
+            lost = (
+                () if found.stated or name not in group.settings else lost_keys(config, group, setting, named)
+            )
+            if lost and config.framework is Framework.ISAACLAB:
+                why = f"no key of {name} is for the joint, and '{lost[0]}' for none, which Isaac Lab refuses"
+                found = Found(None, setting.span, False, why)
+            values[field] = found
+            return
 
     for field, name in _FIELDS[config.framework].items():
         take(field, name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -170,7 +171,7 @@ def summary(
     found = counted(groups)
     if report.findings and not groups:
         found = "no errors" if told else "no errors or warnings"
-    yield f"{found} in {counted_files(report)}" + "".join(f"; {text}" for text in notes)
+    yield f"{found} in {files_counted(report)}" + "".join(f"; {text}" for text in notes)
 
 
 def aside(report: Report) -> Iterator[str]:
@@ -183,7 +184,7 @@ def aside(report: Report) -> Iterator[str]:
         yield f"{left} left out by exclude"
 
 
-def counted_files(report: Report) -> str:
+def files_counted(report: Report) -> str:
     """How many files were there, and how many of them could not be read: `3 files, 1 of which could not be read`."""
     there = [file for file in report.case.files if not file.names_nothing]
     unread = sum(not file.readable for file in there)
@@ -195,8 +196,12 @@ def counted_files(report: Report) -> str:
     return f"{text}, none of which could be read" if unread > 1 else f"{text}, which could not be read"
 
 
+_OF_PATTERNS = re.compile(r"[*+?\[({|\\^$]")
+"""What no joint's name has, and a pattern in its place does."""
+
+
 def counted(groups: Iterable[FindingGroup]) -> str:
-    """`2 errors, 1 warning affecting 13 joints`; `no findings`.
+    """`2 errors, 1 warning affecting 13 joints`; of a configuration whose joints nobody names, `2 patterns of joints`.
 
     Args:
         groups: The findings as they are shown: what is equal for many joints counts once.
@@ -208,7 +213,10 @@ def counted(groups: Iterable[FindingGroup]) -> str:
         for item in (*group.members, *group.alike):
             joints.update((item.finding.joint,) if item.finding.joint else item.finding.joints)
     parts = [many(counts[severity], NOUNS[severity]) for severity in reversed(SEVERITIES) if counts[severity]]
-    affected = f" affecting {many(len(joints), 'joint')}" if joints else ""
+    patterns = sum(bool(_OF_PATTERNS.search(joint)) for joint in joints)
+    counts_of = [many(len(joints) - patterns, "joint")] if len(joints) > patterns else []
+    counts_of += [f"{many(patterns, 'pattern')} of joints"] if patterns else []
+    affected = f" affecting {' and '.join(counts_of)}" if joints else ""
     return ", ".join(parts) + affected if parts else "no findings"
 
 

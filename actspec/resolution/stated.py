@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 FIELDS = tuple(name for name in Tunable.model_fields if name != "friction")
 """What a group states of its joints; its friction by part."""
 
-UNITS_OF_JOINTS = "a hinge is in rad and N*m, a slide in m and N"
+UNITS_OF_JOINTS = "a hinge is in rad and N*m, a slide in m and N; each kind has a group of its own"
 """What to write where a unit does not fit the joint."""
 
 

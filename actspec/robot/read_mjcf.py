@@ -108,7 +108,7 @@ def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, pose
     main = Span(document.files[0].path)
     out = Collector()
     for text in compiled.said:
-        out.warning("ROBOT112", f"MuJoCo warns: {text}", span=main)
+        out.warning("ROBOT112", f"MuJoCo warns: {'; '.join(text.splitlines())}", span=main)
     report_behind(document, out)
     written = read_elements(document)
     masses, reason = known_inertia(model, compiled.meshes, poses) if inertia else (None, "not asked for")

@@ -578,6 +578,19 @@ def test_a_rule_that_speaks_in_notes_of_a_folder(files: list[str], severity: str
         }
 
 
+@pytest.mark.parametrize(("named", "severity"), [("r/dog.py", "error"), ("r", "info")])
+def test_a_key_that_no_joint_of_its_group_can_have(named: str, severity: str) -> None:
+    """Without a model it is said aloud of a file that is named alone: the keys of a stranger's are his own affair."""
+    Path("r/dog.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        "from isaaclab.assets import ArticulationCfg\n"
+        'LEGS = ImplicitActuatorCfg(joint_names_expr=["knee"], stiffness={"kene": 20.0}, damping=1.0)\n'
+        'DOG_CFG = ArticulationCfg(actuators={"legs": LEGS})\n'
+    )
+    found = audit([named], Settings(select=("ORD104", "CFG101"))).findings
+    assert [(item.finding.code, item.severity.value) for item in found] == [("ORD104", severity)]
+
+
 @pytest.mark.parametrize(
     ("named", "damping", "severity"),
     [("r/dog.xml", 2, "warning"), ("r", 2, "info"), ("r/dog.xml", 3, "info")],

@@ -43,6 +43,7 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         ("franka", "", "joint7", 12.0),
         ("kuka_iiwa14", "", "joint_3", 176.0),
         ("ur3e", "", "wrist_3_joint", 12.0),
+        ("kinova_jaco_6_2", "", "joint_2", 80.0),
         ("unitree_b2", "", "FL_calf_joint", 320.0),
         ("mini_cheetah", "", "FR_hip_joint", 18.0),
     ],
@@ -51,6 +52,13 @@ def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: floa
     """Published figures, by hand."""
     (known,) = [known for known in known_robots() if known.name == robot]
     assert known.variants[variant][joint].effort == effort
+
+
+def test_both_figures_of_a_maker() -> None:
+    """A UR10e's wrist has 56 N*m in the description of 2020, and 54 in the later one."""
+    (known,) = [known for known in known_robots() if known.name == "ur10e"]
+    wrist = known.variants[""]["wrist_2_joint"]
+    assert {wrist.effort, *wrist.also} == {54.0, 56.0}
 
 
 def test_every_revision_has_all_joints() -> None:
@@ -111,3 +119,18 @@ def test_legs_of_a_known_robot(
     assert {item.finding.joint for item in said} == (
         {"left_knee_joint", "right_knee_joint"} if found else set()
     )
+
+
+def test_a_jaco_of_two_fingers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It has another count of joints than the one of three. 2000 / 2 is 1000, and no 1e+03."""
+    monkeypatch.chdir(tmp_path)
+    names = (*(f"joint_{n}" for n in range(1, 7)), "joint_finger_1", "joint_finger_2")
+    joints = "".join(
+        f'<link name="{name}_link"/><joint name="j2n6s200_{name}" type="revolute"><parent link="base"/>'
+        f'<child link="{name}_link"/><limit lower="-1" upper="1" effort="{limit}" velocity="9"/></joint>'
+        for name, limit in zip(names, (40, 80, 40, 20, 20, 20, 2000, 2000), strict=True)
+    )
+    Path("j2n6s200.urdf").write_text(f'<robot name="arm"><link name="base"/>{joints}</robot>')
+    found = audit(["j2n6s200.urdf"], Settings(select=("KNW101",))).findings
+    message = "the limit of 2000 N*m is 1000 times what is published for kinova_jaco_6_2: 2 N*m"
+    assert {item.finding.message for item in found} == {message} and len(found) == 2

@@ -140,6 +140,11 @@ def mjcf(joints: str) -> str:
         ({"a.xml": mjcf('<freejoint name="f"/>')}, "DRF001", "nothing"),
         ({"a.xml": "<mujoco><worldbody>"}, "ROBOT004", "a.xml:1"),
         ({"a.xml": "<mujoco><nonsense/></mujoco>"}, "DRF006", "MuJoCo refuses the file"),
+        (
+            {"a.xml": '<mujoco><extension><plugin plugin="acme.pid"/></extension></mujoco>'},
+            "DRF006",
+            "without that plugin",
+        ),
         ({"a.xml": "<svg/>"}, "DRF004", "neither an MJCF"),
         ({"a.xml": ""}, "ROBOT004", "no XML element"),
         (
@@ -156,8 +161,8 @@ def mjcf(joints: str) -> str:
         ({}, "DRF004", "there is no such file"),
     ],
     ids=[
-        "ball", "no names", "free", "not XML", "not MJCF", "another XML", "empty", "names twice", "URDF without joints",
-        "other Python", "broken Python", "broken spec", "other YAML", "binary", "not there",
+        "ball", "no names", "free", "not XML", "not MJCF", "plugin", "another XML", "empty", "names twice",
+        "URDF without joints", "other Python", "broken Python", "broken spec", "other YAML", "binary", "not there",
     ],
 )  # fmt: skip
 def test_nothing_to_import(
@@ -333,7 +338,7 @@ def test_gains_that_cannot_be_read(folder: Path, capsys: pytest.CaptureFixture[s
     )
     assert main(["import", "robot.xml", "cfg.py", "-o", "spec.yaml"]) == 0
     said = capsys.readouterr()
-    assert "cfg.py:4:53: CFG001 [info] all.stiffness: not folded:" in said.err
+    assert "cfg.py:4:53: CFG001 [info] all.stiffness: not known without running it:" in said.err
     assert "cfg.py: group all: '(a+)+$' has a repeat" in said.out and "so it selects no joint" in said.out
     group = load_spec("spec.yaml").model.actuators["all"]
     assert group.command == "position" and group.kp is not None and group.kp.written == "unknown"

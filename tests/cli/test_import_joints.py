@@ -60,7 +60,7 @@ def test_names_are_missing(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert main(["import", "leg_cfg.py", "--joints", "left_hip,right_hip", "-o", "leg.yaml"]) == 0
     out, err = capsys.readouterr()
     assert (
-        "leg_cfg.py:5:1: DRF012 [warning]: `.*_knee` of LEG_CFG selects none of the 2 joints of --joints\n"
+        "leg_cfg.py:8:17: DRF012 [warning]: `.*_knee` of LEG_CFG selects none of the 2 joints of --joints\n"
         in err
     )
     why = "it is written into the robot's URDF, and none is named"
@@ -75,6 +75,61 @@ def test_names_are_missing(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
     capsys.readouterr()
     assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES)]) == 0
     assert "DRF012" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("robot", [("leg.urdf",), ()])
+def test_a_misspelt_key(folder: Path, robot: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    """The gain that it was meant for is not known: 0, as where nothing is refused, would be a joint that hangs."""
+    (folder / "leg.urdf").write_text(URDF, encoding="utf-8")
+    cfg = CFG.replace(".*_hip", "left_hip").replace(".*_knee", "left_knee")
+    (folder / "leg_cfg.py").write_text(cfg.replace('"left_knee": 50', '"left_kneee": 50'), encoding="utf-8")
+    assert main(["import", "leg_cfg.py", *robot, "-o", "leg.yaml"]) == 0
+    out, err = capsys.readouterr()
+    assert (
+        "leg_cfg.py:9:86: DRF012 [warning]: `left_kneee` of stiffness selects no joint of group legs\n" in err
+    )
+    assert "help: did you mean `left_knee`?" in err
+    why = "no key of stiffness is for the joint, and 'left_kneee' for none, which Isaac Lab refuses"
+    assert f"kp is left out, {why}: " in out and "no file states kp" not in out and "command is" not in out
+    assert f"kp: unknown    # {why}\n" in (folder / "leg.yaml").read_text("utf-8")
+
+
+def test_a_joint_that_follows_in_the_urdf(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As the Panda's second finger: what only names the joints does not take one from the configuration."""
+    urdf = URDF.replace(
+        "name='right_knee' type='prismatic'>", "name='right_knee' type='prismatic'><mimic joint='left_knee'/>"
+    )
+    (folder / "leg.urdf").write_text(urdf, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "leg.urdf", "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert (
+        "  right_knee: follows 'left_knee' in leg.urdf (mimic), and the configuration drives it too\n" in out
+    )
+    assert "unmanaged" not in out and load_spec("leg.yaml").model.actuators["knees"].joints == (".*_knee",)
+    assert main(["import", "leg_cfg.py", "leg.urdf"]) == 0
+    assert "  unmanaged, follows 'left_knee' (mimic): right_knee\n" in capsys.readouterr().err
+
+
+def test_friction_that_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file states it; what it means depends on versions that nobody states."""
+    (folder / "leg_cfg.py").write_text(
+        CFG.replace("damping=1.5", "damping=1.5, friction=0.05"), encoding="utf-8"
+    )
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert "friction.coulomb is left out, friction 0.05 is no torque: its unit is not known: legs\n" in out
+    assert "no file states friction.coulomb" not in out and "no file states friction.viscous: legs\n" in out
+
+
+def test_a_misspelt_pattern(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its keys are right, and told with it."""
+    (folder / "leg.urdf").write_text(URDF, encoding="utf-8")
+    (folder / "leg_cfg.py").write_text(CFG.replace('_expr=[".*_hip"', '_expr=[".*_hpi"'), encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "leg.urdf"]) == 0
+    err = capsys.readouterr().err
+    assert (
+        "`.*_hpi` of LEG_CFG selects none of the 4 joints of leg.urdf\n" in err and err.count("DRF012") == 1
+    )
 
 
 WITHOUT_KNEES = CFG.replace("effort_limit=24.0", 'effort_limit={".*_hip": 24.0}').replace(

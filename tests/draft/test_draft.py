@@ -118,7 +118,7 @@ def test_unstated_is_unknown(tmp_path: Path) -> None:
     assert legs["effort_limit"] == "unknown"
     assert "velocity_limit" not in legs
     assert legs["overrides"] == {"knee": {"armature": "unknown"}}
-    assert found.draft.unknown["armature"] == ("legs (knee)",)
+    assert found.draft.unknown["armature", ""] == ("legs (knee)",)
 
 
 def test_some_joints_lack_a_figure(tmp_path: Path) -> None:
@@ -132,9 +132,9 @@ def test_some_joints_lack_a_figure(tmp_path: Path) -> None:
         ),
     )
     unknown = drafted(tmp_path, text).draft.unknown
-    assert unknown["kd"] == ("arms (elbow)",)
-    assert unknown["friction.coulomb"] == ("arms",)
-    assert "armature" not in unknown
+    assert unknown["kd", ""] == ("arm (elbow)",)
+    assert unknown["friction.coulomb", ""] == ("arm",)
+    assert ("armature", "") not in unknown
 
 
 def test_stated_by_class(tmp_path: Path) -> None:
@@ -338,6 +338,27 @@ def test_nothing_to_draft(tmp_path: Path, joints: str, actuators: str, code: str
     assert item.span is not None and item.span.path.endswith("robot.xml")
 
 
+def test_every_reason_with_its_joints(tmp_path: Path) -> None:
+    """Tendons and servos of many names and gains are two reasons, however many joints have them."""
+    joints = "".join(f'<joint name="{name}"/>' for name in ("a", "b", "c", "d"))
+    actuators = (
+        '<general joint="a" biastype="affine" gainprm="2" biasprm="0 -3"/>'
+        '<general joint="b" biastype="affine" gainprm="5" biasprm="0 -3"/>'
+        '<motor tendon="t"/><motor tendon="u"/>'
+    )
+    tendons = (
+        '<tendon><fixed name="t"><joint joint="c" coef="1"/></fixed>'
+        '<fixed name="u"><joint joint="d" coef="1"/></fixed></tendon>'
+    )
+    with pytest.raises(RobotError) as caught:
+        drafted(tmp_path, mjcf(joints, actuators).replace("<actuator>", f"{tendons}<actuator>"))
+    (item,) = caught.value.diagnostics
+    assert item.message == (
+        "none of its 4 joints can go into a group: position servos whose gain is not their stiffness: a, b; "
+        "driven through tendons: c, d"
+    )
+
+
 # --- bare models ----------------------------------------------------------------------------------
 
 
@@ -394,7 +415,7 @@ def test_urdf(tmp_path: Path) -> None:
             "friction": {"coulomb": "unknown", "viscous": "unknown"},
         },
     }
-    assert found.draft.unknown["kp"] == ("shoulder", "elbow")
+    assert found.draft.unknown["kp", ""] == ("shoulder", "elbow")
     assert "timing" not in found.data
 
 

@@ -506,7 +506,8 @@ def test_deploy_names_its_joints(tmp_path: Path) -> None:
     assert (hip.effort_limit.origin, hip.kind) == (Origin.UNKNOWN, JointKind.HINGE)
     assert found.notes[""] == (
         "no robot file states the kinds of the joints: all are taken as hinges; a joint that slides is "
-        "{name: NAME, kind: slide} in robot.joints of the spec",
+        "{name: NAME, kind: slide} in robot.joints of the spec, with a group of its own: --joints with the robot's "
+        "URDF does both",
     )
 
 

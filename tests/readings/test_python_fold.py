@@ -195,17 +195,17 @@ UNKNOWN = {
     "unknown test": (
         "import os\nif os.environ.get('A'):\n  K = 1\nelse:\n  K = 2",
         "K",
-        "depends on a test that is not folded: calls get(): get comes from os, which is not beside this file",
+        "depends on a condition: calls get(): get comes from os, which is not beside this file",
     ),
     "one branch": (
         "import os\nK = 1\nif os.environ.get('A'):\n  K = 2",
         "K",
-        "depends on a test that is not folded: calls get(): get comes from os, which is not beside this file",
+        "depends on a condition: calls get(): get comes from os, which is not beside this file",
     ),
     "only in one branch": (
         "import os\nif os.name:\n    K = 2",
         "K",
-        "depends on a test that is not folded: name comes from os, which is not beside this file",
+        "depends on a condition: name comes from os, which is not beside this file",
     ),
     "unknown index": (
         "import os\nA = {'a': 1}",
@@ -218,7 +218,7 @@ UNKNOWN = {
     "maybe returned": (
         "import os\ndef f():\n  if os.name:\n    return 1\n  return 2",
         "f()",
-        "depends on a test that is not folded: name comes from os, which is not beside this file",
+        "depends on a condition: name comes from os, which is not beside this file",
     ),
     "other decorator": ("import x\n@x.y\ndef f():\n  return 1", "f()", "f() is decorated by y"),
     "generator": ("def f():\n  yield 1", "f()", "f() is a generator"),

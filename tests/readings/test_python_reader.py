@@ -270,7 +270,7 @@ def test_isaaclab_environment(tmp_path: Path) -> None:
     (note,) = base.notes
     assert str(note) == (
         f"{tmp_path / 'cfg.py'}:11:13: CFG001 [info] robot: "
-        "not folded: DOG_CFG comes from isaaclab_assets, which is not beside this file"
+        "not known without running it: DOG_CFG comes from isaaclab_assets, which is not beside this file"
     )
 
 
@@ -298,7 +298,7 @@ CHANGED = {
     "unknown switch": (
         "import os\nif os.environ:\n    DOG_CFG.actuators['legs'].stiffness = 7.0\n",
         {
-            "stiffness": "? depends on a test that is not folded: environ comes from os, which is not beside this file",
+            "stiffness": "? depends on a condition: environ comes from os, which is not beside this file",
             "damping": 1.0,
         },
     ),
@@ -340,9 +340,12 @@ DOG_CFG = ArticulationCfg(
     assert (tail.name, tail.joints) == ("tail", None)
     reasons = [(note.where, note.message) for note in config.notes]
     assert reasons == [
-        ("actuators", "not folded: ARM comes from my_lab, which is not beside this file"),
-        ("actuators.legs", "not folded: LEGS comes from my_lab, which is not beside this file"),
-        ("tail", "not folded: names comes from my_lab, which is not beside this file"),
+        ("actuators", "not known without running it: ARM comes from my_lab, which is not beside this file"),
+        (
+            "actuators.legs",
+            "not known without running it: LEGS comes from my_lab, which is not beside this file",
+        ),
+        ("tail", "not known without running it: names comes from my_lab, which is not beside this file"),
     ]
 
 
@@ -664,7 +667,8 @@ def test_legged_gym_without_its_base(tmp_path: Path) -> None:
     assert config.groups[0].cls == ""
     (note,) = config.notes
     assert note.message == (
-        "not folded: what it inherits: LeggedRobotCfg comes from legged_gym, which is not beside this file"
+        "not known without running it: what it inherits: LeggedRobotCfg comes from legged_gym, which is not beside "
+        "this file"
     )
 
 
@@ -698,6 +702,6 @@ EVENTS = {
         RandomizedRange("encoder_bias", "add", -0.1, 0.2, None, config.randomize[0].span, "uniform"),
     )
     assert [(note.where, note.message) for note in config.notes] == [
-        ("kp", "not folded: KP comes from my_lab, which is not beside this file"),
-        ("kd", "not folded: a range is two numbers"),
+        ("kp", "not known without running it: KP comes from my_lab, which is not beside this file"),
+        ("kd", "not known without running it: a range is two numbers"),
     ]

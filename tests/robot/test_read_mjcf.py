@@ -660,6 +660,21 @@ def test_engine_is_quiet(capfd: pytest.CaptureFixture[str]) -> None:
     assert os.listdir() == ["m.xml"]
 
 
+def test_what_the_engine_says_in_lines_is_one() -> None:
+    """MuJoCo tells each setting on which an attached model differs in a line of its own."""
+    body = '<body name="b"><joint name="j"/><geom size="0.1"/></body>'
+    Path("part.xml").write_text(
+        f'<mujoco><size njmax="500" nconmax="500"/><worldbody>{body}</worldbody></mujoco>'
+    )
+    view = read(
+        '<mujoco><asset><model name="p" file="part.xml"/></asset><worldbody><frame>'
+        '<attach model="p" body="b" prefix="p_"/></frame></worldbody></mujoco>'
+    )
+    said = [d.message for d in view.diagnostics if d.code == "ROBOT112"]
+    assert not any("\n" in text for text in said)
+    assert not said or "; nconmax: " in said[0]
+
+
 def test_quiet_collects_what_the_engine_would_log() -> None:
     """A warning of a step goes to the list, not to MUJOCO_LOG.TXT; the user's handler is put back."""
     model = mujoco.MjModel.from_xml_string(one_joint('<joint name="j"/>'))

@@ -7,9 +7,10 @@ from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import Group, groups_of, names_model
+from actspec.audit.rules.dict_keys import dead_keys, may_match, meant_for
 from actspec.diagnostics import shortened
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.pair import joint_names, matching
+from actspec.readings.pair import joint_names
 from actspec.readings.versions import is_native
 
 _DEAD = "the drive gives no torque"
@@ -29,7 +30,6 @@ _ZERO = {
 """Field of Isaac Lab 2.x to what 0 does there."""
 
 _MIMIC = re.compile(rb"mimic[\w ]*joint", re.IGNORECASE)
-_PLAIN = re.compile(r"[A-Za-z0-9_/:-]*")
 
 
 class DictMissesJoint(RuleInParts):
@@ -70,10 +70,17 @@ class DictMissesJoint(RuleInParts):
             if keys is None:
                 continue
             setting, is_limit = group.cfg.settings[name], "limit" in name
+            joints = [row.joint for row in group.rows]
+            if dead_keys(group.framework, keys, group.cfg.joints or ()):
+                # It raises, and gives nothing 0: ORD104.
+                yield ()
+                continue
+            dead = dead_keys(group.framework, keys, joints)
             missed = [
-                row.joint
-                for row in group.rows
-                if not any(_may_match(group.framework, key, row.joint) for key in keys)
+                joint
+                for joint in joints
+                if not any(may_match(group.framework, key, joint) for key in keys)
+                and not any(meant_for(key, (), [joint]) for key in dead)
             ]
             yield [
                 Finding(
@@ -117,44 +124,6 @@ def _keys(setting: Setting | None) -> Sequence[str] | None:
     if setting is None or setting.unknown is not None or not isinstance(setting.value, Mapping):
         return None
     return tuple(map(str, setting.value))
-
-
-def _may_match(framework: Framework, key: str, joint: str) -> bool:
-    """Whether a key matches a joint, or may match one that the pattern in its place stands for."""
-    if key == joint or matching(framework, key, (joint,)):
-        return True
-    return _PLAIN.fullmatch(joint) is None and overlap(key, joint)
-
-
-def overlap(one: str, other: str) -> bool:
-    """Whether a name could match both patterns; True where a pattern has more than plain text and `.*`."""
-    tokens = [_tokens(one), _tokens(other)]
-    first, second = tokens
-    if first is None or second is None:
-        return True
-    # Row by row from the ends: whether what is left of both can be the same text.
-    below = [all(token is None for token in second[j:]) for j in range(len(second) + 1)]
-    for token in reversed(first):
-        row = [False] * (len(second) + 1)
-        row[-1] = token is None and below[-1]
-        for j in range(len(second) - 1, -1, -1):
-            if token is None or second[j] is None:
-                row[j] = below[j] or row[j + 1]
-            else:
-                row[j] = token == second[j] and below[j + 1]
-        below = row
-    return below[0]
-
-
-def _tokens(pattern: str) -> list[str | None] | None:
-    """Characters, None for `.*`; None where there is more than that."""
-    parts = pattern.split(".*")
-    if not all(map(_PLAIN.fullmatch, parts)):
-        return None
-    found: list[str | None] = list(parts[0])
-    for part in parts[1:]:
-        found += [None, *part]
-    return found
 
 
 def _models(case: Case, index: int, config: RobotConfig) -> list[Artifact]:

@@ -7,7 +7,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
 from actspec.audit.rules.reductions import figures, limbs_of, reductions, same, states_speed
 from actspec.readings.artifact import FileKind
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 
 class NotGearSquared(RuleInParts):
@@ -45,7 +45,8 @@ class NotGearSquared(RuleInParts):
                         continue
                     finding = Finding(
                         self.code,
-                        f"an armature of {shown(row, 'armature', armature)} is {armature / reflected.value:.3g} times "
+                        f"an armature of {shown(row, 'armature', armature)} is "
+                        f"{format_number(armature / reflected.value, 3)} times "
                         f"the {shown(row, 'armature', reflected.value)} that the spec's rotor inertia has behind its "
                         "gear",
                         row.place("armature"),

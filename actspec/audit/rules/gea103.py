@@ -52,6 +52,7 @@ class OneForAll(RuleOver[_Subject]):
                 "",
                 armature,
                 unit(most, "armature"),
+                joints=tuple(row.joint for row in joints),
                 help="state rotor inertia times gear squared for each motor, or where the figure comes from",
                 related=(least.place("armature"),)
                 if least.place("armature") != most.place("armature")

@@ -13,6 +13,7 @@ from actspec.diagnostics import listed
 from actspec.fields import is_placeholder
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
+from actspec.units import format_number
 
 
 class LimitBeyondPublished(RuleOver[Likeness]):
@@ -59,10 +60,11 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         if limit < times * max((published.effort, *published.also)):
             return None
         which = f", at {worst}" if len({joint.effort for joint in most.values()}) > 1 else ""
+        by = format_number(limit / published.effort, 3)
         return Finding(
             self.code,
-            f"the limit of {shown(row, 'effort_limit', limit, 6)} is {limit / published.effort:.3g} times what is "
-            f"published for {subject.robot.name}: {shown(row, 'effort_limit', published.effort, 6)}{which}"
+            f"the limit of {shown(row, 'effort_limit', limit, 6)} is {by} times what is published for "
+            f"{subject.robot.name}: {shown(row, 'effort_limit', published.effort, 6)}{which}"
             + self._of_the_others(subject, row, limit, times),
             row.place("effort_limit"),
             row.joint,
@@ -127,7 +129,8 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         return Finding(
             self.code,
             f"the limit of {shown(row, 'effort_limit', limit, 6)} is that of {subject.robot.name}'s "
-            f"{listed(theirs, 2)}; for this joint {figure} is published, {published.effort / limit:.3g} times as much",
+            f"{listed(theirs, 2)}; for this joint {figure} is published, "
+            f"{format_number(published.effort / limit, 3)} times as much",
             row.place("effort_limit"),
             row.joint,
             limit,

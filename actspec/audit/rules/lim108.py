@@ -10,6 +10,7 @@ from actspec.fields import PLACEHOLDER
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
+from actspec.units import format_number
 
 _Subject = tuple[LedgerRow, LedgerRow, str, Quantity, str, float, float]
 
@@ -51,7 +52,8 @@ class AboveDatasheet(RuleOver[_Subject]):
         source = "" if motor.source is None else f" (source {motor.source})"
         return Finding(
             self.code,
-            f"{shown(row, field, limit)} is {limit / most:.3g} times the {noun} of {shown(row, field, most)} that the "
+            f"{shown(row, field, limit)} is {format_number(limit / most, 3)} times the {noun} of "
+            f"{shown(row, field, most)} that the "
             f"motor has by its spec{source}: the simulated robot can do what the real one cannot",
             row.place(field),
             row.joint,

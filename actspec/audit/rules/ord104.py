@@ -1,15 +1,14 @@
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from difflib import SequenceMatcher
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS
-from actspec.diagnostics import shortened
-from actspec.patterns import PatternError, compile_pattern, suggest_pattern
-from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
+from actspec.audit.rules.dict_keys import dead_keys, may_match, meant_for, selects_nothing
+from actspec.diagnostics import Span, listed, nearest, shortened
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.pair import joint_names, matching
 
 _SURE = (Severity.ERROR, Confidence.HIGH)
@@ -18,12 +17,8 @@ _NEAR = (Severity.WARNING, Confidence.MEDIUM)
 
 _UNSURE = (Severity.INFO, Confidence.LOW)
 
-_ALIKE = 0.9
-"""How alike a pattern and the nearest one that matches are, where it is misspelt and not that of another joint.
-Chosen: `wrist_pitch_joint` and `wrist_roll_joint` are 0.77, one letter more or less is above 0.9."""
 
-
-_Subject = tuple[int, RobotConfig, Artifact]
+_Subject = tuple[int, RobotConfig, Artifact | None]
 
 
 class PatternMatchesNothing(RuleOver[_Subject]):
@@ -32,7 +27,7 @@ class PatternMatchesNothing(RuleOver[_Subject]):
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
-    needs = "no configuration with a model of its robot among the files"
+    needs = "no configuration with values by joint, or with a model of its robot, among the files"
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
     def subjects(self, case: Case) -> Iterator[_Subject]:
@@ -41,65 +36,94 @@ class PatternMatchesNothing(RuleOver[_Subject]):
             if config is None or config.framework not in FRAMEWORKS:
                 continue
             model = _model(case, index)
-            if model is not None:
+            if model is not None or any(_keys(s) for g in config.groups for s in g.settings.values()):
                 yield index, config, model
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
-        """Match every pattern that has joints to be held against."""
+        """Match every pattern that has joints to be held against, and every key that has patterns."""
         index, config, model = subject
+        members = (case.artifacts[other] for other in case.robot_of(index).artifacts)
+        # A pattern that one variant of the robot has a joint for is right.
+        names = tuple(dict.fromkeys(name for member in members for name in joint_names(member) or ()))
+        meant = {group.span: _meant(config, group, names) for group in config.groups} if model else {}
         for group in config.groups:
-            yield from self._keys(case, index, config.framework, group, model)
-        yield from self._patterns(case, index, config.framework, model)
+            told = meant.get(group.span, {}).values()
+            yield from self._keys(case, index, config.framework, group, model, told)
+        if model is not None:
+            yield from self._patterns(case, config, model, names, meant)
 
     def _keys(
-        self, case: Case, index: int, framework: Framework, group: ActuatorGroup, model: Artifact
+        self,
+        case: Case,
+        index: int,
+        framework: Framework,
+        group: ActuatorGroup,
+        model: Artifact | None,
+        told: Collection[str],
     ) -> Iterator[Finding]:
+        """Keys that match no joint of their group, but for those that are told with one of its patterns."""
         joints = [row.joint for row in case.rows_of(index) if row.span == group.span]
-        everywhere = joint_names(model) or ()
-        for name, setting in group.settings.items():
-            if not joints or not isinstance(setting.value, Mapping):
+        everywhere = (joint_names(model) if model is not None else None) or ()
+        met = case.is_met(index)
+        for name, setting in group.settings.items() if joints else ():
+            keys = _keys(setting)
+            missing = dead_keys(framework, keys, joints)
+            if not missing:
                 continue
-            keys = [key for key, value in setting.value.items() if isinstance(value, int | float)]
-            missing = [key for key in keys if _selects_nothing(framework, key, joints)]
             fitting = len(keys) - len(missing) >= self.option(case, "share") * len(keys)
+            free = [joint for joint in joints if not any(may_match(framework, key, joint) for key in keys)]
             for key in missing:
-                outside = not _selects_nothing(framework, key, everywhere)
-                # A group of `.*` fits any model: if few of its keys do, the model is another robot's.
-                if not (fitting or outside):
+                if key in told:
                     continue
-                near = _misspelt(key, joints)
-                severity, confidence = _SURE if outside else _NEAR if near else _UNSURE
+                outside = any(matching(framework, key, (joint,)) for joint in everywhere)
+                # Whatever joints the robot has: the patterns that select the group's have none in common with it.
+                alone = key in dead_keys(framework, [key], group.joints or ())
+                # A group of `.*` fits any model: if few of its keys do, the model is another robot's.
+                if not (fitting or outside or alone):
+                    continue
+                near = meant_for(key, joints, () if met else free)
+                guess = near and (model is not None or not met)
+                severity, confidence = (
+                    _SURE if outside or (alone and not met) else _NEAR if guess else _UNSURE
+                )
+                where = f" in {basename(model.path)}" if model is not None else f" ({listed(joints, 4)})"
                 yield Finding(
                     self.code,
-                    f"the key '{shortened(key)}' of {name} matches no joint of group {group.name} in "
-                    f"{basename(model.path)}: the cfg raises a ValueError",
+                    f"the key '{shortened(key)}' of {name} matches no joint of group {group.name}{where}: the cfg "
+                    "raises a ValueError",
                     setting.span,
-                    help=f"did you mean '{near}'?"
-                    if near
-                    else "leave it out, or add its joints to the group",
+                    help=_help(near, model is None and near in free),
                     severity=severity,
                     confidence=confidence,
                 )
 
-    def _patterns(self, case: Case, index: int, framework: Framework, model: Artifact) -> Iterator[Finding]:
-        config = case.artifacts[index].config
-        members = (case.artifacts[other] for other in case.robot_of(index).artifacts)
-        # A pattern that one variant of the robot has a joint for is right.
-        names = tuple(dict.fromkeys(name for member in members for name in joint_names(member) or ()))
-        groups = config.groups if config is not None else ()
-        every = [(group, pattern) for group in groups for pattern in group.joints or ()]
-        missing = [item for item in every if _selects_nothing(framework, item[1], names)]
-        if not every or len(every) - len(missing) < self.option(case, "share") * len(every):
-            return
+    def _patterns(
+        self,
+        case: Case,
+        config: RobotConfig,
+        model: Artifact,
+        names: Sequence[str],
+        meant: Mapping[Span, Mapping[str, str]],
+    ) -> Iterator[Finding]:
+        """Patterns of groups that match no joint of any variant of the robot."""
+        every = [(group, pattern) for group in config.groups for pattern in group.joints or ()]
+        missing = [item for item in every if selects_nothing(config.framework, item[1], names)]
+        # Else it is the model of another robot.
+        fitting = len(every) - len(missing) >= self.option(case, "share") * len(every)
         for group, pattern in missing:
-            near = _misspelt(pattern, names)
-            severity, confidence = _NEAR if near else _UNSURE
+            key = meant[group.span].get(pattern)
+            if not (fitting or key):
+                continue
+            near = key or meant_for(pattern, names)
+            severity, confidence = _SURE if key else _NEAR if near else _UNSURE
             yield Finding(
                 self.code,
                 f"the pattern '{shortened(pattern)}' matches no joint of {basename(model.path)}: with these joint "
-                f"names {FRAMEWORKS[framework]} raises a ValueError",
+                f"names {FRAMEWORKS[config.framework]} raises a ValueError",
                 group.span,
-                help=f"did you mean '{near}'?" if near else "is it a model of another variant of the robot?",
+                help=f"did you mean '{near}'?{' Keys of the group are called so' if key else ''}"
+                if near
+                else "is it a model of another variant of the robot?",
                 severity=severity,
                 confidence=confidence,
             )
@@ -111,16 +135,27 @@ def _model(case: Case, index: int) -> Artifact | None:
     return next((member for member in members if member.robot is not None), None)
 
 
-def _misspelt(pattern: str, names: list[str] | tuple[str, ...]) -> str | None:
-    """The pattern that was meant; None where none is near enough to say so."""
-    near = suggest_pattern(pattern, names)
-    return near if near and SequenceMatcher(None, pattern, near).ratio() >= _ALIKE else None
+def _help(near: str | None, either: bool) -> str:
+    """What to do with a key that matches nothing, with the pattern that it is like; `either` may be misspelt."""
+    if near is None:
+        return "leave it out, or add its joints to the group"
+    return f"'{near}' has no key: one of the two is misspelt" if either else f"did you mean '{near}'?"
 
 
-def _selects_nothing(framework: Framework, pattern: str, names: list[str] | tuple[str, ...]) -> bool:
-    """Whether a pattern that can be judged selects no joint."""
-    try:
-        compile_pattern(pattern)
-    except PatternError:
-        return False
-    return not matching(framework, pattern, names)
+def _keys(setting: Setting) -> list[str]:
+    """Keys of a dict that have a number."""
+    values = setting.value if isinstance(setting.value, Mapping) else {}
+    return [key for key, value in values.items() if isinstance(value, int | float)]
+
+
+def _meant(config: RobotConfig, group: ActuatorGroup, names: Sequence[str]) -> dict[str, str]:
+    """Patterns of a group that match no joint, each to the key of its dicts that is like it and matches joints that no
+    group has: it is the pattern that is misspelt.
+    """
+    patterns = [pattern for each in config.groups for pattern in each.joints or ()]
+    taken = {name for pattern in patterns for name in matching(config.framework, pattern, names)}
+    free = [name for name in names if name not in taken]
+    keys = [key for setting in group.settings.values() for key in _keys(setting)]
+    able = [key for key in dict.fromkeys(keys) if matching(config.framework, key, free)]
+    lost = [pattern for pattern in group.joints or () if selects_nothing(config.framework, pattern, names)]
+    return {pattern: key for pattern in lost if (key := nearest(pattern, able))}

@@ -24,6 +24,7 @@ from actspec.diagnostics import SEVERITIES, Severity
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
+from actspec.units import format_number
 
 _UNLIKE = 0.01
 """Chosen: limits that differ by more are of two motors, as `tolerance`."""
@@ -133,7 +134,7 @@ class EffortLimit(SourceRule):
         """How much torque."""
         assert found.ratio is not None
         if found.ratio >= TIMES:
-            return f"the joint has {found.ratio:.3g} times the torque here"
+            return f"the joint has {format_number(found.ratio, 3)} times the torque here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint has {share:.3g} % {'more' if found.ratio > 1.0 else 'less'} torque here"
 

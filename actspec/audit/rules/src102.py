@@ -18,6 +18,7 @@ from actspec.diagnostics import Severity
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure, angle_slip
+from actspec.units import format_number
 
 _STILL = 0.01
 """A speed limit up to which a joint is held, not driven [rad/s or m/s]. Chosen: half a turn takes it five minutes."""
@@ -65,7 +66,7 @@ class VelocityLimit(SourceRule):
         """How much speed."""
         assert found.ratio is not None
         if found.ratio >= TIMES:
-            return f"the joint is {found.ratio:.3g} times as fast here"
+            return f"the joint is {format_number(found.ratio, 3)} times as fast here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint is {share:.3g} % {'faster' if found.ratio > 1.0 else 'slower'} here"
 

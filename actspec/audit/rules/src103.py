@@ -8,6 +8,7 @@ from actspec.audit.rules.source_pairs import Disagreement
 from actspec.audit.rules.source_rule import SourceRule, is_of_one_training
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
+from actspec.units import format_number
 
 
 class Gain(SourceRule):
@@ -23,10 +24,10 @@ class Gain(SourceRule):
             return "one of them has no such gain"
         if found.field == "kp":
             return (
-                f"the same command error gives {ratio:.3g} times the torque, and the joint swings "
+                f"the same command error gives {format_number(ratio, 3)} times the torque, and the joint swings "
                 f"{math.sqrt(ratio):.3g} times as fast"
             )
-        return f"the drive brakes {ratio:.3g} times as hard at the same speed"
+        return f"the drive brakes {format_number(ratio, 3)} times as hard at the same speed"
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """What the policy trained with and what runs it should be one; an MJCF is often only where it is tried."""

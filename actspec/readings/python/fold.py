@@ -336,7 +336,7 @@ class Expressions:
             return self.eval(node.body if known else node.orelse, scope)
         return either(
             [self.eval(node.body, scope), self.eval(node.orelse, scope)],
-            f"depends on a test that is not folded: {reason_of(test.data) or 'unknown'}",
+            f"depends on a condition: {reason_of(test.data) or 'unknown'}",
         )
 
     def _items(self, nodes: Sequence[ast.expr], scope: Scope) -> list[Value] | Unknown:

@@ -181,7 +181,7 @@ class Interpreter(Objects):
             known = False
         if known is not None:
             return self.run(node.body if known else node.orelse, scope)
-        reason = f"depends on a test that is not folded: {reason_of(test.data) or 'unknown'}"
+        reason = f"depends on a condition: {reason_of(test.data) or 'unknown'}"
         # A branch that raises is not the one that the author means to take.
         for branch, other in ((node.body, node.orelse), (node.orelse, node.body)):
             if branch and isinstance(branch[-1], ast.Raise):

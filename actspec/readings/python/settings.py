@@ -149,7 +149,9 @@ class Draft:
 
     def note(self, where: str, reason: str, span: Span) -> None:
         """Say that something could not be folded."""
-        self.notes.info(UNFOLDED, f"not folded: {shortened(reason, 200)}", where=where, span=span)
+        self.notes.info(
+            UNFOLDED, f"not known without running it: {shortened(reason, 200)}", where=where, span=span
+        )
 
     def set(self, name: str, value: Value | None, as_name: str = "") -> None:
         """Take a robot-wide setting; None: it is not written."""

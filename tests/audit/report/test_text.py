@@ -303,6 +303,22 @@ def test_findings_of_a_whole_file_affect_joints() -> None:
     assert counted(for_people(found)) == "2 notes affecting 3 joints"
 
 
+@pytest.mark.parametrize(
+    ("names", "text"),
+    [
+        (("joint[1-6]",), "1 pattern of joints"),
+        (("hip", "arm_.*", r"leg\.x"), "1 joint and 2 patterns of joints"),
+        (("a/b.c-d:e 1_2",), "1 joint"),
+    ],
+)
+def test_joints_that_nobody_names_are_not_counted(names: tuple[str, ...], text: str) -> None:
+    """A configuration's pattern may be six joints."""
+    found = [
+        Reported(finding("LIM901", joint=name), "rule", Severity.ERROR, Confidence.HIGH) for name in names
+    ]
+    assert counted(for_people(found)).partition(" affecting ")[2] == text
+
+
 def test_statistics(made: Report) -> None:
     """Counts in place of findings."""
     assert render(made, "full", ReportOptions(statistics=True)) == STATISTICS + SUMMARY

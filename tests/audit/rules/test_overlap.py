@@ -8,7 +8,7 @@ import re
 
 import pytest
 
-from actspec.audit.rules.cfg101 import overlap
+from actspec.audit.rules.dict_keys import overlap
 
 NAMES = ["".join(letters) for count in range(9) for letters in itertools.product("ab", repeat=count)]
 
