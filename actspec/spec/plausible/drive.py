@@ -31,6 +31,7 @@ class Limit:
         reduction: From the motor's output to the joint, where no transmission stands there.
         motors: How many drive one joint.
         train: Key of the transmission in the drive's `trains`; None: there is none.
+        counted: Where the number of motors is written; None: it is not.
     """
 
     value: SpecValue
@@ -38,6 +39,7 @@ class Limit:
     reduction: float
     motors: int
     train: Path | None = None
+    counted: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
