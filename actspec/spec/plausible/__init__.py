@@ -67,5 +67,5 @@ def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointAc
     places = {doubt.span for doubt in doubts}
     doubts += (doubt for doubt in by_number(file_doubts(joints, model)) if doubt.span not in places)
     doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}
-    doubts += linkage_doubts(model, spans, joints)
+    doubts += linkage_doubts(model, spans, joints, doubted)
     return [*doubts, *time_doubts(model, spans), *group_doubts(model, spans, doubted)]

@@ -32,6 +32,7 @@ class Limit:
         motors: How many drive one joint.
         train: Key of the transmission in the drive's `trains`; None: there is none.
         counted: Where the number of motors is written; None: it is not.
+        reduced: Where the reduction is written; likewise.
     """
 
     value: SpecValue
@@ -40,6 +41,7 @@ class Limit:
     motors: int
     train: Path | None = None
     counted: Path | None = None
+    reduced: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +101,7 @@ class Witness:
         train: Key of the train in the drive's `trains`; None: there is none.
         motors: How many drive one joint, where no train has them.
         counted: Where their number is written; None: it is not.
+        reduced: Where the reduction to the joint is written; likewise.
     """
 
     joint: str
@@ -110,6 +113,7 @@ class Witness:
     train: Path | None = None
     motors: int = 1
     counted: Path | None = None
+    reduced: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -135,6 +135,8 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
         )
         own = path if fields.motors_per_joint is not None else path[:2]
         counted = (*own, "motors_per_joint") if count > 1 else None
+        own = path if fields.reduction is not None else path[:2]
+        reduced = None if reduction is None else (*own, "reduction")
         stages = fields.transmission or group.transmission
         train: Path | None = None
         if stages is not None:
@@ -155,7 +157,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             value = getattr(fields, field)
             if isinstance(value, SpecValue):
                 factor = None if reduction is None else reduction.value
-                limit = Limit(value, (*path, field), factor or 1.0, count, train, counted)
+                limit = Limit(value, (*path, field), factor or 1.0, count, train, counted, reduced)
                 limits.setdefault(name, []).append(limit)
     for name, motor in model.motors.items():
         motor = cuts[name][0] if name in cuts else motor

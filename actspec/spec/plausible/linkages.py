@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Path, Span, listed
 from actspec.ir import JointActuator, Origin
 from actspec.spec.document import SourceMap
 from actspec.spec.gears import Linkage
@@ -30,7 +31,10 @@ BEYOND = 0.3
 
 
 def linkage_doubts(
-    model: SpecModel, spans: SourceMap, joints: Sequence[JointActuator] = ()
+    model: SpecModel,
+    spans: SourceMap,
+    joints: Sequence[JointActuator] = (),
+    doubted: Collection[str | Span | None] = (),
 ) -> Iterator[Doubt]:
     """What can hardly be right about linkages: of each what its rows say, else its poses, else its strength.
 
@@ -38,15 +42,21 @@ def linkage_doubts(
         model: What the spec says.
         spans: Where it says it.
         joints: The resolved spec; none: whatever the robot is.
+        doubted: Numbers that are doubted themselves: where, and their spans.
     """
     by_name = {joint.joint: joint for joint in joints}
+    strong: dict[Span | None, list[_Strength]] = {}
     for name, linkage in model.linkages.items():
         members = [by_name.get(joint) for joint in linkage.joints]
-        yield from (
-            list(_rows(linkage, ("linkages", name, "table"), spans))
-            or list(by_number(_poses(name, linkage, members, spans)))
-            or list(by_number(_strength(name, linkage, members, spans)))
-        )
+        found = list(_rows(linkage, ("linkages", name, "table"), spans))
+        found = found or list(by_number(_poses(name, linkage, members, spans)))
+        yield from found
+        for joint in () if found else members:
+            if joint is not None and (strength := _strength(name, joint)) is not None:
+                strong.setdefault(joint.effort_limit.span, []).append(strength)
+    for span, strengths in strong.items():
+        if span not in doubted:
+            yield from _too_strong(strengths, model, spans)
 
 
 def _rows(linkage: Linkage, path: Path, spans: SourceMap) -> Iterator[Doubt]:
@@ -86,29 +96,73 @@ def _poses(
                 yield Found(at(spans, CODE, message, (*path, index), help), joint.joint, beyond)
 
 
-def _strength(
-    name: str, linkage: Linkage, joints: Sequence[JointActuator | None], spans: SourceMap
-) -> Iterator[Found]:
-    """Limits by a linkage that are a power of ten off those of the robot's file: its Jacobian, or its motor."""
-    key = next(key for key in ("table", "jacobian", "factor") if getattr(linkage, key) is not None)
-    for joint in joints:
-        if joint is None or joint.effort_limit.origin is not Origin.DERIVED or not joint.effort_limit.value:
-            continue
-        limit, (said, _) = joint.effort_limit, limits_of_file(joint)
-        ratio = limit.require() / said if said else 1.0
-        if 1.0 / WITNESS < ratio < WITNESS or not 0.0 < ratio < math.inf:
-            continue
-        far = math.log10(ratio)
-        if ratio < FAR_ABOVE_FILE and abs(far - round(far)) > POWER:
-            continue
-        message = (
-            f"{format_quantity(limit.value, limit.unit, 4)} by the linkage '{name}' is "
-            f"{format_quantity(max(ratio, 1.0 / ratio), '', 3)} times {'above' if ratio > 1.0 else 'below'} the "
-            f"{format_quantity(said, limit.unit, 4)} of the robot's file"
+@dataclass(frozen=True, slots=True)
+class _Strength:
+    """A limit by a linkage, beside that of the robot's file.
+
+    Attributes:
+        linkage: Name of the linkage.
+        joint: The joint.
+        said: The limit of the file.
+        ratio: The limit over that.
+    """
+
+    linkage: str
+    joint: JointActuator
+    said: float
+    ratio: float
+
+    @property
+    def broken(self) -> bool:
+        """Whether it is a power of ten off, or far above."""
+        far = math.log10(self.ratio)
+        near = abs(far - round(far)) <= POWER
+        return not 1.0 / WITNESS < self.ratio < WITNESS and (near or self.ratio > FAR_ABOVE_FILE)
+
+
+def _strength(name: str, joint: JointActuator) -> _Strength | None:
+    """A joint's limit by its linkage; None where it is stated, or the file has none."""
+    limit, (said, _) = joint.effort_limit, limits_of_file(joint)
+    if limit.origin is not Origin.DERIVED or not limit.value or not said:
+        return None
+    ratio = limit.value / said
+    return _Strength(name, joint, said, ratio) if 0.0 < ratio < math.inf else None
+
+
+def _too_strong(strengths: Sequence[_Strength], model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
+    """Limits of one motor's joints: where those of other linkages agree with the file, it is no matter of the motor."""
+    broken = [one for one in strengths if one.broken]
+    names = list(dict.fromkeys(one.linkage for one in broken))
+    proved = len(names) < len({one.linkage for one in strengths})
+    for name in names if proved else names[:1]:
+        linkage = model.linkages[name]
+        key = next(key for key in ("table", "jacobian", "factor") if getattr(linkage, key) is not None)
+        place: Path = ("linkages", name, key)
+        worst = max((one for one in broken if one.linkage == name), key=lambda one: abs(math.log(one.ratio)))
+        limit = worst.joint.effort_limit
+        motor = next(
+            (
+                ("motors", motor, field)
+                for motor in linkage.motors
+                for field in ("peak_torque", "continuous_torque", "stall_torque")
+                if spans.value(("motors", motor, field)) == limit.span
+            ),
+            None,
         )
-        motor = "" if limit.span is None else f", or the torque of the motor ({limit.span})"
-        doubt = at(spans, CODE, message, ("linkages", name, key), f"look at the {key} here{motor}")
-        yield Found(doubt, joint.joint, abs(far))
+        if proved:
+            help = f"look at the {key} here: other linkages of this motor agree with the file"
+        elif len(names) > 1 and motor is not None:
+            first = spans.value(place)
+            place, help = motor, f"look at the torque here, or at the linkages {listed(names)} ({first})"
+        else:
+            help = f"look at the {key} here, or the torque of the motor ({limit.span})"
+        message = (
+            f"{worst.joint.joint}: {format_quantity(limit.value, limit.unit, 4)} by the linkage '{name}' is "
+            f"{format_quantity(max(worst.ratio, 1.0 / worst.ratio), '', 3)} times "
+            f"{'above' if worst.ratio > 1.0 else 'below'} the {format_quantity(worst.said, limit.unit, 4)} of the "
+            "robot's file"
+        )
+        yield at(spans, CODE, message, place, help, *(() if motor is None else (motor,)))
 
 
 def _out_of_order(places: Sequence[SpecValue], path: Path, spans: SourceMap) -> Iterator[Doubt]:

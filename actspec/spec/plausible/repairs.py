@@ -147,6 +147,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
                 yield sided(path, 1.0 / across, lossy=False)
     yield from _stages(drive)
     yield from _counts(drive)
+    yield from _reductions(drive)
     if number(motor.nominal_current) and number(motor.peak_current):
         update = {"nominal_current": motor.peak_current, "peak_current": motor.nominal_current}
         help = "are nominal_current and peak_current swapped? The thermal limit is the lower one"
@@ -181,7 +182,8 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             meant = about + _shown(_times(first, factor))
             help = f"is it quoted at the {there} ({names})? At the {here} {_shown(first)} is {meant}"
             yield moved(torques, factor, help, SIDED)
-        yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
+        if len(torques) > 1:
+            yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
         if len(torques) > 1 and all("kgf" not in _given(motor, path).written for path in torques):
             # A torque constant is in N*m/A on every sheet.
             rare = RARE if motor.torque_constant is None else RARE - 0.05
@@ -291,6 +293,27 @@ def _counts(drive: Drive) -> Iterator[Repair]:
         help = "is it the gear ratio" if same else "did you mean 1"
         help += "? motors_per_joint is how many motors drive one joint together"
         yield Repair(tuple(relations(changed)), (place,), help)
+
+
+def _reductions(drive: Drive) -> Iterator[Repair]:
+    """A reduction from the motor to the joint whose point is in the wrong place."""
+    reductions = {item.reduced: item.reduction for item in drive.limits if item.reduced is not None}
+    for place, size in reductions.items():
+        for power in (-2, -1, 1, 2):
+            factor = 10.0**power
+            limits = tuple(
+                replace(item, reduction=item.reduction * factor) if item.reduced == place else item
+                for item in drive.limits
+            )
+            witnesses = tuple(
+                replace(item, factor=item.factor * (1.0 / factor if item.speed else factor))
+                if item.reduced == place and item.factor is not None
+                else item
+                for item in drive.witnesses
+            )
+            after = tuple(relations(replace(drive, limits=limits, witnesses=witnesses)))
+            help = f"did you mean {size * factor:.4g}? reduction is turns of the motor's output in one of the joint"
+            yield Repair(after, (place,), help, RARE)
 
 
 def _stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:

@@ -110,6 +110,8 @@ def _meant(stated: Quantity, ratio: float) -> str:
         slips.append((1.0 / KGF_CM, "is it in kgf*cm"))
     if unit == "rad/s":
         slips = [(1.0 / DEGREE, "is it in deg/s"), (1.0 / RPM, "is it in rpm")]
+    elif "rad" in unit:
+        slips += [(1.0 / DEGREE, "is it multiplied by 57.3"), (DEGREE, "is it per degree")]
     slips += [(10.0**power, "is the point in the wrong place") for power in (1, 2, 3, -1, -2, -3)]
     factor, words = min(slips, key=lambda slip: abs(math.log(ratio / slip[0])))
     if not 1.0 / SAME <= ratio / factor <= SAME:
@@ -140,6 +142,9 @@ def _witnesses(joint: JointActuator, drive: Drive, model: SpecModel, spans: Sour
     fast = 0.0 if speed is None else speed.value or 0.0
     efforts, speeds = limits_of_file(joint)
     paths = {spans.value(limit.path): limit.path for limit in drive.limits}
+    layers = [_path(paths, limit) for limit in (joint.effort_limit, joint.velocity_limit)]
+    # Of which layer its reduction is, its limits tell.
+    reduced = next((limit.reduced for limit in drive.limits if limit.path in layers), None)
     here = [key for key in drive.trains if key[:2] == ("actuators", joint.group)]
     count, counted = group.motors_per_joint or 1, ("actuators", joint.group, "motors_per_joint")
     if len(here) > 1 or any(other.motors_per_joint or other.motor for other in group.overrides.values()):
@@ -160,6 +165,7 @@ def _witnesses(joint: JointActuator, drive: Drive, model: SpecModel, spans: Sour
                 here[0] if here else None,
                 count,
                 counted if count > 1 else None,
+                reduced,
             )
             times = scaled(witness, drive.trains)
             if witness.factor and 0.0 < times < math.inf:

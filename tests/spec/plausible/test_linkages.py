@@ -129,8 +129,31 @@ def test_a_factor_against_the_file(tmp_path: Path, factor: str, effort: float, t
     found = said(tmp_path, f"{{joints: [knee, roll], motors: [m, m], factor: {factor}}}", effort)
     assert [item.where for item in found] == ["linkages.l.factor"] * told
     for item in found:
-        assert item.message.startswith("knee, roll: ")
+        assert item.message.startswith("knee: ")
         # It may be the motor's torque: both places are named.
         assert (
             item.help == f"look at the factor here, or the torque of the motor ({tmp_path / 's.yaml'}:3:40)"
         )
+
+
+@pytest.mark.parametrize(
+    ("factors", "place", "help"),
+    [
+        # 1.5 N*m x 2 of the file's 3; times 10 it is 30 at one joint, or at both.
+        (("2", "2"), "", ""),
+        (
+            ("20", "2"),
+            "linkages.l.factor",
+            "look at the factor here: other linkages of this motor agree with the file",
+        ),
+        (("20", "20"), "motors.m.peak_torque", "look at the torque here, or at the linkages l, r ("),
+    ],
+)
+def test_a_motor_of_several_linkages(tmp_path: Path, factors: tuple[str, str], place: str, help: str) -> None:
+    one, two = factors
+    linkages = (
+        f"{{joints: [knee], motors: [m], factor: {one}}}, r: {{joints: [roll], motors: [m], factor: {two}}}"
+    )
+    found = said(tmp_path, linkages, effort=3)
+    assert [item.where for item in found] == [place] * bool(place)
+    assert all((item.help or "").startswith(help) for item in found)

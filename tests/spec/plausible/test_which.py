@@ -75,6 +75,12 @@ def said(folder: Path, fields: str, more: str = "", model: str = "arm.urdf") -> 
             "friction.viscous",
             "is the point in the wrong place? Then it is 2 N*m*s/rad",
         ),
+        # 2 x 57.3 = 114.6.
+        (
+            "friction: {viscous: {value: 114.6 N*m*s/rad, source: own}}, effort_limit: 30",
+            "friction.viscous",
+            "is it multiplied by 57.3? Then it is 2 N*m*s/rad",
+        ),
         ("effort_limit: {value: 170 N*m, source: own}", "effort_limit", "look for a wrong unit"),
     ],
 )
@@ -170,6 +176,24 @@ def test_many_motors_a_joint() -> None:
     )
     assert (found.code, found.where) == ("SPEC187", "actuators.legs.motors_per_joint")
     assert (found.help or "").startswith("did you mean 1? motors_per_joint is")
+
+
+@pytest.mark.parametrize(
+    ("limits", "told"),
+    [
+        # 18 N*m and 20 rad/s behind 22.2 are 400 N*m and 0.9 rad/s, behind 2.22 the limits.
+        ("effort_limit: 40, velocity_limit: 9 rad/s", "reduction"),
+        # Behind 22.2 they are the limits themselves.
+        ("effort_limit: 400, velocity_limit: 0.9 rad/s", ""),
+    ],
+)
+def test_a_reduction_with_its_point_in_the_wrong_place(limits: str, told: str) -> None:
+    found = told_of(
+        f"legs: {{joints: [hip], motor: m, reduction: 22.2, level: ideal_pd, kp: 40, kd: 2, {limits}}}",
+        "side: joint, peak_torque: 18, no_load_speed: 20 rad/s",
+    )
+    assert [item.where for item in found] == [f"actuators.legs.{told}"] * bool(told)
+    assert all((item.help or "").startswith("did you mean 2.22? reduction is turns of") for item in found)
 
 
 def test_a_speed_in_degrees() -> None:
