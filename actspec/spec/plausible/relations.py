@@ -162,7 +162,8 @@ def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: Sourc
     error = any(relation.error for relation in broken)
     help = "; or ".join(readings) or None
     rivals = [repair for repair in best if repair.paths != best[0].paths]
-    if rivals:
+    judged += [path for repair in rivals for path in repair.paths]
+    if rivals and help is not None:
         others = [
             f"{repair.paths[0][-1]} ({spans.value(repair.paths[0])}): {repair.help}" for repair in rivals
         ]
