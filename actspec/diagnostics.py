@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import re
 import shlex
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import lru_cache
@@ -184,6 +184,12 @@ class Collector:
     def at(self, where: str = "", span: Span | None = None) -> Place:
         """What is reported of one place goes here."""
         return Place(self, where, span)
+
+    def forget(self, codes: Container[str]) -> None:
+        """Take back what was reported under these codes, where more is known now and it is judged again."""
+        self.items = [item for item in self.items if item.code not in codes]
+        self._known = set(self.items)
+        self._errors = sum(item.severity is Severity.ERROR for item in self.items)
 
     @property
     def failed(self) -> bool:

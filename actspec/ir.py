@@ -13,6 +13,7 @@ parallel motors are already in it.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from enum import Enum
@@ -340,6 +341,11 @@ class JointActuator:
             yield "command_range.high", self.command_range[1]
 
 
+_BOUND = re.compile(r"\b(?:up to|at most) ([0-9]+(?:\.[0-9]+)?) ?(N\*m|N·m|Nm|N)(?![\w*·/])")
+ROUNDED = 1.1
+"""A figure over the bound that a reason states for it: reasons round."""
+
+
 @dataclass(frozen=True, slots=True)
 class Approximation:
     """What a target cannot express of one joint, or a spec of its robot.
@@ -369,6 +375,14 @@ class Approximation:
     def key(self) -> str:
         """Name under which `accept` takes it."""
         return f"{self.target}.{self.field}"
+
+    def within(self, reason: str) -> bool:
+        """Whether it is as small as the reason says for which `accept` takes it, as in "up to 82 N*m".
+
+        A reason without such a torque takes it whatever its size is.
+        """
+        stated = [float(size) for size, unit in _BOUND.findall(reason) if (unit == "N") is (self.unit == "N")]
+        return not stated or (self.max_torque_error or 0.0) <= ROUNDED * max(stated)
 
 
 @dataclass(frozen=True, slots=True)

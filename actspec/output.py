@@ -53,9 +53,11 @@ class Compilation:
 
     @property
     def unaccepted(self) -> tuple[Approximation, ...]:
-        """Approximations that the spec's `accept` does not take."""
-        taken = {key for key, _ in self.actuators.accept}
-        return tuple(loss for loss in self.approximations if loss.key not in taken)
+        """Approximations that the spec's `accept` does not take, or takes for smaller than they are."""
+        taken = dict(self.actuators.accept)
+        return tuple(
+            loss for loss in self.approximations if loss.key not in taken or not loss.within(taken[loss.key])
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -93,6 +93,8 @@ def test_each_kind(given: str, kind: Kind, value: float, unit: str, linear: bool
         ("2 min", Kind.TIME, 120.0),
         ("1 h", Kind.TIME, 3600.0),
         ("0.2 kHz", Kind.FREQUENCY, 200.0),
+        ("8 MHz", Kind.FREQUENCY, 8e6),
+        ("8 mHz", Kind.FREQUENCY, 0.008),
         ("3 kV", Kind.VOLTAGE, 3000.0),
         ("3 mV", Kind.VOLTAGE, 0.003),
         ("90 mOhm", Kind.RESISTANCE, 0.09),

@@ -202,7 +202,7 @@ def _compiled(
         out.warning("ABL003", message, where=first.where, help=first.help)
     for item in found.diagnostics:
         told = any((item.code, item.where, item.message) == (i.code, i.where, i.message) for i in out)
-        if item.severity is not Severity.INFO and item.code != "SPEC164" and not told:
+        if item.severity is not Severity.INFO and item.code not in ("SPEC164", "SPEC165") and not told:
             out.add(item)
     return _beside(found, [EmittedFile(name, held) for name, held in own.items()], folder)
 

@@ -129,7 +129,10 @@ def _with_variants(path: str, packages: Mapping[str, str]) -> dict[str, _Checked
 
 
 def _check(path: str, packages: Mapping[str, str], views: dict[str, RobotView]) -> _Checked:
-    """Check a spec; `views` has the models that are read already, by their paths, and takes this one."""
+    """Check a spec; `views` has the models that are read already, by their paths, and takes this one.
+
+    What is resolved has what the spec alone implies too, judged beside its robot.
+    """
     from actspec.robot.load import check_packages
     from actspec.spec.validate import load_spec
 
@@ -139,10 +142,11 @@ def _check(path: str, packages: Mapping[str, str], views: dict[str, RobotView]) 
         spec = load_spec(path).with_packages(packages)
         found = spec.diagnostics
         check_packages(spec)
-        unread, lacking, more = _resolved(spec, views)
+        found = ()
+        unread, lacking, found = _resolved(spec, views)
     except ActspecError as err:
         return _Checked(spec, (*found, *err.diagnostics))
-    return _Checked(spec, (*found, *more), unread, lacking)
+    return _Checked(spec, found, unread, lacking)
 
 
 def _told_once(checked: Mapping[str, _Checked]) -> tuple[Diagnostic, ...]:
@@ -215,7 +219,7 @@ def _resolved(
         views: The models that are read already, by their paths; takes its own.
 
     Returns: Why it was not held to its model's joints, "" where it was; why the model is not installed, if that is why;
-        and warnings.
+        and what is to be said of the spec.
 
     Raises:
         ResolveError: as for `compile`; the model's file is not there, or cannot be read.
@@ -255,6 +259,7 @@ def _resolved(
         for item in placed(spec, err):
             collector.add(item)
     managed = None
+    found = spec.diagnostics
     if robot is not None:
         try:
             actuators = resolve(spec, robot)
@@ -265,10 +270,14 @@ def _resolved(
                 check_accepted(spec, actuators, (), (), collector)
         except ResolveError as err:
             found = err.diagnostics
-        before = {*spec.diagnostics, *robot.diagnostics}
-        for item in found:
-            if item not in before and item.severity is not Severity.INFO:
-                collector.add(item)
+        of_robot = {*robot.diagnostics} - {*spec.diagnostics}
+        found = tuple(
+            item
+            for item in found
+            if item not in of_robot and (item.severity is not Severity.INFO or item in spec.diagnostics)
+        )
+    for item in found:
+        collector.add(item)
     check_options(targets, managed, collector)
     collector.raise_if_failed(ResolveError)
     return unread, lacking, collector.sorted()

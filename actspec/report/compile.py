@@ -42,8 +42,9 @@ def summary(compilation: Compilation, files: Sequence[Output], *, written: bool)
     yield ""
     yield from table(list(_files(compilation.targets, files, written)))
     accept = dict(actuators.accept)
-    taken = [loss for loss in compilation.approximations if loss.key in accept]
     open_ = compilation.unaccepted
+    refused = frozenset(open_)
+    taken = [loss for loss in compilation.approximations if loss not in refused]
     if taken:
         yield ""
         yield from table(list(_accepted(taken, accept)))

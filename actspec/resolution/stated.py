@@ -199,18 +199,20 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
             found = matcher.match(pattern, path)
             if not found:
                 broken.add(name)
+            twice: dict[tuple[str, str, int], list[str]] = {}
             for joint in found:
                 if joint in owner and owner[joint][0] != name:
-                    other, other_pattern, other_index = owner[joint]
-                    place = spec.span("actuators", other, "joints", other_index)
-                    breaches.error(
-                        "BIND002",
-                        f"the joint '{joint}' is in two groups: '{name}' by '{pattern}' and '{other}' by "
-                        f"'{other_pattern}' ({place})",
-                        path,
-                        "make the patterns disjoint; to change one field of some joints use `overrides`",
-                    )
+                    twice.setdefault(owner[joint], []).append(joint)
                 owner.setdefault(joint, (name, pattern, index))
+            for (other, other_pattern, other_index), shared in twice.items():
+                place = spec.span("actuators", other, "joints", other_index)
+                which = f"the joint '{shared[0]}' is" if len(shared) == 1 else f"{listed(shared)} are"
+                breaches.error(
+                    "BIND002",
+                    f"{which} in two groups: '{name}' by '{pattern}' and '{other}' by '{other_pattern}' ({place})",
+                    path,
+                    "make the patterns disjoint; to change one field of some joints use `overrides`",
+                )
     unmanaged: dict[str, str] = {}
     for index, pattern in enumerate(model.robot.unmanaged):
         path = ("robot", "unmanaged", index)

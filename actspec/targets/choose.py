@@ -15,6 +15,7 @@ from actspec.spec.models import KINDS, IsaacSimTarget
 from actspec.spec.plausible import BY_CODE
 from actspec.spec.rules.robot import SPEC_ITSELF
 from actspec.targets.base import Emission, TargetOptions
+from actspec.units import format_quantity
 
 if TYPE_CHECKING:
     from actspec.ir import ActuatorSet
@@ -150,7 +151,7 @@ def check_accepted(
     emissions: Sequence[Emission],
     collector: Collector,
 ) -> None:
-    """Warn where a compiled target has no loss of a name that `accept` has (SPEC164).
+    """Warn where a compiled target has no loss of a name that `accept` has (SPEC164), or a larger one (SPEC165).
 
     A target that is compiled at another version than the spec's is left out: its losses may be others.
 
@@ -161,14 +162,24 @@ def check_accepted(
         emissions: What each made, in the same order.
         collector: Takes the warnings.
     """
-    lost = {
-        options.name: dict.fromkeys(loss.field for loss in emission.approximations)
+    losses = {
+        options.name: emission.approximations
         for options, emission in zip(targets, emissions, strict=True)
         if options.version == _version(spec, options)
     }
-    lost[SPEC_ITSELF] = dict.fromkeys(loss.field for loss in actuators.approximations)
-    for key in spec.model.accept:
+    losses[SPEC_ITSELF] = actuators.approximations
+    lost = {name: dict.fromkeys(loss.field for loss in some) for name, some in losses.items()}
+    for key, reason in spec.model.accept.items():
         target, _, field = key.partition(".")
+        larger = [loss for loss in losses.get(target, ()) if loss.field == field and not loss.within(reason)]
+        if larger:
+            worst = max(larger, key=lambda loss: loss.max_torque_error or 0.0)
+            collector.at(f"accept.{key}", spec.span("accept", key)).warning(
+                "SPEC165",
+                f"the torque error is up to {format_quantity(worst.max_torque_error, worst.unit, 4)} ({worst.joint}), "
+                f"more than this reason says: it is not accepted",
+                "look for a number that has changed, or correct the reason",
+            )
         if target not in lost or field in lost[target] or (target == SPEC_ITSELF and field in BY_CODE):
             continue
         guess = nearest(field, list(lost[target]))

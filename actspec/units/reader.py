@@ -55,7 +55,7 @@ _SPEED: Dims = (0, 0, -1, 0, 1, 0)
 
 
 def _build_table() -> dict[str, Unit]:
-    prefixes = {"u": (1, 10**6), "m": (1, 1000), "c": (1, 100), "k": (1000, 1)}
+    prefixes = {"u": (1, 10**6), "m": (1, 1000), "c": (1, 100), "k": (1000, 1), "M": (10**6, 1)}
     table: dict[str, Unit] = {}
 
     def add(name: str, dims: Dims, num: int = 1, den: int = 1, pi: int = 0, prefixed: str = "") -> None:
@@ -70,7 +70,7 @@ def _build_table() -> dict[str, Unit]:
     add("s", (0, 0, 1, 0, 0, 0), prefixed="um")
     add("A", (0, 0, 0, 1, 0, 0), prefixed="umk")
     add("rad", (0, 0, 0, 0, 1, 0), prefixed="um")
-    add("Hz", (0, 0, -1, 0, 0, 1), prefixed="mk")
+    add("Hz", (0, 0, -1, 0, 0, 1), prefixed="Mmk")
     add("N", _FORCE, prefixed="umk")
     add("Nm", (2, 1, -2, 0, 0, 0), prefixed="umk")
     add("V", (2, 1, -3, -1, 0, 0), prefixed="umk")

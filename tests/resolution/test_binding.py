@@ -46,6 +46,21 @@ def test_two_groups_for_one_joint() -> None:
     ]
 
 
+def test_several_joints_in_two_groups_are_one_error() -> None:
+    """One for each pattern that has them."""
+    groups = f'a: {{joints: [hip, "c.*"], {PD}}}, b: {{joints: [slide], {PD}}}, c: {{joints: [".*"], {PD}}}'
+    assert [text.partition(":")[2] for text in refused(spec_of(groups))] == [
+        " the joint 'hip' is in two groups: 'c' by '.*' and 'a' by 'hip' (s.yaml:4:26)",
+        " the joint 'calf' is in two groups: 'c' by '.*' and 'a' by 'c.*' (s.yaml:4:31)",
+        " the joint 'slide' is in two groups: 'c' by '.*' and 'b' by 'slide' (s.yaml:4:87)",
+    ]
+    groups = f'a: {{joints: [".*"], {PD}}}, b: {{joints: ["hip|calf"], {PD}}}'
+    (text,) = refused(spec_of(groups))
+    assert text.startswith(
+        "BIND002 actuators.b.joints[0]: hip, calf are in two groups: 'b' by 'hip|calf' and 'a' by "
+    )
+
+
 def test_joints_left_out() -> None:
     """A robot without a file has no passive joints: each is in a group or unmanaged."""
     assert refused(spec_of(f"a: {{joints: [hip], {PD}}}")) == [

@@ -62,6 +62,37 @@ def test_strict_asks_for_its_reason(folder: Path, capsys: pytest.CaptureFixture[
     assert "spec.linkage_limits" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("reason", "held"),
+    [
+        ("roll stays small", True),
+        # 25 N*m at the pitch, 15 at the roll; a reason rounds by a tenth.
+        ("up to 25 N*m, which nobody asks for", True),
+        ("at most 23 N*m", True),
+        ("at most 22 N*m", False),
+        ("up to 2.5 N*m", False),
+        # Of several the largest; and no torque.
+        ("up to 2.5 N*m at rest, up to 25 N*m in a fall", True),
+        ("up to 2.5 N*m/rad softer", True),
+        ("up to 4 ms late", True),
+        ("roll stays below 8 N*m", True),
+    ],
+)
+def test_a_reason_that_states_a_bound(
+    folder: Path, capsys: pytest.CaptureFixture[str], reason: str, held: bool
+) -> None:
+    """What has grown beyond what was accepted is not accepted."""
+    (folder / "ankle.yaml").write_text(f'{SPEC}accept: {{spec.linkage_limits: "{reason}"}}\n')
+    assert main(["compile", "ankle.yaml", "--strict"]) == (EXIT_CLEAN if held else EXIT_FINDINGS)
+    said = capsys.readouterr()
+    assert ("1 approximation, accepted" in said.out) is held
+    told = (
+        "ankle.yaml:7:31: SPEC165 [warning] accept.spec.linkage_limits: the torque error is up to 25 N*m (pitch), "
+        "more than this reason says: it is not accepted"
+    )
+    assert (told in said.err) is not held
+
+
 def test_accept_that_takes_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A key of the spec's own that is misspelt is named, with the right one."""
     (folder / "ankle.yaml").write_text(f"{SPEC}accept: {{spec.linkage_limit: roll stays small}}\n")

@@ -7,13 +7,18 @@ robot's joints and runs in `resolve`, so that `show` and `compile` have both. Th
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
 
 from actspec.diagnostics import Collector, did_you_mean, listed
+from actspec.ir import JointActuator
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
-from actspec.spec.plausible.groups import drives_of, group_doubts, time_doubts
+from actspec.spec.plausible.groups import group_doubts, time_doubts
+from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
-from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, tell
+from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, by_number, tell
+from actspec.spec.plausible.witnesses import file_doubts, witnessed
 from actspec.spec.rules.robot import SPEC_ITSELF
 
 _CODE = re.compile("[A-Za-z]{2,}[0-9]+")
@@ -43,12 +48,24 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
             collector.at(f"accept.{key}", document.spans.key(("accept", key))).error(
                 "SPEC162", f"no check of a spec's numbers is called {code}", help
             )
-    tell(number_doubts(model, document), document, model.accept, collector)
+    doubts = number_doubts(model, document)
+    # Which of friction and limit is wrong, the robot's file tells: that is no reason not to read it.
+    told = (replace(doubt, error=False) if doubt.code == "FRC101" else doubt for doubt in doubts)
+    tell(told, document, model.accept, collector)
 
 
-def number_doubts(model: SpecModel, document: Document) -> list[Doubt]:
-    """What the figures imply whatever the robot is; also what the author is sure of."""
+def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointActuator] = ()) -> list[Doubt]:
+    """What the figures imply; also what the author is sure of.
+
+    Args:
+        model: What the spec says.
+        document: Where it says it.
+        joints: The resolved spec, with what the robot's file says; none: whatever the robot is.
+    """
     spans = document.spans
-    doubts = [doubt for drive in drives_of(model) for doubt in motor_doubts(drive, spans)]
-    doubted = {doubt.where for doubt in doubts}
+    doubts = [doubt for drive in witnessed(joints, model, spans) for doubt in motor_doubts(drive, spans)]
+    places = {doubt.span for doubt in doubts}
+    doubts += (doubt for doubt in by_number(file_doubts(joints, model)) if doubt.span not in places)
+    doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}
+    doubts += linkage_doubts(model, spans, joints, doubted)
     return [*doubts, *time_doubts(model, spans), *group_doubts(model, spans, doubted)]

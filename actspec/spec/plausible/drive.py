@@ -31,6 +31,8 @@ class Limit:
         reduction: From the motor's output to the joint, where no transmission stands there.
         motors: How many drive one joint.
         train: Key of the transmission in the drive's `trains`; None: there is none.
+        counted: Where the number of motors is written; None: it is not.
+        reduced: Where the reduction is written; likewise.
     """
 
     value: SpecValue
@@ -38,6 +40,8 @@ class Limit:
     reduction: float
     motors: int
     train: Path | None = None
+    counted: Path | None = None
+    reduced: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +101,7 @@ class Witness:
         train: Key of the train in the drive's `trains`; None: there is none.
         motors: How many drive one joint, where no train has them.
         counted: Where their number is written; None: it is not.
+        reduced: Where the reduction to the joint is written; likewise.
     """
 
     joint: str
@@ -108,6 +113,7 @@ class Witness:
     train: Path | None = None
     motors: int = 1
     counted: Path | None = None
+    reduced: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)

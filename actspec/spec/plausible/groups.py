@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any
 
-from actspec.diagnostics import Path, dotted
+from actspec.diagnostics import Path, Span
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, Motor, Randomize, SpecModel, Tunable
@@ -133,6 +133,10 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             fields.reduction or group.reduction,
             fields.motors_per_joint or group.motors_per_joint or 1,
         )
+        own = path if fields.motors_per_joint is not None else path[:2]
+        counted = (*own, "motors_per_joint") if count > 1 else None
+        own = path if fields.reduction is not None else path[:2]
+        reduced = None if reduction is None else (*own, "reduction")
         stages = fields.transmission or group.transmission
         train: Path | None = None
         if stages is not None:
@@ -153,7 +157,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             value = getattr(fields, field)
             if isinstance(value, SpecValue):
                 factor = None if reduction is None else reduction.value
-                limit = Limit(value, (*path, field), factor or 1.0, count, train)
+                limit = Limit(value, (*path, field), factor or 1.0, count, train, counted, reduced)
                 limits.setdefault(name, []).append(limit)
     for name, motor in model.motors.items():
         motor = cuts[name][0] if name in cuts else motor
@@ -168,13 +172,15 @@ def _turns(motor: Motor) -> bool:
     return not any(value is not None and value.linear for value in figures)
 
 
-def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -> Iterator[Doubt]:
+def group_doubts(
+    model: SpecModel, spans: SourceMap, doubted: Collection[str | Span | None]
+) -> Iterator[Doubt]:
     """What can hardly be right about groups; an override's fields are judged with those of its group.
 
     Args:
         model: What the spec says.
         spans: Where it says it.
-        doubted: Places of limits that are doubted themselves, and tell nothing of gains.
+        doubted: Numbers that are doubted themselves, and tell nothing of others: where, and their spans.
     """
     for path, fields, group in _layers(model):
         base: Path = path[:2]
@@ -191,7 +197,7 @@ def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -
         limit, limit_path, own_limit = stated("effort_limit")
         friction, friction_path, own_friction = stated("friction")
         # What is judged by a wrong limit says nothing.
-        told = dotted(limit_path) in doubted
+        told = spans.value(limit_path) in doubted
         if friction is not None and (own_limit or own_friction) and isinstance(limit, SpecValue) and not told:
             coulomb: SpecValue | None = friction.coulomb
             if coulomb is not None and coulomb.value is not None and limit.value is not None:
@@ -203,7 +209,7 @@ def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -
             if own and isinstance(gain, DerivedGain):
                 yield from derived_doubts(gain, place, spans)
         if (own_kp or own_kd) and isinstance(kp, SpecValue) and isinstance(kd, SpecValue):
-            known = None if kp.linear or kd.linear else _most_of(stated, model, doubted)
+            known = None if kp.linear or kd.linear else _most_of(stated, model, spans, doubted)
             viscous = 0.0 if friction is None or friction.viscous is None else friction.viscous.value or 0.0
             driven = stated("motor")[0] in model.motors
             force = "N" if kp.linear or kd.linear else "N*m"
@@ -223,16 +229,19 @@ def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -
                 place = (*path, "randomize", field)
                 drawn = list(_drawn(entry, field, place, spans))
                 yield from drawn or _replaced(
-                    entry, field, place, _most_of(stated, model, doubted), group, spans
+                    entry, field, place, _most_of(stated, model, spans, doubted), group, spans
                 )
 
 
 def _most_of(
-    stated: Callable[[str], tuple[Any, Path, bool]], model: SpecModel, doubted: Collection[str]
+    stated: Callable[[str], tuple[Any, Path, bool]],
+    model: SpecModel,
+    spans: SourceMap,
+    doubted: Collection[str | Span | None],
 ) -> float | None:
     """The effort limit of a hinge, or what its motor gives there [N*m]; None where it is unknown or doubted."""
     limit, path, _ = stated("effort_limit")
-    if dotted(path) in doubted:
+    if spans.value(path) in doubted:
         return None
     if isinstance(limit, SpecValue):
         return None if limit.linear else limit.value
@@ -240,7 +249,9 @@ def _most_of(
     motor = model.motors.get(name)
     if motor is None or stated("transmission")[0] is not None or (reduction and _is_geared_up(reduction)):
         return None
-    if any(place.startswith(f"motors.{name}.") for place in doubted) or not _turns(motor):
+    if any(isinstance(place, str) and place.startswith(f"motors.{name}.") for place in doubted) or not _turns(
+        motor
+    ):
         return None
     if limit == "continuous":
         motor = motor.model_copy(update={"peak_torque": None, "stall_torque": None, "curve": None})
@@ -369,14 +380,19 @@ def _friction(
 ) -> Iterator[Doubt]:
     """Dry friction against the effort limit, both stated."""
     assert coulomb.value is not None and limit.value is not None
-    found = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit)
+    found = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit, spans.value(limit_path))
     if found is not None:
         message, help, error = found
         yield at(spans, "FRC101", message, path, help, limit_path, error=error)
 
 
-def friction_words(coulomb: float, unit: str, limit: float, limit_unit: str) -> tuple[str, str, bool] | None:
-    """What dry friction implies: message, help, whether it is an error; None where it is a small part of the limit."""
+def friction_words(
+    coulomb: float, unit: str, limit: float, limit_unit: str, place: Span | None
+) -> tuple[str, str, bool] | None:
+    """What dry friction implies: message, help, whether it is an error; None where it is a small part of the limit.
+
+    `place` is that of the limit, which may be the wrong one; None: it is written nowhere.
+    """
     if coulomb < FRICTION_SHARE * limit:
         return None
     shown, most = format_quantity(coulomb, unit), format_quantity(limit, limit_unit)
@@ -388,4 +404,6 @@ def friction_words(coulomb: float, unit: str, limit: float, limit_unit: str) -> 
         message = f"the dry friction of {shown} is not below the effort limit of {most}"
         message += ": the drive cannot move the joint"
     help = f"is it in m{unit} ({format_quantity(coulomb / 1000, unit)}), or a dimensionless coefficient?"
+    if place is not None:
+        help += f" Or is the limit wrong ({place})?"
     return message, help, coulomb >= FRICTION_STOPS * limit

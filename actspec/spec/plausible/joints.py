@@ -5,20 +5,20 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
-from actspec.diagnostics import Collector, Diagnostic, Span, listed
+from actspec.diagnostics import Collector, Diagnostic, Span
 from actspec.fields import GRAVITY, LONGEST_LEVER
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
-from actspec.spec.plausible import check_numbers, number_doubts
+from actspec.spec.plausible import number_doubts
 from actspec.spec.plausible.clamps import clamp_words
+from actspec.spec.plausible.driven import FASTEST_SLIDE
 from actspec.spec.plausible.gains import Gains, gain_words
 from actspec.spec.plausible.groups import friction_words
-from actspec.spec.plausible.relations import DEGREE
-from actspec.spec.plausible.table import BY_CODE, Doubt, tell
-from actspec.spec.plausible.witnesses import file_doubts, limit_doubts
+from actspec.spec.plausible.motors import FASTEST_BY_TORQUE
+from actspec.spec.plausible.relations import DEGREE, RPM
+from actspec.spec.plausible.table import BY_CODE, Doubt, Found, by_number, tell
 from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
@@ -56,6 +56,8 @@ SCALE = 2.0
 """One unit of action over the joint's range and, by kp, over the effort limit."""
 RATE_SCALE = 10.0
 """One unit of action over the fastest speed or the effort limit."""
+FASTEST_LIMIT = 200.0
+"""Velocity limit of a hinge [rad/s]. Published: to 200 (gripper of the reBot), 110 at 26 N*m (Qinglong)."""
 WHOLE_ROBOT = 6
 """Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
 HOPELESS_LEVER = 10.0
@@ -67,23 +69,6 @@ _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
 _TO_INERTIA = frozenset(("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction"))
 """Figures of a motor from which the inertia at its joint follows."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """A doubt about one joint.
-
-    Attributes:
-        doubt: The doubt.
-        joint: Name of the joint.
-        size: How far the number is from its bound.
-        derived: One of the numbers follows from others, such as the motor's.
-    """
-
-    doubt: Doubt
-    joint: str
-    size: float
-    derived: bool
 
 
 def check_joints(
@@ -102,16 +87,13 @@ def check_joints(
         collector: Takes warnings, and errors where nothing could be right.
         mass: Of the robot [kg]; None: unknown.
     """
-    reported = _sections(item for item in collector if item.code in BY_CODE)
-    doubts = list(file_doubts(joints, model, document.spans, reported))
-    tell(doubts, document, model.accept, collector)
-    places = {item.span for item in collector if item.code in BY_CODE}
-    doubts += (doubt for doubt in limit_doubts(joints) if doubt.span not in places)
+    # What the spec alone implies is judged again, beside the limits of the robot's file.
+    collector.forget(BY_CODE)
+    doubts = number_doubts(model, document, joints)
     tell(doubts, document, model.accept, collector)
     # What follows from a number is not told when the author is sure of that: else each `sure` brings the next.
-    doubts += number_doubts(model, document)
-    found = {doubt.diagnostic for doubt in doubts}.union(item for item in collector if item.code in BY_CODE)
-    tell(_joint_doubts_of(joints, found, mass), document, model.accept, collector)
+    found = {doubt.diagnostic for doubt in doubts}
+    tell(by_number(_joint_doubts_of(joints, model, found, mass)), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
     if kept and not model.variants:
@@ -148,7 +130,6 @@ def _check_kept(
     """Warn of a check whose findings `accept` keeps, and which finds nothing; `kept` has its code by the key there."""
     every = Collector()
     bare = model.model_copy(update={"accept": {}})
-    check_numbers(bare, document, every)
     check_joints(joints, bare, document, every, mass)
     found = {item.code for item in every}
     if any(joint.inertia_held is None for joint in joints):
@@ -162,52 +143,37 @@ def _check_kept(
 
 
 def _joint_doubts_of(
-    joints: Sequence[JointActuator], told: Collection[Diagnostic], mass: float | None
-) -> Iterator[Doubt]:
+    joints: Sequence[JointActuator], model: SpecModel, told: Collection[Diagnostic], mass: float | None
+) -> Iterator[Found]:
     """What is found at the joints, but for what follows from numbers that are found already, reported or kept."""
     reported = _sections(told)
     gained = _sections(item for item in told if item.code == "SPEC192")
     parts = (re.split(r"[.\[]", item.where) for item in told)
     reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
     places = {item.span for item in told}
-    groups: dict[tuple[str, Span | None], list[_Found]] = {}
+    linked = {joint: name for name, linkage in model.linkages.items() for joint in linkage.joints}
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
     for joint in joints:
-        lever = list(_lever(joint, whole))
+        linkage = linked.get(joint.joint)
+        lever = list(_lever(joint, whole, linkage))
         for found in (*lever, *_joint_doubts(joint)):
             doubt = found.doubt
             if lever and joint.effort_limit.span in doubt.judged:
                 # What is judged by a wrong limit says nothing.
                 continue
             doubtful = f"motors.{joint.motor}" in reported or f"actuators.{joint.group}" in reduced
+            doubtful |= f"linkages.{linkage}" in reported
             if (found.derived and doubtful) or not places.isdisjoint((doubt.span, *doubt.judged)):
                 # It follows from a number that is found itself.
                 continue
             if doubt.code == "SPEC192" and f"actuators.{joint.group}" in gained:
                 # A derivation's frequency or ratio, or the same two gains by other words.
                 continue
-            groups.setdefault((doubt.code, doubt.span), []).append(found)
-    yield from (_worst(members) for members in groups.values())
+            yield found
 
 
-def _worst(members: list[_Found]) -> Doubt:
-    """The doubt of the worst joint, with the names of all."""
-    worst = max(members, key=lambda found: (found.doubt.error, found.size))
-    names = [worst.joint, *(found.joint for found in members if found.joint != worst.joint)]
-    doubt = worst.doubt
-    return Doubt(
-        doubt.code,
-        f"{listed(names, 3)}: {doubt.message}",
-        doubt.where,
-        doubt.span,
-        doubt.help,
-        doubt.judged,
-        doubt.error,
-    )
-
-
-def _joint_doubts(joint: JointActuator) -> Iterator[_Found]:
-    for check in (_pose, _command_range, _friction, _viscous, _scale):
+def _joint_doubts(joint: JointActuator) -> Iterator[Found]:
+    for check in (_pose, _command_range, _friction, _viscous, _scale, _velocity):
         yield from check(joint)
     inertia = list(_armature(joint))
     # With a wrong inertia gains say nothing.
@@ -234,18 +200,18 @@ def _found(
     number: Quantity,
     *others: Quantity | None,
     error: bool = False,
-) -> _Found:
+) -> Found:
     known = [other for other in others if other is not None]
     judged = tuple(other.span for other in known)
     derived = any(item.origin is Origin.DERIVED for item in (number, *known))
-    return _Found(Doubt(code, message, where, number.span, help, judged, error), joint.joint, size, derived)
+    return Found(Doubt(code, message, where, number.span, help, judged, error), joint.joint, size, derived)
 
 
 def _shown(quantity: Quantity, digits: int = 4) -> str:
     return format_quantity(quantity.value, quantity.unit, digits)
 
 
-def _pose(joint: JointActuator) -> Iterator[_Found]:
+def _pose(joint: JointActuator) -> Iterator[Found]:
     """A default position outside of the range; published: to 0.02 rad (calf of the B2)."""
     pose = joint.default_position
     if pose.value is None or pose.origin is not Origin.AUTHORED or joint.position_range is None:
@@ -257,11 +223,11 @@ def _pose(joint: JointActuator) -> Iterator[_Found]:
 
 def _outside(
     joint: str, kind: JointKind, limits: tuple[float, float], pose: float, span: Span | None
-) -> _Found | None:
+) -> Found | None:
     """A position beyond the range."""
-    low, high = limits
+    (low, high), tolerance = limits, POSE_TOLERANCE[kind]
     beyond = max(low - pose, pose - high)
-    if beyond <= POSE_TOLERANCE[kind]:
+    if beyond <= tolerance:
         return None
     help = None
     unit = "rad" if kind is JointKind.HINGE else "m"
@@ -271,9 +237,9 @@ def _outside(
         help = f"is the sign wrong? {format_quantity(-pose, unit)} is inside"
         if kind is JointKind.HINGE:
             help += f", {-pose / DEGREE:.4g} deg"
-    elif kind is JointKind.HINGE and low <= pose * DEGREE <= high:
+    elif kind is JointKind.HINGE and low - tolerance <= pose * DEGREE <= high + tolerance:
         help = f"is it in degrees? Then write {pose:g} deg, {format_quantity(pose * DEGREE, unit, 4)}"
-    elif kind is JointKind.SLIDE and low <= pose * 1e-3 <= high:
+    elif kind is JointKind.SLIDE and low - tolerance <= pose * 1e-3 <= high + tolerance:
         help = f"is it in mm? Then write {pose:g} mm"
     message = (
         f"the default position {format_quantity(pose, unit, 4)} is outside of the joint's range, "
@@ -281,10 +247,10 @@ def _outside(
     )
     error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
     doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
-    return _Found(doubt, joint, beyond, False)
+    return Found(doubt, joint, beyond, False)
 
 
-def _command_range(joint: JointActuator) -> Iterator[_Found]:
+def _command_range(joint: JointActuator) -> Iterator[Found]:
     """A clamp of commands of position that is many times as wide as the joint's range, or that range in degrees."""
     clamp, own = joint.command_range, joint.position_range
     if clamp is None or own is None or joint.command is not Command.POSITION or not _stated(clamp[0]):
@@ -310,7 +276,7 @@ def _command_range(joint: JointActuator) -> Iterator[_Found]:
     )
 
 
-def _lever(joint: JointActuator, mass: float | None) -> Iterator[_Found]:
+def _lever(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
     """An effort limit that would hold the whole robot on a lever which no robot has."""
     limit = joint.effort_limit
     if not mass or joint.kind is not JointKind.HINGE or not limit.value or not _stated(limit):
@@ -328,18 +294,19 @@ def _lever(joint: JointActuator, mass: float | None) -> Iterator[_Found]:
         lever,
         f"an effort limit of {_shown(limit)} would hold the whole robot, {format_quantity(mass, 'kg', 3)}, on a lever "
         f"of {format_quantity(lever, 'm', 3)}",
-        "look for a wrong unit, gear_ratio or side",
+        "look for a wrong unit, gear_ratio or side" + (f", or at the linkage '{linkage}'" if linkage else ""),
         limit,
         error=lever > HOPELESS_LEVER * LONGEST_LEVER,
     )
 
 
-def _friction(joint: JointActuator) -> Iterator[_Found]:
+def _friction(joint: JointActuator) -> Iterator[Found]:
     """Dry friction against the effort limit, where one of the two is the motor's or the results'."""
     coulomb, limit = joint.friction_coulomb, joint.effort_limit
     if not coulomb.value or not limit.value or not (_stated(coulomb) or _stated(limit)):
         return
-    words = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit)
+    place = limit.span if _stated(coulomb) and _stated(limit) else None
+    words = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit, place)
     if words is None:
         return
     message, help, error = words
@@ -352,7 +319,7 @@ def _friction(joint: JointActuator) -> Iterator[_Found]:
     )
 
 
-def _viscous(joint: JointActuator) -> Iterator[_Found]:
+def _viscous(joint: JointActuator) -> Iterator[Found]:
     """Viscous friction at the end of the torque-speed line; published: to 0.43 of the limit (ANYmal D)."""
     viscous, limit = joint.friction_viscous, joint.effort_limit
     speed = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
@@ -378,7 +345,7 @@ def _viscous(joint: JointActuator) -> Iterator[_Found]:
     )
 
 
-def _armature(joint: JointActuator) -> Iterator[_Found]:
+def _armature(joint: JointActuator) -> Iterator[Found]:
     """An armature against the motor's inertia, the effort limit and the links."""
     armature, limit = joint.armature, joint.effort_limit
     if not _stated(armature) or not armature.value:
@@ -443,7 +410,7 @@ def _armature(joint: JointActuator) -> Iterator[_Found]:
     )
 
 
-def _gains(joint: JointActuator) -> Iterator[_Found]:
+def _gains(joint: JointActuator) -> Iterator[Found]:
     """kp and kd by natural frequency and damping ratio."""
     kp, kd, held, limit = joint.kp, joint.kd, joint.inertia_held, joint.effort_limit
     if (
@@ -533,7 +500,52 @@ def _by_damping(
     return message, f"is kd {per}{format_quantity(meant, kd.unit, 4)}", max(ratio, 1 / ratio)
 
 
-def _scale(joint: JointActuator) -> Iterator[_Found]:
+def _velocity(joint: JointActuator) -> Iterator[Found]:
+    """A velocity limit beyond any joint's, where no motor's speed stands: with one it is judged by that.
+
+    What the robot's file says as well is not mistyped, and powers of ten are placeholders.
+    """
+    limit, force = joint.velocity_limit, joint.effort_limit
+    line, fast = joint.motor_line, limit.value
+    own = None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
+    if own is not None and own.value:
+        return
+    said = next((one.value for one in limit.lost if one.origin is Origin.MODEL), None)
+    if not fast or limit.origin is not Origin.AUTHORED or math.log10(fast).is_integer():
+        return
+    if said is not None and math.isclose(said, fast, rel_tol=0.01):
+        return
+    hinge = joint.kind is JointKind.HINGE
+    strong = force.value if hinge and force.value and force.value < math.inf else 0.0
+    most = FASTEST_BY_TORQUE / math.sqrt(strong) if strong else math.inf
+    if fast <= min(most, FASTEST_LIMIT if hinge else FASTEST_SLIDE):
+        return
+    words = f"a velocity limit of {_shown(limit)}"
+    if fast > most:
+        power = f"{strong * fast / 1000.0:.3g} kW"
+        words += f" is {power} beside the effort limit of {_shown(force)}: no joint of such a torque is nearly as fast"
+    else:
+        words += f": the fastest {joint.kind.value}s of robots have {'200 rad/s' if hinge else '10 m/s'}"
+    slips = [(DEGREE, "deg/s"), (RPM, "rpm")] if hinge else [(1e-3, "mm/s")]
+    usual = 50.0 if hinge else 5.0
+    readings = [
+        f"is it in {unit}? Then it is {format_quantity(fast * factor, limit.unit, 4)}"
+        for factor, unit in slips
+        if fast * factor <= min(0.5 * most, usual)
+    ]
+    yield _found(
+        joint,
+        "SPEC184",
+        f"actuators.{joint.group}.velocity_limit",
+        fast,
+        words,
+        "; or ".join(readings) or "look for a wrong unit",
+        limit,
+        force if fast > most else None,
+    )
+
+
+def _scale(joint: JointActuator) -> Iterator[Found]:
     """One unit of action against range, speed and effort limit; published: 0.41 of the range, 0.75 of the limit."""
     scale, limit = joint.action_scale, joint.effort_limit
     if scale is None or not scale.value:

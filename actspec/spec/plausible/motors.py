@@ -17,6 +17,7 @@ from actspec.spec.plausible.driven import (
     witness_relations,
 )
 from actspec.spec.plausible.relations import RPM, Relation
+from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
@@ -67,6 +68,8 @@ PEAK_ACCELERATION = 2500.0
 SPIN_UP = (0.5, 1.0)
 """Time to its own speed without load by its peak or stall torque, and by a continuous torque that stands alone [s].
 Published: 0.005 (Go2) to 0.052 (STS3215)."""
+STAGE_OF_ROTOR = 2.0
+"""Inertia behind a stage, seen at the rotor, over the rotor's. Published: 0.003 to 0.011 (motors of the G1)."""
 OUTPUT_ACCELERATION = (1.0, 1e6)
 """Torque over inertia at the output [rad/s^2]."""
 HOPELESS = 100.0
@@ -103,6 +106,7 @@ def relations(drive: Drive) -> Iterator[Relation]:
     yield from _beyond(drive.name, output)
     yield from _speed(drive.name, motor, output)
     yield from _rotor(drive.name, motor, output)
+    yield from _stage_inertias(drive.name, motor)
     yield from train_relations(drive, output)
     yield from limit_relations(drive, output)
     yield from witness_relations(drive, output)
@@ -444,6 +448,35 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             (output.torque_path, output.speed_path, ("motors", name, "gear_ratio")),
             beyond=(0.0, HOPELESS * SPIN_UP[alone]),
             about="spin up",
+        )
+
+
+def _stage_inertias(name: str, motor: Motor) -> Iterator[Relation]:
+    """What turns with the outputs of the gearbox's stages, by the rotor that turns it."""
+    rotor, turns = number(motor.rotor_inertia), 1.0
+    if not rotor or motor.rotor_inertia is None:
+        return
+    for index, stage in enumerate(motor.gearbox or ()):
+        ratio, inertia = stage_ratio(stage), number(stage.inertia)
+        if ratio is None:
+            return
+        turns *= ratio
+        if not inertia or stage.inertia is None or not 0.0 < turns < math.inf:
+            continue
+        there = inertia / turns / turns
+        yield Relation(
+            "SPEC185",
+            there / rotor,
+            (0.0, STAGE_OF_ROTOR),
+            (1e-3, 0.1),
+            f"an inertia of {stage.inertia.written} at the output of this stage is "
+            f"{format_quantity(there / rotor, '', 3)} times the rotor's {motor.rotor_inertia.written}, "
+            f"seen through {format_quantity(turns, '', 4)} turns",
+            ("motors", name, "gearbox", index, "inertia"),
+            "look for a wrong unit: g*cm^2 or kg*cm^2 as kg*m^2",
+            (("motors", name, "rotor_inertia"),),
+            beyond=(0.0, HOPELESS * HOPELESS * STAGE_OF_ROTOR),
+            about=f"stage {index}",
         )
 
 

@@ -25,6 +25,8 @@ NEAR = 1.0
 """A correction explains a doubt if no relation gets further from what is usual [powers of ten]."""
 ALIKE = 0.1
 """Two readings of one number are both told if they differ by no more than this [powers of ten]."""
+TIE = 0.02
+"""Corrections of two numbers are both told if they differ by no more than this [powers of ten]."""
 
 FAR_ABOVE_FILE = 30.0
 """A limit, or what a motor gives, over the limit of the robot's file: it is doubted whatever the file meant."""
@@ -103,7 +105,10 @@ class Repair:
 
 
 def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Repair]:
-    """The best correction, with another of the same number that is as good; none where nothing explains all."""
+    """The best correction, with another of the same number that is as good; none where nothing explains all.
+
+    Behind them stands the best of each other number of which one is as good: which is wrong is not known then.
+    """
     refuted = {
         _about(relation): relation.value for relation in before if relation.witnessed and relation.broken
     }
@@ -130,9 +135,16 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
     alike = [
         repair
         for cost, repair in found
-        if repair is not best and repair.paths == best.paths and not repair.rare and cost <= least + ALIKE
+        if repair is not best
+        and repair.paths == best.paths
+        and repair.rare <= ALIKE
+        and cost <= least + ALIKE
     ]
-    return [best, *alike[:1]]
+    rivals: dict[tuple[Path, ...], Repair] = {}
+    for cost, repair in sorted(found, key=lambda item: item[0]):
+        if cost <= least + TIE and repair.help is not None and set(repair.paths).isdisjoint(best.paths):
+            rivals.setdefault(repair.paths, repair)
+    return [best, *alike[:1], *rivals.values()]
 
 
 def _about(relation: Relation) -> tuple[object, ...]:
@@ -145,10 +157,17 @@ def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: Sourc
     blamed = {relation.path for relation in broken}.intersection(best[0].paths) or best[0].paths
     where = min(blamed, key=lambda path: (spans.value(path).line or 0, spans.value(path).column or 0))
     told = min(broken, key=lambda relation: (relation.path != where, where not in relation.others))
-    readings = dict.fromkeys(repair.help for repair in best if repair.help is not None)
+    readings = dict.fromkeys(repair.help for repair in best if repair.paths == best[0].paths and repair.help)
     judged = [path for relation in broken for path in (relation.path, *relation.others)]
     error = any(relation.error for relation in broken)
     help = "; or ".join(readings) or None
+    rivals = [repair for repair in best if repair.paths != best[0].paths]
+    judged += [path for repair in rivals for path in repair.paths]
+    if rivals and help is not None:
+        others = [
+            f"{repair.paths[0][-1]} ({spans.value(repair.paths[0])}): {repair.help}" for repair in rivals
+        ]
+        help = f"one of {len(rivals) + 1} numbers is wrong. {where[-1]}: {help} Or {' Or '.join(others)}"
     if told.code == "SPEC183":
         # There are larger machines than robots.
         help = f"{help or 'look for a wrong unit'}{'' if (help or '').endswith('?') else ';'} {KEEP}"

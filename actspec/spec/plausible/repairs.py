@@ -13,7 +13,16 @@ from actspec.spec.gears import Stage
 from actspec.spec.models import Motor
 from actspec.spec.plausible.drive import GEARED, Drive, efficiency_of, gear_of, number, stage_path
 from actspec.spec.plausible.motors import GEAR_INVERSE, relations
-from actspec.spec.plausible.relations import DEGREE, RARE, RPM, Relation, Repair, explained, explanation
+from actspec.spec.plausible.relations import (
+    ALIKE,
+    DEGREE,
+    RARE,
+    RPM,
+    Relation,
+    Repair,
+    explained,
+    explanation,
+)
 from actspec.spec.plausible.table import Doubt
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -46,33 +55,28 @@ INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"), (1e-3, "g*m^
 
 
 def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
-    """Everything that can hardly be right about one motor and the limits of its joints."""
+    """Everything that can hardly be right about one motor and the limits of its joints.
+
+    Limits of the robot's file, where they are known, tell which of several numbers it is. Of a motor whose figures
+    agree with each other they tell only what is in another unit: a limit of a tenth may be meant.
+    """
     before = list(relations(drive))
     broken = [relation for relation in before if relation.broken]
     if not broken:
         return
-    best = explained(before, _repairs(drive))
-    if best:
-        yield explanation(best, broken, spans)
-        return
-    for relation in _first(broken):
-        yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
-
-
-def witness_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
-    """What the limits of the robot's file tell of a motor whose figures agree with each other.
-
-    A limit of a tenth may be meant; one in another unit is not.
-    """
-    before = list(relations(drive))
-    broken = [relation for relation in before if relation.broken]
-    if not broken or not all(relation.witnessed for relation in broken):
-        return
-    limits = {limit.path for limit in drive.limits}
-    repairs = (item for item in _repairs(drive) if not item.rare or limits.isdisjoint(item.paths))
+    repairs: Iterable[Repair] = _repairs(drive)
+    witnessed = all(relation.witnessed for relation in broken)
+    if witnessed:
+        limits = {limit.path for limit in drive.limits}
+        repairs = (item for item in repairs if not item.rare or limits.isdisjoint(item.paths))
     best = explained(before, repairs)
     if best:
         yield explanation(best, broken, spans)
+    elif not witnessed and drive.witnesses:
+        yield from motor_doubts(replace(drive, witnesses=()), spans)
+    elif not witnessed:
+        for relation in _first(broken):
+            yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
 
 
 def _first(broken: Iterable[Relation]) -> Iterator[Relation]:
@@ -143,6 +147,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
                 yield sided(path, 1.0 / across, lossy=False)
     yield from _stages(drive)
     yield from _counts(drive)
+    yield from _reductions(drive)
     if number(motor.nominal_current) and number(motor.peak_current):
         update = {"nominal_current": motor.peak_current, "peak_current": motor.nominal_current}
         help = "are nominal_current and peak_current swapped? The thermal limit is the lower one"
@@ -177,7 +182,8 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             meant = about + _shown(_times(first, factor))
             help = f"is it quoted at the {there} ({names})? At the {here} {_shown(first)} is {meant}"
             yield moved(torques, factor, help, SIDED)
-        yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
+        if len(torques) > 1:
+            yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
         if len(torques) > 1 and all("kgf" not in _given(motor, path).written for path in torques):
             # A torque constant is in N*m/A on every sheet.
             rare = RARE if motor.torque_constant is None else RARE - 0.05
@@ -244,6 +250,13 @@ def _stages(drive: Drive) -> Iterator[Repair]:
             motor = drive.motor.model_copy(update={"gearbox": stages})
             place = stage_path(stage, ("motors", drive.name, "gearbox", index))
             yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
+        if number(stage.inertia) and stage.inertia is not None:
+            for factor, help, rare in _inertias(stage.inertia):
+                other = stage.model_copy(update={"inertia": _times(stage.inertia, factor)})
+                stages = (*gearbox[:index], other, *gearbox[index + 1 :])
+                motor = drive.motor.model_copy(update={"gearbox": stages})
+                place = ("motors", drive.name, "gearbox", index, "inertia")
+                yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
     for train in {train.root: train for train in drive.trains.values()}.values():
         for index, stage in enumerate(train.stages):
             for other, help, rare in _stage_slips(stage):
@@ -259,9 +272,9 @@ def _stages(drive: Drive) -> Iterator[Repair]:
 def _counts(drive: Drive) -> Iterator[Repair]:
     """One motor in place of many."""
     gear = gear_of(drive.motor)
-    for witness in {item.counted: item for item in drive.witnesses if item.counted is not None}.values():
-        place = witness.counted
-        assert place is not None
+    counted = {item.counted: item.motors for item in drive.limits if item.counted is not None}
+    counted |= {item.counted: item.motors for item in drive.witnesses if item.counted is not None}
+    for place, motors in counted.items():
 
         def one(path: Path, place: Path = place) -> bool:
             return path[:2] == place[:2]
@@ -276,10 +289,31 @@ def _counts(drive: Drive) -> Iterator[Repair]:
                 key: replace(train, motors=1) if one(key) else train for key, train in drive.trains.items()
             },
         )
-        same = gear is not None and math.isclose(gear, witness.motors, rel_tol=0.05)
+        same = gear is not None and math.isclose(gear, motors, rel_tol=0.05)
         help = "is it the gear ratio" if same else "did you mean 1"
         help += "? motors_per_joint is how many motors drive one joint together"
         yield Repair(tuple(relations(changed)), (place,), help)
+
+
+def _reductions(drive: Drive) -> Iterator[Repair]:
+    """A reduction from the motor to the joint whose point is in the wrong place."""
+    reductions = {item.reduced: item.reduction for item in drive.limits if item.reduced is not None}
+    for place, size in reductions.items():
+        for power in (-2, -1, 1, 2):
+            factor = 10.0**power
+            limits = tuple(
+                replace(item, reduction=item.reduction * factor) if item.reduced == place else item
+                for item in drive.limits
+            )
+            witnesses = tuple(
+                replace(item, factor=item.factor * (1.0 / factor if item.speed else factor))
+                if item.reduced == place and item.factor is not None
+                else item
+                for item in drive.witnesses
+            )
+            after = tuple(relations(replace(drive, limits=limits, witnesses=witnesses)))
+            help = f"did you mean {size * factor:.4g}? reduction is turns of the motor's output in one of the joint"
+            yield Repair(after, (place,), help, RARE)
 
 
 def _stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
@@ -343,7 +377,7 @@ def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, 
             yield 1.0 / RPM, f"did you mean {format_quantity(size / RPM, 'rad/s')}?", 0.0
         if not any(unit in value.written for unit in ("deg", "rpm")):
             meant = format_quantity(size * DEGREE, "rad/s", 3)
-            yield DEGREE, f"is it in deg/s? {size:g} deg/s is {meant}", RARE
+            yield DEGREE, f"is it in deg/s? {size:g} deg/s is {meant}", ALIKE
     else:
         yield 1e-3, _of_milli(value), 0.0
         yield 1e3, f"did you mean {_shown(_times(value, 1e3))}?", 0.0

@@ -9,10 +9,10 @@ myosuite, they report one, an arm made up for a test (`benchmarks/plausible.py`)
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted
+from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
 from actspec.spec.document import Document, SourceMap
 
 
@@ -86,17 +86,18 @@ CHECKS = (
         "SPEC184",
         "speed-of-side",
         "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity "
-        "limit far above it; either of them far from the speed that the robot's file states; a transmission that is "
-        "faster than any joint.",
+        "limit far above it, or beyond any joint where there is none; either of them far from the speed that the "
+        "robot's file states; a transmission that is faster than any joint.",
         "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed "
         "of the output), an output above 100 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 "
         "mN*m (micro motors are sold with 120000); behind a screw, a pinion or a lever "
         "a slide above 30 m/s and a hinge above 100 rad/s (chosen: belts reach 10 m/s); an output above 1000 rad/s"
-        " divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint."
-        " Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
-        "to 439 (ankle of the H2), velocity limits to 1 times the speed. From 5 times above or below the file's "
-        "limit on, where a slip in one figure makes them agree to a quarter (by a factor of 2 from 30 times above "
-        "on), and a limit above 30 times it in any case; 0 and powers of ten are placeholders.",
+        " divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint,"
+        " and where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s, unless the"
+        " robot's file has it too. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed "
+        "times root of torque to 560 (shoulder of the Qinglong), velocity limits to 1 times the speed. From 5 times "
+        "above or below the file's limit on, where a slip in one figure makes them agree to a quarter (by a factor of "
+        "2 from 30 times above on), and a limit above 30 times it in any case; 0 and powers of ten are placeholders.",
     ),
     Check(
         "SPEC185",
@@ -197,6 +198,24 @@ CHECKS = (
         "(published: 0.84 and 0.75 times). Of a speed: ten times the fastest that the joint turns. Of a torque: ten "
         "times the effort limit. A warning; an error from twenty times that.",
     ),
+    Check(
+        "SPEC194",
+        "not-of-its-source",
+        "A gain, limit, armature or friction that names the robot's file as its source, which says another number.",
+        "A warning from 5 times above or below what the file says on (chosen: a smaller difference may be a number "
+        "that was tuned). A source is the robot's file if its `page` has the name of `robot.model`, as `actspec "
+        "import` writes it.",
+    ),
+    Check(
+        "SPEC195",
+        "jacobian",
+        "A linkage's table of which a row does not fit the others, a pose far outside of the joint's range, or a limit "
+        "by a linkage that is a power of ten off the robot's file.",
+        "Of four rows or more: a pose that is out of the order of all others and in it by another unit, sign or power "
+        "of ten; a Jacobian of another sign than all others, or a power of ten off (to a factor of 1.6) what the rows "
+        "beside it make on a straight line. A pose from 0.3 rad and from a quarter of the range beyond an end on. A "
+        "limit from 5 times on where it is a power of ten off, from 30 times above in any case (Spot's table: 1.0).",
+    ),
 )
 """Every check, in the order in which they are explained."""
 
@@ -232,6 +251,34 @@ class Doubt:
         return Diagnostic(self.code, severity, self.message, self.where, self.span, self.help)
 
 
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A doubt about one joint.
+
+    Attributes:
+        doubt: The doubt.
+        joint: Name of the joint.
+        size: How far the number is from its bound.
+        derived: One of the numbers follows from others, such as the motor's.
+    """
+
+    doubt: Doubt
+    joint: str
+    size: float
+    derived: bool = False
+
+
+def by_number(found: Iterable[Found]) -> Iterator[Doubt]:
+    """One doubt for each number: that of its worst joint, with the names of all."""
+    numbers: dict[tuple[str, Span | None], list[Found]] = {}
+    for one in found:
+        numbers.setdefault((one.doubt.code, one.doubt.span), []).append(one)
+    for members in numbers.values():
+        worst = max(members, key=lambda one: (one.doubt.error, one.size))
+        names = dict.fromkeys((worst.joint, *(one.joint for one in members)))
+        yield replace(worst.doubt, message=f"{listed(names, 3)}: {worst.doubt.message}")
+
+
 def at(
     spans: SourceMap,
     code: str,
@@ -253,7 +300,7 @@ def tell(doubts: Iterable[Doubt], document: Document, accept: Collection[str], c
         doubts: What the checks found.
         document: The spec; `sure: true` in a value keeps it.
         accept: Keys of the spec's `accept`; `spec.CODE` keeps all that a check finds.
-        collector: Takes the rest; a number that has the same code there already is not reported again.
+        collector: Takes the rest; a number has each code once, whichever of its joints and aliases they are about.
     """
     sure = None
     reported = {(item.code, item.span) for item in collector}
@@ -262,6 +309,8 @@ def tell(doubts: Iterable[Doubt], document: Document, accept: Collection[str], c
             continue
         sure = frozenset(_sure(document.data, document.spans)) if sure is None else sure
         if sure.isdisjoint((doubt.span, *doubt.judged)):
+            if doubt.span is not None:
+                reported.add((doubt.code, doubt.span))
             collector.add(doubt.diagnostic)
 
 

@@ -3,83 +3,120 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+import os
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Span
+from actspec.fields import BY_IR
 from actspec.ir import JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import SourceMap
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.drive import Drive, Witness, number, output_of, scaled
-from actspec.spec.plausible.driven import AGREES
-from actspec.spec.plausible.groups import drives_of
-from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE
-from actspec.spec.plausible.repairs import witness_doubts
-from actspec.spec.plausible.table import Doubt
+from actspec.spec.plausible.driven import AGREES, WITNESS
+from actspec.spec.plausible.groups import FRICTION_SHARE, drives_of
+from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE, RPM
+from actspec.spec.plausible.repairs import KGF_CM
+from actspec.spec.plausible.table import Doubt, Found
 from actspec.units import format_quantity
 
+SAME = 1.03
+"""A slip explains a number if it comes to the file's by this factor: kgf*cm are rounded to two digits."""
+_LIMITS = ("effort_limit", "velocity_limit")
+_OF_FILE = (*_LIMITS, "kp", "kd", "armature", "friction_coulomb", "friction_viscous")
 
-def file_doubts(
-    joints: Sequence[JointActuator], model: SpecModel, spans: SourceMap, reported: Collection[str]
-) -> Iterator[Doubt]:
-    """Figures of motors that the limits of the robot's file contradict.
+
+def witnessed(joints: Sequence[JointActuator], model: SpecModel, spans: SourceMap) -> Iterator[Drive]:
+    """Every motor of a spec, with the limits that the robot's file states of its joints.
 
     Args:
         joints: The resolved spec.
         model: The spec.
         spans: Where it says what it says.
-        reported: Sections of the spec that have doubts already, such as `motors.hip`.
     """
     for drive in drives_of(model):
         driven = [joint for joint in joints if joint.motor == drive.name and _is_compared(joint, drive)]
-        told = {f"motors.{drive.name}", *(f"actuators.{joint.group}" for joint in driven)}
-        if told.isdisjoint(reported):
-            witnesses = tuple(
-                witness for joint in driven for witness in _witnesses(joint, drive, model, spans)
-            )
-            yield from witness_doubts(replace(drive, witnesses=witnesses), spans)
+        found = tuple(witness for joint in driven for witness in _witnesses(joint, drive, model, spans))
+        yield replace(drive, witnesses=found)
 
 
-def limit_doubts(joints: Sequence[JointActuator]) -> Iterator[Doubt]:
-    """Limits that the spec states far above those of the robot's file, with a motor or without.
+def file_doubts(joints: Sequence[JointActuator], model: SpecModel) -> Iterator[Found]:
+    """Numbers that the robot's file contradicts: it is named as their source, or they are limits far above its.
 
     Isaac Lab's hand of the Panda has 200 N of the file's 20, and limits are stated where a file has small
-    placeholders: a factor of ten tells nothing. A power of ten is a placeholder in the spec, too.
+    placeholders: a factor of ten tells nothing of a limit from elsewhere. A power of ten is a placeholder in the
+    spec, too.
     """
+    name = os.path.basename(model.robot.model)
+    own = {key for key, source in model.sources.items() if os.path.basename(str(source.page)) == name}
     for joint in joints:
-        efforts, speeds = _of_file(joint.effort_limit), _of_file(joint.velocity_limit)
-        if efforts == speeds:
-            continue
-        for field, stated, value in (
-            ("effort_limit", joint.effort_limit, efforts),
-            ("velocity_limit", joint.velocity_limit, speeds),
-        ):
-            size = stated.value
-            if not value or not size or stated.origin is not Origin.AUTHORED or stated.span is None:
+        for field in _OF_FILE:
+            stated: Quantity | None = getattr(joint, field)
+            if stated is None or stated.origin is not Origin.AUTHORED or not stated.value:
                 continue
-            ratio = size / value
-            if not FAR_ABOVE_FILE < ratio < math.inf or math.log10(size).is_integer():
+            said = next((one for one in stated.lost if one.origin is Origin.MODEL), None)
+            if said is None or not said.value or said.value * stated.value <= 0.0:
                 continue
-            yield Doubt(
-                "SPEC184" if field == "velocity_limit" else "SPEC187",
-                f"{joint.joint}: {field} {format_quantity(size, stated.unit, 4)} is {format_quantity(ratio, '', 3)} "
-                f"times the {format_quantity(value, stated.unit, 4)} of the robot's file",
-                f"actuators.{joint.group}.{field}",
-                stated.span,
-                _meant(stated, ratio),
-            )
+            ratio = stated.value / said.value
+            if stated.source in own:
+                told = not 1.0 / WITNESS < ratio < WITNESS
+                text = f"{_shown(stated)} names {stated.source} as its source, the robot's file, which has"
+                code = "SPEC194"
+            else:
+                told = field in _LIMITS and _is_far(joint, field, ratio)
+                text = f"{field} {_shown(stated)} is {_times(ratio)} the robot's file, which has"
+                code = "SPEC184" if field == "velocity_limit" else "SPEC187"
+            if told:
+                where = f"actuators.{joint.group}.{BY_IR[field].spec}"
+                message, help = f"{text} {_shown(said)}", _meant(stated, ratio)
+                size = abs(math.log(ratio))
+                yield Found(Doubt(code, message, where, stated.span, help), joint.joint, size)
+
+
+def _times(ratio: float) -> str:
+    return f"{format_quantity(max(ratio, 1.0 / ratio), '', 3)} times {'above' if ratio > 1.0 else 'below'}"
+
+
+def _shown(quantity: Quantity) -> str:
+    return format_quantity(quantity.value, quantity.unit, 4)
+
+
+def _is_far(joint: JointActuator, field: str, ratio: float) -> bool:
+    """Whether a limit that is so many times the file's can hardly be meant."""
+    stated: Quantity = getattr(joint, field)
+    efforts, speeds = limits_of_file(joint)
+    if (efforts if field == "effort_limit" else speeds) is None:
+        return False
+    if FAR_ABOVE_FILE < ratio < math.inf and not math.log10(stated.require()).is_integer():
+        return True
+    friction = joint.friction_coulomb
+    bearing = next((one.value for one in (friction, *friction.lost) if one.origin is Origin.MODEL), None)
+    # Where friction does not leave the limit anything, the file tells which of the two is wrong.
+    return bool(
+        field == "effort_limit"
+        and ratio < 1.0 / WITNESS
+        and bearing
+        and friction.value
+        and 1.0 / AGREES < friction.value / bearing < AGREES
+        and friction.value >= FRICTION_SHARE * stated.require()
+    )
 
 
 def _meant(stated: Quantity, ratio: float) -> str:
-    """What is likely to be meant by a limit that is so many times the file's."""
+    """What is likely to be meant by a number that is so many times the file's."""
     size, unit = stated.require(), stated.unit
-    slips = [(1e3, f"is it in m{unit}"), (100.0, "is the point in the wrong place")]
+    slips = [(1e3, f"is it in m{unit}")]
+    if unit == "N*m":
+        slips.append((1.0 / KGF_CM, "is it in kgf*cm"))
     if unit == "rad/s":
-        slips = [(1.0 / DEGREE, "is it in deg/s")]
-    for factor, words in slips:
-        if factor / AGREES <= ratio <= factor * AGREES:
-            return f"{words}? Then it is {format_quantity(size / factor, unit, 4)}"
-    return "look for a wrong unit"
+        slips = [(1.0 / DEGREE, "is it in deg/s"), (1.0 / RPM, "is it in rpm")]
+    elif "rad" in unit:
+        slips += [(1.0 / DEGREE, "is it multiplied by 57.3"), (DEGREE, "is it per degree")]
+    slips += [(10.0**power, "is the point in the wrong place") for power in (1, 2, 3, -1, -2, -3)]
+    factor, words = min(slips, key=lambda slip: abs(math.log(ratio / slip[0])))
+    if not 1.0 / SAME <= ratio / factor <= SAME:
+        return "look for a wrong unit"
+    return f"{words}? Then it is {format_quantity(size / factor, unit, 4)}"
 
 
 def _is_compared(joint: JointActuator, drive: Drive) -> bool:
@@ -103,11 +140,11 @@ def _witnesses(joint: JointActuator, drive: Drive, model: SpecModel, spans: Sour
         torques = [joint.peak_torque]
     most = max((torque.value or 0.0 for torque in torques if torque is not None), default=0.0)
     fast = 0.0 if speed is None else speed.value or 0.0
-    efforts, speeds = _of_file(joint.effort_limit), _of_file(joint.velocity_limit)
-    if efforts == speeds:
-        # An exporter's own.
-        return
+    efforts, speeds = limits_of_file(joint)
     paths = {spans.value(limit.path): limit.path for limit in drive.limits}
+    layers = [_path(paths, limit) for limit in (joint.effort_limit, joint.velocity_limit)]
+    # Of which layer its reduction is, its limits tell.
+    reduced = next((limit.reduced for limit in drive.limits if limit.path in layers), None)
     here = [key for key in drive.trains if key[:2] == ("actuators", joint.group)]
     count, counted = group.motors_per_joint or 1, ("actuators", joint.group, "motors_per_joint")
     if len(here) > 1 or any(other.motors_per_joint or other.motor for other in group.overrides.values()):
@@ -128,6 +165,7 @@ def _witnesses(joint: JointActuator, drive: Drive, model: SpecModel, spans: Sour
                 here[0] if here else None,
                 count,
                 counted if count > 1 else None,
+                reduced,
             )
             times = scaled(witness, drive.trains)
             if witness.factor and 0.0 < times < math.inf:
@@ -139,6 +177,12 @@ def _witnesses(joint: JointActuator, drive: Drive, model: SpecModel, spans: Sour
 
 def _path(paths: dict[Span, tuple[str | int, ...]], stated: Quantity) -> tuple[str | int, ...] | None:
     return None if stated.span is None else paths.get(stated.span)
+
+
+def limits_of_file(joint: JointActuator) -> tuple[float | None, float | None]:
+    """Effort and velocity limit that the robot's file states; two equal ones are an exporter's own."""
+    efforts, speeds = _of_file(joint.effort_limit), _of_file(joint.velocity_limit)
+    return (None, None) if efforts == speeds else (efforts, speeds)
 
 
 def _of_file(limit: Quantity) -> float | None:

@@ -474,7 +474,9 @@ def test_the_message_of_friction_has_the_milli_reading() -> None:
         found.message
         == "the dry friction of 30 N*m is not below the effort limit of 20 N*m: the drive cannot move the joint"
     )
-    assert found.help == "is it in mN*m (0.03 N*m), or a dimensionless coefficient?"
+    assert found.help == (
+        "is it in mN*m (0.03 N*m), or a dimensionless coefficient? Or is the limit wrong (s.yaml:4:80)?"
+    )
 
 
 @pytest.mark.parametrize(

@@ -175,6 +175,10 @@ def of_file(
     return [item for item in found if item.code in BY_CODE]
 
 
+ALONE = ("velocity_limit", "is it in deg/s? Then it is 4.992 rad/s; or is it in rpm? Then it is 29.95 rad/s")
+"""Of 286 rad/s."""
+
+
 @pytest.mark.parametrize(
     ("more", "limits", "expected"),
     [
@@ -184,13 +188,14 @@ def of_file(
         (", effort_limit: 55000", {}, ("effort_limit", "is it in mN*m? Then it is 55 N*m")),
         # Isaac Lab's hand of the Panda: 200 N of 20.
         (", effort_limit: 550", {}, None),
-        (", velocity_limit: 150 rad/s", {}, None),
+        # 671 of 1000, with the root of 20 N*m.
+        (", velocity_limit: 150 rad/s", {"effort": 20}, None),
         (", velocity_limit: 286 rad/s", {}, ("velocity_limit", "is it in deg/s? Then it is 4.992 rad/s")),
-        # Placeholders in the spec and in the file.
+        # Placeholders in the spec and in the file: what the file says nothing of is judged alone.
         (", velocity_limit: 1000 rad/s", {}, None),
-        (", velocity_limit: 286 rad/s", {"speed": 1}, None),
-        (", velocity_limit: 286 rad/s", {"speed": 0}, None),
-        (", velocity_limit: 286 rad/s", {"effort": 5}, None),
+        (", velocity_limit: 286 rad/s", {"speed": 1}, ALONE),
+        (", velocity_limit: 286 rad/s", {"speed": 0}, ALONE),
+        (", velocity_limit: 286 rad/s", {"effort": 5}, ALONE),
     ],
 )
 def test_a_limit_far_above_the_files(

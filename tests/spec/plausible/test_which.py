@@ -1,0 +1,290 @@
+"""Which number is told where several may be wrong: the one that others contradict, else all of them, and each once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.cli.main import main
+from actspec.diagnostics import ActspecError, Diagnostic
+from actspec.resolution import resolve
+from actspec.robot.load import joints_of_text
+from actspec.spec.document import document_from_text
+from actspec.spec.plausible import BY_CODE
+from actspec.spec.validate import validate
+from tests.fitting import fit, spec_of
+
+URDF = """<robot name="arm"><link name="a"/><link name="b"/><link name="c"/>
+  <joint name="hip" type="revolute"><parent link="a"/><child link="b"/>
+    <limit lower="-1" upper="1" effort="30" velocity="3.14"/><dynamics damping="2" friction="1"/></joint>
+  <joint name="knee" type="revolute"><parent link="b"/><child link="c"/>
+    <limit lower="-1" upper="1" effort="30" velocity="3.14"/><dynamics damping="2" friction="1"/></joint>
+</robot>
+"""
+
+
+def said(folder: Path, fields: str, more: str = "", model: str = "arm.urdf") -> list[Diagnostic]:
+    """What is said of two joints whose file has 30 N*m, 3.14 rad/s and friction of 1 N*m and 2 N*m*s/rad."""
+    path = folder / "arm.urdf"
+    path.write_text(URDF, encoding="utf-8")
+    text = (
+        f"actspec: 1\nrobot: {{name: arm, model: {model}}}\n"
+        f"sources: {{own: {{title: file, page: arm.urdf}}, other: {{title: sheet, page: 12}}}}\n{more}"
+        f"actuators: {{arm: {{joints: [hip, knee], level: ideal_pd, kp: 40, kd: 1, {fields}}}}}\n"
+    )
+    try:
+        spec = validate(document_from_text(text, str(folder / "s.yaml")))
+        return [item for item in resolve(spec, joints_of_text(str(path))).diagnostics if item.code in BY_CODE]
+    except ActspecError as err:
+        return [*err.diagnostics]
+
+
+@pytest.mark.parametrize(
+    ("fields", "where", "help"),
+    [
+        (
+            "effort_limit: {value: 300 N*m, source: own}",
+            "effort_limit",
+            "is the point in the wrong place? Then it is 30",
+        ),
+        # 30 / 0.0980665 = 305.9.
+        (
+            "effort_limit: {value: 306 N*m, source: own}",
+            "effort_limit",
+            "is it in kgf*cm? Then it is 30.01 N*m",
+        ),
+        (
+            "effort_limit: {value: 3 N*m, source: own}",
+            "effort_limit",
+            "is the point in the wrong place? Then it is 30",
+        ),
+        # 3.14 rad/s are 179.9 deg/s, and 30 rpm.
+        (
+            "velocity_limit: {value: 180 rad/s, source: own}",
+            "velocity_limit",
+            "is it in deg/s? Then it is 3.142 rad/s",
+        ),
+        (
+            "velocity_limit: {value: 30 rad/s, source: own}",
+            "velocity_limit",
+            "is it in rpm? Then it is 3.142 rad/s",
+        ),
+        (
+            "friction: {viscous: {value: 0.2 N*m*s/rad, source: own}}",
+            "friction.viscous",
+            "is the point in the wrong place? Then it is 2 N*m*s/rad",
+        ),
+        # 2 x 57.3 = 114.6.
+        (
+            "friction: {viscous: {value: 114.6 N*m*s/rad, source: own}}, effort_limit: 30",
+            "friction.viscous",
+            "is it multiplied by 57.3? Then it is 2 N*m*s/rad",
+        ),
+        ("effort_limit: {value: 170 N*m, source: own}", "effort_limit", "look for a wrong unit"),
+    ],
+)
+def test_a_number_that_is_not_its_sources(tmp_path: Path, fields: str, where: str, help: str) -> None:
+    (found,) = said(tmp_path, fields)
+    assert (found.code, found.where) == ("SPEC194", f"actuators.arm.{where}")
+    assert found.message.startswith("hip, knee: ")
+    assert "names own as its source, the robot's file, which has " in found.message
+    assert (found.help or "").startswith(help)
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        "effort_limit: {value: 30 N*m, source: own}",
+        # Tuned: a factor of 4.
+        "effort_limit: {value: 120 N*m, source: own}",
+        # From elsewhere, or from nowhere.
+        "effort_limit: {value: 300 N*m, source: other}",
+        "effort_limit: {value: 300 N*m}",
+        "effort_limit: {value: 3 N*m, source: other}",
+        "effort_limit: {value: 300 N*m, source: own, sure: true}",
+    ],
+)
+def test_a_number_that_may_be_meant(tmp_path: Path, fields: str) -> None:
+    assert said(tmp_path, fields) == []
+
+
+@pytest.mark.parametrize(
+    ("fields", "code", "where"),
+    [
+        # The file has the same friction, and 30 N*m.
+        ("effort_limit: 0.3 N*m, friction: {coulomb: 1 N*m}", "SPEC187", "effort_limit"),
+        ("effort_limit: 30 N*m, friction: {coulomb: 20 N*m}", "FRC101", "friction.coulomb"),
+        # It has neither.
+        ("effort_limit: 0.3 N*m, friction: {coulomb: 0.2 N*m}", "FRC101", "friction.coulomb"),
+    ],
+)
+def test_friction_beside_a_limit(tmp_path: Path, fields: str, code: str, where: str) -> None:
+    (found,) = said(tmp_path, fields)
+    assert (found.code, found.where) == (code, f"actuators.arm.{where}")
+    if code == "FRC101":
+        # Which of the two it is, nothing tells.
+        assert (found.help or "").endswith(f" Or is the limit wrong ({tmp_path / 's.yaml'}:4:86)?")
+
+
+def test_friction_is_told_without_the_robots_file() -> None:
+    """As a warning: with the file it may be the limit."""
+    text = spec_of(
+        "legs: {joints: [hip], level: ideal_pd, effort_limit: 0.3 N*m, friction: {coulomb: 1 N*m}}"
+    )
+    (found,) = validate(document_from_text(text, "s.yaml")).diagnostics
+    assert (found.code, found.severity.value) == ("FRC101", "warning")
+
+
+def told_of(groups: str, motor: str) -> list[Diagnostic]:
+    """What is said of a motor and its group, whatever the robot is."""
+    rest = "rest: {joints: [calf, slide], level: ideal_pd, kp: 1, kd: 1}"
+    return [*fit(spec_of(f"{groups}, {rest}", motors=f"{{m: {{{motor}}}}}")).diagnostics]
+
+
+def test_two_numbers_of_which_one_is_wrong() -> None:
+    """0.88 x 5.1 = 4.488 N*m of 45: a gear of 51, a torque of 8.8 and a limit of 4.5 would all do."""
+    (found,) = told_of(
+        "legs: {joints: [hip], motor: m, level: ideal_pd, kp: 60, kd: 1.5, effort_limit: 45 N*m}",
+        "side: motor, peak_torque: 0.88 N*m, gear_ratio: 5.1",
+    )
+    assert found.code == "SPEC187"
+    help = found.help or ""
+    assert help.startswith("one of 3 numbers is wrong. effort_limit: is it in kgf*cm? 45 kgf*cm is 4.413 N*m")
+    assert "Or gear_ratio (s.yaml:3:" in help and "): did you mean 51?" in help
+    assert "Or peak_torque (s.yaml:3:" in help and "): did you mean 8.8 N*m?" in help
+
+
+def test_a_voltage_beside_a_constant() -> None:
+    """1.21 N*m/A x 5.92 rad/s = 7.16 V of 74: nothing else tells which."""
+    (found,) = told_of(
+        "legs: {joints: [hip], motor: m, level: ideal_pd, kp: 8, kd: 0.2}",
+        "side: joint, stall_torque: 3.25, no_load_speed: 5.92 rad/s, torque_constant: 1.21, nominal_voltage: 74 V",
+    )
+    assert (found.code, found.where) == ("SPEC181", "motors.m.torque_constant")
+    assert (found.help or "").startswith(
+        "one of 3 numbers is wrong. torque_constant: did you mean 12.1 N*m/A? Or no_l"
+    )
+    assert (found.help or "").endswith("did you mean 7.4 V?")
+
+
+def test_many_motors_a_joint() -> None:
+    """12 x 300 N*m are 12 times the limit, and one motor's are the limit itself."""
+    (found,) = told_of(
+        "legs: {joints: [hip], motor: m, motors_per_joint: 12, level: ideal_pd, kp: 200, kd: 4, effort_limit: 300}",
+        "side: joint, peak_torque: 300",
+    )
+    assert (found.code, found.where) == ("SPEC187", "actuators.legs.motors_per_joint")
+    assert (found.help or "").startswith("did you mean 1? motors_per_joint is")
+
+
+@pytest.mark.parametrize(
+    ("limits", "told"),
+    [
+        # 18 N*m and 20 rad/s behind 22.2 are 400 N*m and 0.9 rad/s, behind 2.22 the limits.
+        ("effort_limit: 40, velocity_limit: 9 rad/s", "reduction"),
+        # Behind 22.2 they are the limits themselves.
+        ("effort_limit: 400, velocity_limit: 0.9 rad/s", ""),
+    ],
+)
+def test_a_reduction_with_its_point_in_the_wrong_place(limits: str, told: str) -> None:
+    found = told_of(
+        f"legs: {{joints: [hip], motor: m, reduction: 22.2, level: ideal_pd, kp: 40, kd: 2, {limits}}}",
+        "side: joint, peak_torque: 18, no_load_speed: 20 rad/s",
+    )
+    assert [item.where for item in found] == [f"actuators.legs.{told}"] * bool(told)
+    assert all((item.help or "").startswith("did you mean 2.22? reduction is turns of") for item in found)
+
+
+def test_a_speed_in_degrees() -> None:
+    """429.7 deg/s is 7.5 rad/s, 429.7 rpm 45 rad/s: both are usual."""
+    (found,) = told_of(
+        "legs: {joints: [hip], motor: m, level: ideal_pd, kp: 40, kd: 5}",
+        "side: joint, peak_torque: 80, no_load_speed: 429.7 rad/s",
+    )
+    assert found.help == "is it in rpm? 429.7 rpm is 45 rad/s; or is it in deg/s? 429.7 deg/s is 7.5 rad/s"
+
+
+@pytest.mark.parametrize(
+    ("fields", "told", "help"),
+    [
+        # 802 x sqrt(300) = 13891 of 1000; 802 deg/s are 14 rad/s.
+        ("effort_limit: 300, velocity_limit: 802 rad/s", True, "is it in deg/s? Then it is 14 rad/s"),
+        # 137 rpm are 14.35 rad/s; x sqrt(300) = 2373. In degrees it is 2.39 rad/s.
+        (
+            "effort_limit: 300, velocity_limit: 137 rad/s",
+            True,
+            "is it in deg/s? Then it is 2.391 rad/s; or is it in rpm? Then it is 14.35 rad/s",
+        ),
+        (
+            "velocity_limit: 210 rad/s",
+            True,
+            "is it in deg/s? Then it is 3.665 rad/s; or is it in rpm? Then it is 21.99",
+        ),
+        # Published: 560 of 1000.
+        ("effort_limit: 26, velocity_limit: 109.8 rad/s", False, ""),
+        ("effort_limit: 7, velocity_limit: 200 rad/s", False, ""),
+        ("effort_limit: 300, velocity_limit: 1000 rad/s", False, ""),
+    ],
+)
+def test_a_velocity_limit_alone(fields: str, told: bool, help: str) -> None:
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, kp: 60, kd: 1.5, {fields}}}, "
+        "rest: {joints: [calf, slide], level: ideal_pd, kp: 1, kd: 1}"
+    )
+    found = fit(text).diagnostics
+    assert [item.where for item in found] == ["actuators.legs.velocity_limit"] * told
+    assert all((item.help or "").startswith(help) for item in found)
+
+
+def test_a_velocity_limit_that_the_file_has(tmp_path: Path) -> None:
+    """3.14 rad/s are the file's; 802 of it are 255 times as many."""
+    fast = URDF.replace("3.14", "802")
+    (tmp_path / "fast.urdf").write_text(fast, encoding="utf-8")
+    text = (
+        "actspec: 1\nrobot: {name: arm, model: fast.urdf}\n"
+        "actuators: {arm: {joints: [hip, knee], level: ideal_pd, kp: 40, kd: 1, velocity_limit: 802 rad/s}}\n"
+    )
+    spec = validate(document_from_text(text, str(tmp_path / "s.yaml")))
+    assert resolve(spec, joints_of_text(str(tmp_path / "fast.urdf"))).diagnostics == ()
+    (found,) = said(tmp_path, "velocity_limit: 802 rad/s")
+    assert (found.code, found.where) == ("SPEC184", "actuators.arm.velocity_limit")
+
+
+@pytest.mark.parametrize(
+    ("inertia", "told", "help"),
+    [
+        # 0.738 / 22.5^2 = 1.458e-3 of 4.89e-5 kg*m^2: 29.8 times; 0.738 kg*cm^2 are 0.003 of it.
+        ("0.738 kg*m^2", True, "is it in kg*cm^2? 0.738 kg*cm^2 is 7.38e-05 kg*m^2"),
+        ("0.738e-4 kg*m^2", False, ""),
+        # 0.04 / 506.25 = 7.9e-5: 1.6 times.
+        ("0.04 kg*m^2", False, ""),
+    ],
+)
+def test_inertia_of_a_stage(inertia: str, told: bool, help: str) -> None:
+    motor = (
+        "side: joint, peak_torque: 139, rotor_inertia: 0.489e-4, gearbox: [{ratio: 4.5, inertia: 0.109e-4}, "
+        f"{{ratio: 5, inertia: {inertia}}}]"
+    )
+    found = told_of("legs: {joints: [hip], motor: m, level: ideal_pd, kp: 99, kd: 6.3}", motor)
+    assert [item.where for item in found] == ["motors.m.gearbox[1].inertia"] * told
+    assert all((item.help or "").startswith(help) for item in found)
+
+
+def test_an_anchor_is_told_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two groups have the same line, and variants judge it again."""
+    path = tmp_path / "s.yaml"
+    path.write_text(
+        "actspec: 1\nrobot: {name: leg, model: none, joints: [hip, knee]}\n"
+        "actuators:\n  a: {joints: [hip], level: ideal_pd, kp: 9, kd: 1, delay: &late {nominal: 0.4 s}}\n"
+        "  b: {joints: [knee], level: ideal_pd, kp: 9, kd: 1, delay: *late}\n",
+        encoding="utf-8",
+    )
+    assert main(["validate", "--strict", str(path)]) == 1
+    assert capsys.readouterr().err.count("SPEC186 [warning]") == 1
+
+
+def test_a_position_in_degrees_a_little_outside(tmp_path: Path) -> None:
+    """-58.1 deg is -1.014 rad, 0.014 rad outside, which is nothing."""
+    (found,) = said(tmp_path, "effort_limit: 30", model="arm.urdf, default_pose: {hip: -58.1 rad}")
+    assert (found.code, found.help) == ("SPEC190", "is it in degrees? Then write -58.1 deg, -1.014 rad")
