@@ -5,15 +5,16 @@ One mistake of layout makes many errors further on, none of which names it. So t
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 
 from actspec.diagnostics import Path, listed, nearest
+from actspec.spec.document import Document
 from actspec.spec.gears import Linkage
 from actspec.spec.models import Actuators, Motor, Robot, Source, SpecModel, Target, Timing
 from actspec.spec.values import VALUE_KEYS, short
@@ -63,16 +64,17 @@ class Misplaced:
     code: str = "SPEC107"
 
 
-def misplaced(data: Mapping[str, Any], more: Iterable[str] = ()) -> tuple[Misplaced, ...]:
+def misplaced(document: Document, more: Iterable[str] = ()) -> tuple[Misplaced, ...]:
     """Mistakes of layout, each once.
 
     Args:
-        data: The document.
+        document: What was read.
         more: Sections that are there because of other files.
     """
+    data = document.data
     lost = (*_headers_lost(data, frozenset(more)), *_inside_another(data))
     told = {item.path[:2] for item in lost}
-    rest = (*_sections(data), *_at_the_edge(data), *_dedented(data, ()), *_cut_apart(data, ()))
+    rest = (*_sections(data), *_at_the_edge(data), *_dedented(data, ()), *_cut_apart(data, (), document))
     return (*lost, *(item for item in rest if item.path[:2] not in told))
 
 
@@ -380,7 +382,7 @@ def _dashed(held: list[Any], section: str, word: str) -> Iterator[Misplaced]:
     )
 
 
-def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
+def _cut_apart(node: Any, path: Path, document: Document) -> Iterator[Misplaced]:
     """Values in [ ] and { } that a comma inside a number, or a colon without a space, has cut apart."""
     if isinstance(node, Mapping):
         last: tuple[str, Any] | None = None
@@ -389,7 +391,8 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
             bracket = _NO_COLON.fullmatch(key)
             lacks = _NO_COLON_IN_BRACES.fullmatch(key) if value is None else None
             if value is None and last is not None and _is_whole(last[1]) and _DIGITS.fullmatch(key):
-                yield _comma(f"{last[1]},{key}", f"{last[1]}.{key}", (*path, last[0]))
+                at = (*path, last[0])
+                yield _comma(f"{document.spans.written(at)},{key}", at)
             elif value is None and last is not None and last[0] in _TEXTS and _is_text_on(last[1], key):
                 message = f"the comma behind `{short(last[1])}` ends the text of `{last[0]}`"
                 whole = short(f"{last[1]}, {key}".replace('"', "'"))
@@ -400,32 +403,78 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
             elif lacks is not None:
                 help = f"write `{lacks[1]}: {short(lacks[2])}`"
                 yield Misplaced(f"`{lacks[1]}` has no `:`", (*path, key), help)
-            elif value is None and len(node) == 1 and _NUMBER.fullmatch(key) and path[-1:] not in _BY_PATTERN:
-                message = f"`{{{short(key)}}}` is a mapping, and a number stands in it without a key"
-                yield Misplaced(message, path, f"write `{path[-1]}: {short(key)}` without {{ }}", key=False)
-            elif value is None and last is None and _NUMBER.fullmatch(key) and _is_value(node):
-                name = "nominal" if node.keys() & {"range", "sampling"} else "value"
-                message = f"`{short(key)}` stands where a key must"
-                yield Misplaced(message, (*path, key), f"write `{name}: {short(key)}`")
+            elif value is None and last is None and _NUMBER.fullmatch(key) and path[-1:] not in _BY_PATTERN:
+                cut = [other for other in node if other is not key and _DIGITS.fullmatch(other)]
+                parts = [short(key), *map(short, cut[:1])]
+                if len(node) == len(parts):
+                    message = f"`{{{','.join(parts)}}}` is a mapping, and a number stands in it without a key"
+                    yield Misplaced(
+                        message, path, f"write `{path[-1]}: {'.'.join(parts)}` without {{ }}", key=False
+                    )
+                elif _is_value(node):
+                    name = "nominal" if node.keys() & {"range", "sampling"} else "value"
+                    message = f"`{','.join(parts)}` stands where a key must"
+                    yield Misplaced(message, (*path, key), f"write `{name}: {'.'.join(parts)}`")
             elif space is not None:
                 message = f"`{short(key)}` has no space behind its colon, and is one word"
                 yield Misplaced(message, (*path, key), f"write `{space[1]}: {short(space[2])}`")
             else:
-                yield from _cut_apart(value, (*path, key))
+                yield from _cut_apart(value, (*path, key), document)
             last = key, value
     elif isinstance(node, list) and path[-1:] not in _BY_PATTERN:
-        pairs = list(itertools.pairwise(node))
-        cut = [
-            i
-            for i, (a, b) in enumerate(pairs)
-            if _is_whole(a) and isinstance(b, str) and _DIGITS.fullmatch(b)
-        ]
-        if cut and len(node) > 2:
-            first, second = pairs[cut[0]]
-            yield _comma(f"{first},{second}", f"{first}.{second}", (*path, cut[0]))
+        found = _cut_in_list(node, path, document)
+        if found is not None:
+            yield found
         else:
             for index, item in enumerate(node):
-                yield from _cut_apart(item, (*path, index))
+                yield from _cut_apart(item, (*path, index), document)
+
+
+def _cut_in_list(node: list[Any], path: Path, document: Document) -> Misplaced | None:
+    """A list of more numbers than it must have, because of commas inside them."""
+    spans, wanted = document.spans, _length(path, document.data)
+    if len(node) <= (wanted or 2):
+        return None
+    at: list[Path] = [(*path, index) for index in range(len(node))]
+    texts = [spans.written(place) or str(item) for place, item in zip(at, node, strict=True)]
+    if not all(map(_NUMBER.fullmatch, texts)):
+        return None
+    # A comma of the list mostly has a space behind it, one inside a number never.
+    glued = [
+        _is_whole(one)
+        and _DIGITS.fullmatch(after) is not None
+        and there == replace(here, column=here.column + len(before) + 1)
+        for one, (before, after), (here, there) in zip(
+            node, pairwise(texts), pairwise(map(spans.value, at)), strict=False
+        )
+    ]
+    numbers: list[str] = []
+    index = 0
+    while index < len(node):
+        joined = glued[index : index + 1] == [True]
+        if not joined and index and glued[index - 1]:
+            # Of three without a space two are one, and nothing tells which.
+            return None
+        numbers.append(",".join(texts[index : index + 1 + joined]))
+        index += 1 + joined
+    if len(numbers) == len(node) or wanted not in (None, len(numbers)):
+        return None
+    return _comma(f"[{', '.join(numbers)}]", path)
+
+
+_PAIRS = frozenset(("scale", "add", "abs", "range", "every", "command_range"))
+"""Keys of lists of two numbers."""
+
+
+def _length(path: Path, data: Mapping[str, Any]) -> int | None:
+    """How many numbers a list has: as a pair, as the pose of a linkage or as a row of its Jacobian; None: any."""
+    if path[-1] in _PAIRS:
+        return 2
+    if path[0] != "linkages" or (path[-1] != "at" and path[-2:-1] != ("jacobian",)):
+        return None
+    linkage = data["linkages"][path[1]]
+    joints = linkage.get("joints") if isinstance(linkage, Mapping) else None
+    return len(joints) if isinstance(joints, list) else None
 
 
 def _is_text_on(text: Any, rest: str) -> bool:
@@ -443,8 +492,9 @@ def _is_whole(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _comma(given: str, meant: str, path: Path) -> Misplaced:
+def _comma(given: str, path: Path) -> Misplaced:
     message = f"{short(given)}: a comma inside a number, which ends it in [ ] and {{ }}"
+    meant = re.sub(r",(?! )", ".", given)
     return Misplaced(
         message, path, f"decimals have a point (`{short(meant)}`), thousands no mark", False, "SPEC110"
     )

@@ -89,7 +89,7 @@ def validate(document: Document) -> Spec:
             f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
         )
         raise SpecError(collector.sorted())
-    layout = misplaced(data, INCLUDED_KEYS if document.includes else ())
+    layout = misplaced(document, INCLUDED_KEYS if document.includes else ())
     for item in layout:
         breaches.error(item.code, item.message, item.path, item.help, key=item.key)
     if layout:
@@ -532,7 +532,7 @@ def load_spec(path: str) -> Spec:
 
     Results of another robot are a warning in `Spec.diagnostics`.
     """
-    spec = validate(load_document(path))
+    spec = validate(load_document(path, is_spec=True))
     path = spec.document.path
     folder = os.path.dirname(os.path.abspath(path))
     collector = Collector()
