@@ -13,10 +13,10 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 
-from actspec.diagnostics import Path, listed, nearest
+from actspec.diagnostics import Path, listed, many, nearest
 from actspec.spec.document import Document
 from actspec.spec.gears import Linkage
-from actspec.spec.models import Actuators, Motor, Robot, Source, SpecModel, Target, Timing
+from actspec.spec.models import Actuators, Motor, Robot, Source, SpecModel, Target, Timing, Tunable
 from actspec.spec.values import VALUE_KEYS, short
 
 _NAMED: dict[str, tuple[type[BaseModel], str]] = {
@@ -74,7 +74,13 @@ def misplaced(document: Document, more: Iterable[str] = ()) -> tuple[Misplaced, 
     data = document.data
     lost = (*_headers_lost(data, frozenset(more)), *_inside_another(data))
     told = {item.path[:2] for item in lost}
-    rest = (*_sections(data), *_at_the_edge(data), *_dedented(data, ()), *_cut_apart(data, (), document))
+    rest = (
+        *_quoted(document),
+        *_sections(data),
+        *_at_the_edge(data),
+        *_dedented(data, ()),
+        *_cut_apart(data, (), document),
+    )
     return (*lost, *(item for item in rest if item.path[:2] not in told))
 
 
@@ -108,11 +114,18 @@ def _sections(data: Mapping[str, Any]) -> Iterator[Misplaced]:
         if not isinstance(held, Mapping):
             continue
         own = fields_of(model)
-        lost = next((name for name in held if name in tops and not _is_entry(held[name], own)), None)
-        if lost is not None:
+        marks = own & {"joints", "level"} if section == "actuators" else own
+        lost = next((name for name in held if name in tops and not _is_entry(held[name], marks)), None)
+        if lost == section:
+            yield Misplaced(
+                f"the line `{section}:` is there twice", (section, section), "remove one of the two"
+            )
+        elif lost is not None:
             yield _indented(lost, (section, lost))
         else:
-            yield from _beside(held, section, own, word)
+            yield from _beside(held, section, own, marks, word)
+            if section == "actuators":
+                yield from _without_pattern(held)
     if isinstance(data.get("variant"), Mapping) and "variants" not in data:
         message = "`variant` names the variant that the spec itself is, and this holds variants"
         yield Misplaced(message, ("variant",), "write `variants:`")
@@ -215,7 +228,8 @@ def _inside_another(data: Mapping[str, Any]) -> Iterator[Misplaced]:
         held = data.get(section)
         own = fields_of(model)
         for name, entry in held.items() if isinstance(held, Mapping) else ():
-            inner = [key for key in entry if key not in own] if isinstance(entry, Mapping) else []
+            others = isinstance(entry, Mapping) and name != section
+            inner = [key for key in entry if key not in own] if others else []
             found = [key for key in inner if _is_entry(entry[key], own) and section_of(entry[key]) == section]
             if found:
                 message = f"{_are(found, section)}, and stand{'s' * (len(found) == 1)} inside `{short(name)}`"
@@ -344,24 +358,50 @@ def _belongs(key: str, value: Any, held: Any, beside: Iterable[str]) -> bool:
     return (isinstance(value, Mapping) or not _is_model(part)) and nearest(key, sorted(beside)) is None
 
 
-def _beside(held: Mapping[str, Any], section: str, fields: frozenset[str], word: str) -> Iterator[Misplaced]:
-    """Fields of a group, motor or source that stand where its name should."""
-    stray = [key for key, value in held.items() if key in fields and not _is_entry(value, fields)]
-    owner = next((key for key, value in held.items() if value is None and key not in fields), None)
-    if len(stray) < (1 if owner is not None else 2):
+def _beside(
+    held: Mapping[str, Any], section: str, fields: frozenset[str], marks: frozenset[str], word: str
+) -> Iterator[Misplaced]:
+    """Fields of a group, motor or source that stand where its name should.
+
+    Args:
+        held: What the section holds.
+        section: Its name.
+        fields: Those of one entry.
+        marks: Those by which one is told.
+        word: For one.
+    """
+    names = list(held)
+    stray = [key for key in names if key in fields and not _is_entry(held[key], marks)]
+    if not stray:
         return
-    names = listed([f"`{key}`" for key in stray], 4)
+    owner = next((key for key in names if held[key] is None and key not in fields), None)
+    above = names[: names.index(stray[0])]
+    shown, one = listed([f"`{key}`" for key in stray], 4), len(stray) == 1
+    they, what, them = ("it is", "a field", "it") if one else ("they are", "fields", "them")
     if owner is not None:
-        they = "it is a field" if len(stray) == 1 else "they are fields"
-        message = (
-            f"{names} stand{'s' * (len(stray) == 1)} beside `{owner}`, which is empty: {they} of that {word}"
-        )
-        help = f"indent {'it' if len(stray) == 1 else 'them'} below `{owner}:`"
+        message = f"{shown} stand{'s' * one} beside `{owner}`, which is empty: {they} {what} of that {word}"
+        help = f"indent {them} below `{owner}:`"
     else:
-        message = f"{names} are fields of a {word}, and `{section}` holds {word}s by name"
+        message = f"{shown} {they.split()[1]} {what} of a {word}, and `{section}` holds {word}s by name"
         name = "such as `legs:`, " if word == "group" else ""
-        help = f"write a name above them, {name}and indent them below it"
+        help = f"write a name above {them}, {name}and indent {them} below it"
+        if above and (marks == fields or not marks & {*stray}):
+            into = f"indent {them} into the {word} that {they} for, such as `{short(above[-1])}`"
+            help = f"{into}; or {help}" if marks == fields else into
     yield Misplaced(message, (section, stray[0]), help)
+
+
+def _without_pattern(groups: Mapping[str, Any]) -> Iterator[Misplaced]:
+    """Fields that stand in `overrides` itself, without the joints that they are for."""
+    fields = fields_of(Tunable)
+    for name, group in groups.items():
+        held = group.get("overrides") if isinstance(group, Mapping) else None
+        for key, value in held.items() if isinstance(held, Mapping) else ():
+            if key in fields and not _is_entry(value, fields):
+                message = f"`{key}` stands in `overrides` itself, which holds fields by joint or pattern"
+                help = f'write the pattern above, such as `".*_knee": {{{key}: ...}}`'
+                yield Misplaced(message, ("actuators", name, "overrides", key), help)
+                break
 
 
 def _is_entry(value: Any, fields: frozenset[str]) -> bool:
@@ -380,6 +420,30 @@ def _dashed(held: list[Any], section: str, word: str) -> Iterator[Misplaced]:
         f"write `{name}:` without `- `, and its fields indented below it",
         key=True,
     )
+
+
+def _quoted(document: Document) -> Iterator[Misplaced]:
+    """Values in typographic quotes, which are a part of them: the first, for one editor writes them all."""
+    found = [(path, text) for path, text in _texts(document.data, ()) if _TYPOGRAPHIC.fullmatch(text)]
+    for path, text in found[:1]:
+        more = f", here and at {many(len(found) - 1, 'more place')}" if len(found) > 1 else ""
+        message = f"the quotes of `{short(text)}` are typographic, which are letters to YAML{more}"
+        yield Misplaced(message, path, f'write `"{short(text[1:-1])}"`', key=False)
+
+
+_TYPOGRAPHIC = re.compile(
+    "[\u201c-\u201f\u00ab\u00bb].*[\u201c-\u201f\u00ab\u00bb\"]|[\u2018-\u201b].*[\u2018-\u201b']", re.DOTALL
+)
+
+
+def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str]]:
+    """Texts that are no sentences, with their places."""
+    if isinstance(node, str):
+        yield path, node
+    elif isinstance(node, (Mapping, list)):
+        for key, value in node.items() if isinstance(node, Mapping) else enumerate(node):
+            if key not in _TEXTS and path[:1] != ("accept",):
+                yield from _texts(value, (*path, key))
 
 
 def _cut_apart(node: Any, path: Path, document: Document) -> Iterator[Misplaced]:

@@ -311,7 +311,9 @@ def _in_yaml_words(
         text = str(given)
         if text.count("]") > text.count("["):
             text = text.removesuffix("]")
-        items = ", ".join(f'"{item}"' for item in apart(text))
+        if text[:1] + text[-1:] == "()" and len(apart(text[1:-1])) > 1:
+            text = text[1:-1]
+        items = ", ".join(f'"{bare}"' for item in apart(text) if (bare := item.strip("\"'")))
         return f"must be a list{got}", f"write `[{items}]`"
     if kind in ("dict_type", "model_type", "model_attributes_type"):
         keys = sorted(fields_of(model))
@@ -360,7 +362,7 @@ def _as_mapping(path: Path, given: list[Any]) -> str | None:
     return f"write `{{{', '.join(f'{short(name)}: {value}' for name in names)}}}`" if names == given else None
 
 
-_DASHED = re.compile(r"-([^\s\d-]\S*)")
+_DASHED = re.compile(r"-[^\S ]?([^\s\d-]\S*)")
 """A list's item without the space behind its hyphen."""
 
 _MISNOMERS = {

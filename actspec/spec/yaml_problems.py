@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from actspec.diagnostics import many
-from actspec.spec.yaml_text import BREAK, cut
+from actspec.spec.yaml_text import BREAK, cut, stray_character
 
 _QUOTE = "quote text that begins with one of [ ] { } * & ! | > % @ `"
 _SINGLE = "put text with backslashes into single quotes"
@@ -98,8 +98,13 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
     at = ""
     if mark is not None and mark.line < len(lines):
         at = lines[mark.line][mark.column : mark.column + 1]
+    found = _look_alike(lines, mark, start)
+    if found is not None:
+        return found
     if "cannot start any token" in problem:
-        return Problem(f"a value cannot begin with {at or 'this character'}", _QUOTE, mark)
+        rest = lines[mark.line][mark.column :] if at else ""
+        help = _bound(at, rest, lines[mark.line][: mark.column]) if at else None
+        return Problem(f"a value cannot begin with {at or 'this character'}", help or _QUOTE, mark)
     if "alias" in context:
         help = "a joint pattern must be quoted: '.*_hip_joint'"
         return Problem("`*` begins an alias here, and this is no alias", help, mark)
@@ -146,14 +151,54 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
     if "block mapping" in context:
         if at == "-" and mark.column == _indent(lines[mark.line]):
             return _item_among_keys(lines[mark.line], mark)
-        found = None if mark is None else _below_a_value(lines, mark.line)
+        found = None if mark is None or at in (",", ";") else _below_a_value(lines, mark.line)
         if found is not None:
             return found
         if at in (",", ";"):
+            key, rest = (
+                _KEY.match(lines[mark.line].strip()),
+                _COMMENT.sub("", lines[mark.line][mark.column :]),
+            )
+            if key is not None and len(rest) > 1:
+                value = _COMMENT.sub("", lines[mark.line].strip()[key.end() :]).replace(";", ",").strip(" ,")
+                help = f"write `{cut(f'{key[1]}: [{value}]')}`"
+                return Problem(
+                    f"what stands behind `{cut(key[1])}:` is several texts, and no list", help, mark
+                )
             return Problem(f"this `{at}` ends nothing: each key has a line of its own", "remove it", mark)
         return Problem("a key is expected here, at the indentation of its mapping", _QUOTE, mark)
     message = f"not valid YAML: {problem or 'no reason given'}" + (f", {context}" if context else "")
     return Problem(message, None, mark)
+
+
+def _look_alike(lines: list[str], mark: Any, start: Any) -> Problem | None:
+    """A character that looks like one of YAML's, where the parser stopped, where it began or on the line above."""
+    at = [place.line for place in (mark, start) if place is not None]
+    above = None if mark is None else _above(lines, mark.line)
+    for number in sorted({*at, *([] if above is None else [above])}):
+        stray = stray_character(_COMMENT.sub("", lines[number])) if number < len(lines) else None
+        if stray is not None:
+            return Problem(stray[1], stray[2], _Mark(number, stray[0]))
+    return None
+
+
+def _bound(sign: str, rest: str, before: str) -> str | None:
+    """What to write in place of `>30 Hz` and `%25` in [ ] and { }.
+
+    Args:
+        sign: What the value begins with.
+        rest: The line from there on.
+        before: The line up to there.
+    """
+    value = re.split(r"[\],}]|: | #", rest)[0].strip()
+    number = value.lstrip("><=~|@%` ").rstrip("` ")
+    if not number[:1].isdigit():
+        return None
+    if sign != ">":
+        return f"write `{cut(number)}{' %' * (sign == '%')}`"
+    pair = f'value: {cut(number)}, note: "{cut(value)}"'
+    inside = before.rstrip().endswith("value:")
+    return f"a bound stands in a note: write `{pair if inside else f'{{{pair}}}'}`"
 
 
 def _folded(line: str, start: Any) -> Problem:
@@ -170,6 +215,7 @@ def _folded(line: str, start: Any) -> Problem:
 
 def _no_colon(line: str, start: Any) -> Problem | None:
     """A line `kd:0.5` or `kd = 0.5`, on which the parser waits for a colon."""
+    line = _COMMENT.sub("", line)
     item = _ITEM.fullmatch(line)
     if item is not None:
         return Problem(f"`{cut(line)}` lacks a space behind its hyphen", f"write `- {cut(item[1])}`", start)
@@ -238,7 +284,7 @@ def _marks(lines: list[str], mark: Any) -> Problem | None:
 def _not_closed(lines: list[str], quote: tuple[str, int, int]) -> Problem:
     char, number, column = quote
     text = _COMMENT.sub("", lines[number][column + 1 :])
-    word = re.split(r"[\],}]|: ", text)[0]
+    word = re.split(r"[\],}]|: ", text)[0].rstrip("\u201c\u201d\u00bb\u2019")
     return Problem(
         "this quote is not closed on its line", f"write `{char}{cut(word)}{char}`", _Mark(number, column)
     )
@@ -295,7 +341,7 @@ def _items(lines: list[str], column: int) -> int:
 
 
 def _item_among_keys(line: str, mark: Any) -> Problem:
-    text = line.strip().removeprefix("-").strip()
+    text = _COMMENT.sub("", line.strip()).removeprefix("-").strip()
     return Problem(
         "this `- ` begins a list, and keys stand beside it", f"write `{cut(text)}` without `- `", mark
     )
@@ -430,7 +476,15 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
         if found is not None:
             return found
     named = ", ".join(str(level) for level in levels)
-    help = f"indent it by one of these, or check the indentation of line {(outer or 0) + 1}"
+    if any(_indent(line) == own and line.strip() for n, line in enumerate(lines) if n != mark.line):
+        # Others are indented so, and one above them may be wrong.
+        help = f"indent it by one of these, or check the indentation of line {(outer or 0) + 1}"
+    else:
+        lower = max((held for held in open_levels if held[0] < own), default=None)
+        (deeper, beside) = min(held for held in open_levels if held[0] > own)
+        help = f"indent it by {many(deeper, 'space')} as line {beside + 1}"
+        if lower is not None:
+            help += f", or by {lower[0]} as line {lower[1] + 1}"
     message = f"this line is indented by {many(own, 'space')}, and what is open above it by {named}"
     return Problem(message, help, _Mark(mark.line, own))
 

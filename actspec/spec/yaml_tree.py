@@ -14,7 +14,7 @@ from typing import Any
 
 from actspec.diagnostics import Collector, Span, listed, many, nearest
 from actspec.spec.yaml_problems import plain_problem, too_deep
-from actspec.spec.yaml_text import Stop, cut, got, place, text_of
+from actspec.spec.yaml_text import Stop, cut, got, place, stray_character, text_of
 
 MAX_DEPTH = 40
 """Deepest nesting of collections. Chosen: the language needs 7."""
@@ -347,6 +347,10 @@ class _Builder:
             else:
                 self.refuse(node)
             return None
+        stray = stray_character(key, key=True) if plain and not key.isascii() else None
+        if stray is not None:
+            at = node.span
+            self.fatal("SPEC003", stray[1], Span(at.path, at.line, at.column + stray[0]), stray[2])
         if key == "<<" and plain:
             help = "use `overrides` for the joints that differ, or a motor by name for what is shared"
             self.error("SPEC007", "the merge key << is not allowed", node.span, help)

@@ -46,6 +46,21 @@ def test_two_groups_for_one_joint() -> None:
     ]
 
 
+def test_several_joints_in_two_groups_are_one_error() -> None:
+    """One pattern takes them all, and the joint that is in no group is its doing too."""
+    text = spec_of(f'a: {{joints: [hip, calf], {PD}}}, b: {{joints: ["hip|calf"], {PD}}}')
+    assert refused(text) == [
+        "BIND002 actuators.b.joints[0]: the joint 'hip' is in two groups: 'b' by 'hip|calf' and 'a' by 'hip' "
+        "(s.yaml:4:26)",
+        "BIND002 actuators.b.joints[0]: the joint 'calf' is in two groups: 'b' by 'hip|calf' and 'a' by 'calf' "
+        "(s.yaml:4:31)",
+    ]
+    assert refused(text.replace("[hip, calf]", '["hip|c.*"]')) == [
+        "BIND002 actuators.b.joints[0]: the joints hip, calf are in two groups: 'b' by 'hip|calf' and 'a' by "
+        "'hip|c.*' (s.yaml:4:26)"
+    ]
+
+
 def test_joints_left_out() -> None:
     """A robot without a file has no passive joints: each is in a group or unmanaged."""
     assert refused(spec_of(f"a: {{joints: [hip], {PD}}}")) == [
