@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 from actspec.diagnostics import Collector, Path, Place, Span, SpecError, dotted, nearest
@@ -227,7 +228,8 @@ def _document(
 
 def _is_other(top: Iterable[str]) -> bool:
     """Whether a file with these keys at its top is neither a spec that lacks some, nor a part of one."""
-    return not {*top} <= {*INCLUDED_KEYS} and not any(nearest(key.lower(), _SPEC_KEYS) for key in top)
+    keys = list(islice(top, 100))
+    return not {*keys} <= {*INCLUDED_KEYS} and not any(nearest(key.lower(), _SPEC_KEYS) for key in keys)
 
 
 _SPEC_KEYS = ("actspec", "actuators")

@@ -322,8 +322,10 @@ def _in_yaml_words(
             return "must be a mapping, and `- ` makes it a list", f"write `{short(first)}: ...` without `- `"
         return f"must be a mapping{got}", f"its keys: {listed(keys, 40)}" if keys else "write `{name: ...}`"
     if kind == "string_type":
-        single = isinstance(given, (bool, int, float))
-        return f"must be text{got}", f'write "{short(given)}" in quotes' if single else None
+        if isinstance(given, (bool, int, float)):
+            return f"must be text{got}", f'write "{short(given)}" in quotes'
+        alone = isinstance(given, list) and len(given) == 1 and isinstance(given[0], str)
+        return f"must be text{got}", f"write `{short(given[0])}` without [ ]" if alone else None
     if kind.startswith("int_"):
         return f"must be a whole number{got}", None
     if kind == "float_type":

@@ -37,6 +37,7 @@ _PROBLEMS: tuple[tuple[str, str, str | None], ...] = (
 )
 
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)")
+_PAIR = re.compile(r"""(["'])([A-Za-z_][A-Za-z_0-9-]*): +(\S.*)\1""")
 _ITEM = re.compile(r"-([^\s-].*)")
 _EQUALS = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*)\s*=\s*(\S.*)")
 _NAME = r"""[A-Za-z_][A-Za-z_0-9.-]*|"[^"]*"|'[^']*'"""
@@ -101,10 +102,14 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
     found = _look_alike(lines, mark, start)
     if found is not None:
         return found
+    if "node content" in problem and at == "-":
+        return Problem("a list in [ ] has no `- `", "remove the `- `, or the `[`", mark)
+    if "node content" in problem and at == ",":
+        return Problem("nothing stands before this `,`", "remove it", mark)
     if "cannot start any token" in problem:
         rest = lines[mark.line][mark.column :] if at else ""
-        help = _bound(at, rest, lines[mark.line][: mark.column]) if at else None
-        return Problem(f"a value cannot begin with {at or 'this character'}", help or _QUOTE, mark)
+        meant = _bound(at, rest, lines[mark.line][: mark.column]) if at else None
+        return Problem(f"a value cannot begin with {at or 'this character'}", meant or _QUOTE, mark)
     if "alias" in context:
         help = "a joint pattern must be quoted: '.*_hip_joint'"
         return Problem("`*` begins an alias here, and this is no alias", help, mark)
@@ -116,6 +121,14 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         found = _marks(lines, mark)
         if found is not None:
             return found
+    before = "" if mark is None else lines[mark.line][: mark.column][-1:] if at else ""
+    if at.isalnum() and before in ("'", '"'):
+        help = (
+            "write it twice, or put the text into double quotes"
+            if before == "'"
+            else 'write `\\"` in the text'
+        )
+        return Problem(f"the `{before}` before this letter ends the text", help, mark)
     if "could not find expected ':'" in problem and start is not None and start.line < len(lines):
         line = lines[start.line].strip()
         found = _no_colon(line, start) or _lacks_colon(lines[start.line], start.line, _ALONE)
@@ -147,6 +160,8 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
             and _items(lines[start.line : mark.line], start.column) == 1
         ):
             return _item_among_keys(lines[start.line], start)
+        if at in (",", ";"):
+            return _ends_nothing(lines[mark.line], mark)
         return Problem("a list item must begin with `- ` at the indentation of its list", _QUOTE, mark)
     if "block mapping" in context:
         if at == "-" and mark.column == _indent(lines[mark.line]):
@@ -155,17 +170,7 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         if found is not None:
             return found
         if at in (",", ";"):
-            key, rest = (
-                _KEY.match(lines[mark.line].strip()),
-                _COMMENT.sub("", lines[mark.line][mark.column :]),
-            )
-            if key is not None and len(rest) > 1:
-                value = _COMMENT.sub("", lines[mark.line].strip()[key.end() :]).replace(";", ",").strip(" ,")
-                help = f"write `{cut(f'{key[1]}: [{value}]')}`"
-                return Problem(
-                    f"what stands behind `{cut(key[1])}:` is several texts, and no list", help, mark
-                )
-            return Problem(f"this `{at}` ends nothing: each key has a line of its own", "remove it", mark)
+            return _ends_nothing(lines[mark.line], mark)
         return Problem("a key is expected here, at the indentation of its mapping", _QUOTE, mark)
     message = f"not valid YAML: {problem or 'no reason given'}" + (f", {context}" if context else "")
     return Problem(message, None, mark)
@@ -176,9 +181,17 @@ def _look_alike(lines: list[str], mark: Any, start: Any) -> Problem | None:
     at = [place.line for place in (mark, start) if place is not None]
     above = None if mark is None else _above(lines, mark.line)
     for number in sorted({*at, *([] if above is None else [above])}):
-        stray = stray_character(_COMMENT.sub("", lines[number])) if number < len(lines) else None
+        line = lines[number] if number < len(lines) else ""
+        stray = stray_character(_COMMENT.sub("", line))
         if stray is not None:
             return Problem(stray[1], stray[2], _Mark(number, stray[0]))
+        if line.lstrip().startswith(("//", "/*")):
+            remark = line.strip().strip("/* ")
+            return Problem(
+                f"`{cut(line.strip()[:2])}` begins no comment",
+                f"write `# {cut(remark)}`",
+                _Mark(number, _indent(line)),
+            )
     return None
 
 
@@ -216,6 +229,11 @@ def _folded(line: str, start: Any) -> Problem:
 def _no_colon(line: str, start: Any) -> Problem | None:
     """A line `kd:0.5` or `kd = 0.5`, on which the parser waits for a colon."""
     line = _COMMENT.sub("", line)
+    pair = _PAIR.fullmatch(line)
+    if pair is not None:
+        return Problem(
+            "the quotes hold a key and its value together", f"write `{pair[2]}: {cut(pair[3])}`", start
+        )
     item = _ITEM.fullmatch(line)
     if item is not None:
         return Problem(f"`{cut(line)}` lacks a space behind its hyphen", f"write `- {cut(item[1])}`", start)
@@ -336,6 +354,24 @@ def _no_comma(lines: list[str], mark: Any, kind: str, end: str) -> Problem | Non
     return Problem(f"a `,` is missing before `{cut(word[0])}`", None, _Mark(mark.line, word.start()))
 
 
+def _ends_nothing(line: str, mark: Any) -> Problem:
+    """A `,` or `;` behind the value of a key, or behind an item."""
+    key, rest = _KEY.match(line.strip()), _COMMENT.sub("", line[mark.column :])
+    if key is None or len(rest) < 2:
+        return Problem(
+            f"this `{line[mark.column]}` ends nothing, as the end of the line does", "remove it", mark
+        )
+    value = _COMMENT.sub("", line.strip()[key.end() :]).strip(" ,;")
+    close = _OPENS.get(value[:1])
+    if close is None:
+        message = f"what stands behind `{cut(key[1])}:` is several texts, and no list"
+        whole = f"[{value.replace(';', ',')}]"
+    else:
+        message = f"the `{close}` before this `{line[mark.column]}` ends the {_CLOSES[close]}"
+        whole = f"{value.replace(close, '', 1).rstrip(close)}{close}"
+    return Problem(message, f"write `{cut(f'{key[1]}: {whole}')}`", mark)
+
+
 def _items(lines: list[str], column: int) -> int:
     return sum(_indent(line) == column and line.lstrip().startswith("- ") for line in lines)
 
@@ -361,6 +397,10 @@ def _second_colon(lines: list[str], mark: Any) -> Problem | None:
         found = None if second is None else _on_one_line(key[1], value, second[1], mark.line, second.start(1))
         if found is not None:
             return found
+        bare = _COMMENT.sub("", value)
+        if bare[0] + bare[-1] == "()":
+            help = f"write `{cut(f'{key[1]}: {{{bare[1:-1]}}}')}`"
+            return Problem("( ) holds no keys, which { } does", help, mark)
         help = f'put it into quotes: {key[1]}: "{cut(value)}"' if '"' not in value else "quote the text"
         return Problem("the `: ` inside this text begins a mapping", help, mark)
     above = _above(lines, mark.line)

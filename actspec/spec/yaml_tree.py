@@ -343,7 +343,9 @@ class _Builder:
         key = node.value if frame.number is None else node.text
         if not isinstance(key, str):
             if isinstance(key, (dict, list)):
-                self.error("SPEC009", "a key must be a word, not a list or mapping", node.span, "quote it")
+                # `{{kp}}`, in a template or by a slip.
+                help = "write one pair of { }" if frame.flow and isinstance(key, dict) else "quote it"
+                self.error("SPEC009", "a key must be a word, not a list or mapping", node.span, help)
             else:
                 self.refuse(node)
             return None
@@ -420,7 +422,7 @@ class _Builder:
             message = f"the key '{cut(one.key)}' is repeated, first at {one.first}"
             more = "; what variants change stands under `variants`" if one.key == "variant" else ""
             if depth == 1 and not frame.flow:
-                more = ", or write the line of the section that is missing between them"
+                more = ", rename one, or write the line of the section that is missing between them"
             self.error("SPEC006", message, one.span, f"keep one of the two{more}", where=one.where)
 
     def syntax(self, err: Any, text: str) -> None:
