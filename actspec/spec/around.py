@@ -13,7 +13,7 @@ UNKNOWN = "unknown"
 _NUMBER = r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d+)?"
 _UNIT = r"[^\d\s.+±-]*"
 _NOTHING = re.compile(
-    r"n\.?/?a\.?|tb[acd]|none|nil|nan|-+|—|–|\?+|not (?:available|stated|specified|known)", re.I
+    r"unknown|n\.?/?a\.?|tb[acd]|none|nil|nan|-+|—|–|\?+|not (?:available|stated|specified|known)", re.I
 )
 """Words for a figure that nobody states."""
 _DEVIATION = re.compile(rf"({_NUMBER})\s*({_UNIT})\s*(?:\+\s*/?\s*-|±)\s*({_NUMBER})\s*(\S.*|)")

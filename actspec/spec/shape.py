@@ -305,7 +305,7 @@ def _unwrapped(node: Any) -> Any:
     if get_origin(node) is None or get_origin(node) in (dict, list, tuple, Literal):
         return node
     arguments = [_unwrapped(part) for part in get_args(node) if part is not type(None)]
-    models = [part for part in arguments if _is_model(part)]
+    models = [part for part in arguments if _is_model(part) or is_dataclass(part)]
     nested = [part for part in arguments if get_origin(part) is not None]
     return (models or nested or arguments or [node])[0]
 

@@ -134,7 +134,9 @@ def parse_value(
             raise fault(f"{_a(kind.noun)} is needed here, got `{word}`", _example(kind), at)
         return SpecValue(None, kind.rotary_unit, None, word, source, None, note, word == IDENTIFIED)
     if isinstance(number, bool) or not isinstance(number, (int, float, str)):
-        raise fault(f"must be {_a(kind.noun)}, got {short(number)}", _of_list(number) or _example(kind), at)
+        raise fault(
+            f"must be {_a(kind.noun)}, got {short(number)}", _one_number(number) or _example(kind), at
+        )
     if unit_text is not None and isinstance(number, str):
         if not _PLAIN_NUMBER.fullmatch(number):
             raise fault(
@@ -396,6 +398,8 @@ def _written(given: Any) -> str:
 
 
 def _in_quotes(given: Any) -> str | None:
+    if isinstance(given, list) and len(given) == 1:
+        return f"write `{short(given[0])}` without [ ]"
     return None if isinstance(given, (list, dict)) else f'write "{short(given)}" in quotes'
 
 
@@ -416,8 +420,10 @@ def _without_value(given: Mapping[str, Any], kind: Kind) -> PydanticCustomError:
     return fault("a value needs its key 'value'", "write {value: 33.5 N*m, source: ...}")
 
 
-def _of_list(given: Any) -> str | None:
-    """What to write in place of a list where one number must stand: `[40]`, `[40, 30]` or `[value: 40, source: x]`."""
+def _one_number(given: Any) -> str | None:
+    """What to write where one number must stand: for `[40]`, `[40, 30]`, `[value: 40, source: x]`, `{value: 40}`."""
+    if isinstance(given, dict) and "value" in given:
+        return f"write `{short(given['value'])}` without the inner {{ }}"
     if not isinstance(given, list) or not given:
         return None
     if all(isinstance(item, dict) for item in given):

@@ -34,6 +34,11 @@ _PROBLEMS: tuple[tuple[str, str, str | None], ...] = (
         "a list item `- ` cannot stand behind its key",
         "write the items on lines of their own, or in [ ]",
     ),
+    (
+        "mapping keys are not allowed",
+        "a `?` is no value",
+        "for a figure that nobody states write `unknown`",
+    ),
 )
 
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)")
