@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
-from actspec.diagnostics import Collector, Path, Place, Span, SpecError, dotted, nearest
+from actspec.diagnostics import Collector, Path, Place, Span, SpecError, did_you_mean, dotted, nearest
 from actspec.files import is_imported
 from actspec.spec.variants import chosen, split
 from actspec.spec.yaml_text import MAX_BYTES, cut, got, read_file, too_large
@@ -332,7 +332,8 @@ def check_included(root: Node, collector: Collector) -> None:
             collector.error("SPEC014", message, where=key, span=span, help="include both files in the spec")
         elif key not in INCLUDED_KEYS:
             message = f"an included file cannot hold '{cut(key)}', only `motors` and `sources`"
-            collector.error("SPEC014", message, where=cut(key), span=span, help="move it into the spec")
+            help = did_you_mean(key, INCLUDED_KEYS, "move it into the spec")
+            collector.error("SPEC014", message, where=cut(key), span=span, help=help)
         elif not isinstance(node.value, dict) and node.value is not None:
             collector.error("SPEC014", f"`{key}` must be a mapping of names", where=key, span=node.span)
 

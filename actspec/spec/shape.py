@@ -276,6 +276,9 @@ def fields_of(model: type[BaseModel] | None) -> frozenset[str]:
 
 def model_at(root: type[BaseModel], path: Path) -> type[BaseModel] | None:
     """The model that describes the mapping at `path`."""
+    if path[:1] == ("variants",) and len(path) > 1 and root is SpecModel:
+        # A variant is a part of a spec.
+        path = path[2:]
     node: Any = root
     for part in path:
         node = _unwrapped(node)
@@ -386,7 +389,7 @@ def _beside(
         name = "such as `legs:`, " if word == "group" else ""
         help = f"write a name above {them}, {name}and indent {them} below it"
         if above and (marks == fields or not marks & {*stray}):
-            into = f"indent {them} into the {word} that {they} for, such as `{short(above[-1])}`"
+            into = f"indent {them} into the {word} that {they} for"
             help = f"{into}; or {help}" if marks == fields else into
     yield Misplaced(message, (section, stray[0]), help)
 

@@ -53,7 +53,9 @@ _ONE_WORD = re.compile(_NAME)
 _SECOND_KEY = re.compile(r"\s([A-Za-z_][A-Za-z_0-9-]*):\s$")
 _RATIO = re.compile(r"(\d+(?:\.\d+)?)\s*:\s*([1-9]\d*(?:\.\d+)?)")
 _IN_BRACES = re.compile(r"[{,]\s*([A-Za-z_][A-Za-z_0-9-]*):\s")
-_COMMENT = re.compile(r"(?:^|\s+)#.*")
+_LIST_VALUE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*): +([^\[\]{}]+)$")
+_NAMES = re.compile(rf"((?:{_NAME})(?:\s*,\s*(?:{_NAME}))+)\s*:(?:\s.*)?")
+_COMMENT = re.compile(r"(?:^|(?<!\s)\s+)#.*")
 _WORD = re.compile(r""""[^"]*"|'[^']*'|[^\s,:\[\]{}]+""")
 _IN_TEXT = re.compile(r"""[{,]\s*(note|title):\s+(?=[^\s"'\[\]{},])(?=[^\[\]{},]*$)""")
 """A text in { } that stands open at the end."""
@@ -170,6 +172,12 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         return Problem("a list item must begin with `- ` at the indentation of its list", _QUOTE, mark)
     if "block mapping" in context:
         if at == "-" and mark.column == _indent(lines[mark.line]):
+            above = _above(lines, mark.line)
+            first = "" if above is None else _COMMENT.sub("", lines[above])
+            if first.strip()[:1] in _OPENS and _indent(first) == mark.column and above is not None:
+                return Problem(
+                    "this item lacks its `- `", f"write `- {cut(first.strip())}`", _Mark(above, mark.column)
+                )
             return _item_among_keys(lines[mark.line], mark)
         found = None if mark is None or at in (",", ";") else _below_a_value(lines, mark.line)
         if found is not None:
@@ -292,6 +300,14 @@ def _marks(lines: list[str], mark: Any) -> Problem | None:
                 quote = char, number, column
             elif char in _OPENS and (begins or opened):
                 opened.append(char)
+            elif (
+                char == "]"
+                and opened[-1:] == ["{"]
+                and here
+                and (begun := _LIST_VALUE.search(line[max(0, column - 200) : column]))
+            ):
+                help = f"write `{begun[1]}: [{cut(begun[2])}]`"
+                return Problem("this list lacks its `[`", help, _Mark(number, column - len(begun[2])))
             elif char in _CLOSES and opened:
                 opened.pop()
                 closed = True
@@ -361,6 +377,12 @@ def _no_comma(lines: list[str], mark: Any, kind: str, end: str) -> Problem | Non
 
 def _ends_nothing(line: str, mark: Any) -> Problem:
     """A `,` or `;` behind the value of a key, or behind an item."""
+    names = _NAMES.fullmatch(_COMMENT.sub("", line.strip()))
+    if names is not None:
+        help = "write a line for each, or one pattern, such as `(left|right)_knee`"
+        return Problem(
+            f"`{cut(names[1])}` are several keys before one `:`", help, _Mark(mark.line, _indent(line))
+        )
     key, rest = _KEY.match(line.strip()), _COMMENT.sub("", line[mark.column :])
     if key is None or len(rest) < 2:
         return Problem(

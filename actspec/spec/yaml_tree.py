@@ -344,7 +344,8 @@ class _Builder:
         if not isinstance(key, str):
             if isinstance(key, (dict, list)):
                 # `{{kp}}`, in a template or by a slip.
-                help = "write one pair of { }" if frame.flow and isinstance(key, dict) else "quote it"
+                help = "quote it, or write a line for each" if isinstance(key, list) else "quote it"
+                help = "write one pair of { }" if frame.flow and isinstance(key, dict) else help
                 self.error("SPEC009", "a key must be a word, not a list or mapping", node.span, help)
             else:
                 self.refuse(node)
