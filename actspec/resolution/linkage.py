@@ -283,6 +283,9 @@ def _members(
     for index, joint in enumerate(linkage.joints):
         place = (*path, "joints", index)
         stated = by_joint.get(joint)
+        if stated is None and joint in bindings.unmanaged and bindings.failed:
+            # By a pattern that is wrong, which is told.
+            continue
         if stated is None:
             breaches.error(
                 "RES014",

@@ -184,6 +184,8 @@ class Bindings:
     """Joints left as they are: by `robot.unmanaged`, or in no group and without an actuator."""
     default_pose: dict[str, str]
     """Joint to the pattern of `default_pose` that matches it."""
+    failed: bool
+    """Whether a joint may be unmanaged by a wrong pattern."""
 
 
 def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
@@ -193,26 +195,28 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
     model = spec.model
     owner: dict[str, tuple[str, str, int]] = {}
     broken: set[str] = set()
+    twice: dict[tuple[str, int, str, str, int], list[str]] = {}
     for name, group in model.actuators.items():
         for index, pattern in enumerate(group.joints):
             path: Path = ("actuators", name, "joints", index)
             found = matcher.match(pattern, path)
             if not found:
                 broken.add(name)
-            twice: dict[tuple[str, str, int], list[str]] = {}
             for joint in found:
                 if joint in owner and owner[joint][0] != name:
-                    twice.setdefault(owner[joint], []).append(joint)
+                    twice.setdefault((name, index, *owner[joint]), []).append(joint)
                 owner.setdefault(joint, (name, pattern, index))
-            for (other, other_pattern, other_index), shared in twice.items():
-                place = spec.span("actuators", other, "joints", other_index)
-                which = f"the joint '{shared[0]}' is" if len(shared) == 1 else f"{listed(shared)} are"
-                breaches.error(
-                    "BIND002",
-                    f"{which} in two groups: '{name}' by '{pattern}' and '{other}' by '{other_pattern}' ({place})",
-                    path,
-                    "make the patterns disjoint; to change one field of some joints use `overrides`",
-                )
+    for (name, index, other, other_pattern, other_index), both in twice.items():
+        # Those in no group are told when it is known which group has these.
+        matcher.failed = True
+        what = f"joint '{both[0]}' is" if len(both) == 1 else f"joints {listed(both)} are"
+        breaches.error(
+            "BIND002",
+            f"the {what} in two groups: '{name}' by '{model.actuators[name].joints[index]}' and '{other}' by "
+            f"'{other_pattern}' ({spec.span('actuators', other, 'joints', other_index)})",
+            ("actuators", name, "joints", index),
+            "make the patterns disjoint; to change one field of some joints use `overrides`",
+        )
     unmanaged: dict[str, str] = {}
     for index, pattern in enumerate(model.robot.unmanaged):
         path = ("robot", "unmanaged", index)
@@ -261,7 +265,8 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
         for joint in joints
         if joint.name in owner
     )
-    return Bindings(managed, tuple(joint.name for joint in joints if joint.name not in owner), pose)
+    unmanaged_joints = tuple(joint.name for joint in joints if joint.name not in owner)
+    return Bindings(managed, unmanaged_joints, pose, matcher.failed)
 
 
 def _report_loose(

@@ -13,7 +13,7 @@ UNKNOWN = "unknown"
 _NUMBER = r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d+)?"
 _UNIT = r"[^\d\s.+±-]*"
 _NOTHING = re.compile(
-    r"n\.?/?a\.?|tb[acd]|none|nil|nan|-+|—|–|\?+|not (?:available|stated|specified|known)", re.I
+    r"unknown|n\.?/?a\.?|tb[acd]|none|nil|nan|-+|—|–|\?+|not (?:available|stated|specified|known)", re.I
 )
 """Words for a figure that nobody states."""
 _DEVIATION = re.compile(rf"({_NUMBER})\s*({_UNIT})\s*(?:\+\s*/?\s*-|±)\s*({_NUMBER})\s*(\S.*|)")
@@ -51,7 +51,8 @@ def explained(given: str, kind: Kind, words: tuple[str, ...], inside: bool) -> t
     )
 
 
-def _fits(text: str, kind: Kind) -> bool:
+def fits(text: str | float, kind: Kind) -> bool:
+    """Whether a text or number is a quantity of a kind."""
     try:
         parse_quantity(text, kind)
     except UnitError:
@@ -75,7 +76,7 @@ def _deviation(text: str, kind: Kind, inside: bool) -> tuple[str, str] | None:
     if last == "%" and own:
         second, last = format_number(float(first) * float(second) / 100.0), own
     value, std = f"{first} {own or last}".strip(), f"{second} {last or own}".strip()
-    if not _fits(value, kind) or not _fits(std, kind):
+    if not fits(value, kind) or not fits(std, kind):
         return None
     help = f"{_with(value, 'std', std, inside)}, if that is one standard deviation"
     return f"`{shortened(text)}` is a number and its deviation", help
@@ -88,7 +89,7 @@ def _range(text: str, kind: Kind, inside: bool) -> tuple[str, str] | None:
         return None
     first, own, second, last = match.groups()
     low, high = f"{first} {own or last}".strip(), f"{second} {last or own}".strip()
-    if not _fits(low, kind) or not _fits(high, kind):
+    if not fits(low, kind) or not fits(high, kind):
         return None
     help = f"{_with(low, 'note', shortened(text), inside)}, with the one of the two that holds"
     return f"`{shortened(text)}` is a range, and one number is needed", help
@@ -99,13 +100,13 @@ def _marks(text: str, kind: Kind) -> tuple[str, str] | None:
     thousands = _THOUSANDS.fullmatch(text)
     if thousands is not None:
         meant = re.sub(r"\D", "", thousands[1]) + thousands[2]
-        if _fits(meant, kind):
+        if fits(meant, kind):
             return (
                 f"`{shortened(text)}` has a mark inside a number",
                 f"thousands have no mark: write `{meant}`",
             )
     comment = _COMMENT.fullmatch(text)
-    if comment is not None and _fits(comment[1], kind):
+    if comment is not None and fits(comment[1], kind):
         remark = comment[3].removesuffix("*/").strip()
         rest = f" # {shortened(remark)}" if remark else ""
         return (
@@ -118,7 +119,7 @@ def _marks(text: str, kind: Kind) -> tuple[str, str] | None:
 def _words_before(text: str, kind: Kind, inside: bool) -> tuple[str, str] | None:
     """`~370 rpm`, `> 60 Hz`, `about 60 Hz`."""
     match = _BEFORE.fullmatch(text)
-    if match is None or not _fits(match[2], kind):
+    if match is None or not fits(match[2], kind):
         return None
     message = f"`{shortened(match[1].strip())}` before {match[2]} is no part of a number"
     if match[1].strip() in ("=", ":", "=="):
@@ -131,7 +132,7 @@ def _words_behind(text: str, kind: Kind, inside: bool) -> tuple[str, str] | None
     words = text.split()
     for count in range(len(words) - 1, 0, -1):
         number, rest = " ".join(words[:count]), " ".join(words[count:])
-        if not _fits(number, kind):
+        if not fits(number, kind):
             continue
         if kind is not Kind.RATIO and re.fullmatch(_NUMBER, number):
             # What stands behind a bare number is meant as its unit.

@@ -5,13 +5,15 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
-from actspec.diagnostics import Collector, Path, Place, Span, SpecError, dotted
+from actspec.diagnostics import Collector, Path, Place, Span, SpecError, did_you_mean, dotted, nearest
 from actspec.files import is_imported
 from actspec.spec.variants import chosen, split
-from actspec.spec.yaml_text import MAX_BYTES, cut, read_file, too_large
+from actspec.spec.yaml_text import MAX_BYTES, cut, got, read_file, too_large
 from actspec.spec.yaml_tree import MAX_ALIASES, MAX_DEPTH, MAX_ERRORS, MAX_NODES, Node, Scalar, parse
 
 __all__ = [
@@ -45,13 +47,17 @@ class SourceMap:
 
     def value(self, path: Path) -> Span:
         """Place of the value at `path`; an alias is where it stands, what is inside it at its anchor."""
-        return self._find(path)[1]
+        return self._find(path)[1].span
 
     def key(self, path: Path) -> Span:
         """Place of the key at `path`; for an item of a list, of the item."""
         return self._find(path)[0]
 
-    def _find(self, path: Path) -> tuple[Span, Span]:
+    def written(self, path: Path) -> str | None:
+        """The digits of the number at `path`, as `-0` and `05` are written; None for another value."""
+        return self._find(path)[1].text
+
+    def _find(self, path: Path) -> tuple[Span, Node]:
         node, key = self.root, self.root.span
         for part in path:
             held = node.value
@@ -60,12 +66,12 @@ class SourceMap:
             elif isinstance(held, list) and type(part) is int and 0 <= part < len(held):
                 node = held[part]
                 key = node.span
-        return key, node.span
+        return key, node
 
 
 @dataclass(frozen=True, slots=True)
 class Breaches:
-    """Takes what is wrong in a document, with its place.
+    """Takes what is wrong in a document, with its place; what aliases repeat, once.
 
     Attributes:
         spans: Where what is written.
@@ -84,7 +90,8 @@ class Breaches:
         if path[:1] in self.left_out or path[:2] in self.left_out:
             return
         span = self.spans.key(path) if key else self.spans.value(path)
-        self.collector.error(code, message, where=dotted(path), span=span, help=help)
+        if all((item.code, item.message, item.span) != (code, message, span) for item in self.collector):
+            self.collector.error(code, message, where=dotted(path), span=span, help=help)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,11 +130,12 @@ class Document:
         return replace(self, data=plain, spans=SourceMap(renamed))
 
 
-def load_document(path: str) -> Document:
+def load_document(path: str, *, is_spec: bool = False) -> Document:
     """Read a spec and what it includes.
 
     Args:
         path: The file, or `FILE#VARIANT`.
+        is_spec: Whether it must be a spec; of one that is another file, nothing but that is told.
 
     Raises:
         SpecError: with every error of the text; reading stops only where the text has no meaning.
@@ -135,7 +143,7 @@ def load_document(path: str) -> Document:
     collector = Collector()
     file, variant = split(path)
     data = read_file(file, Span(file), collector)
-    return _document(data, file, os.path.dirname(file) or os.curdir, collector, variant)
+    return _document(data, file, os.path.dirname(file) or os.curdir, collector, variant, is_spec)
 
 
 def document_from_text(text: str | bytes, path: str = "<text>", base: str | None = None) -> Document:
@@ -159,12 +167,22 @@ def document_from_text(text: str | bytes, path: str = "<text>", base: str | None
 
 
 def _document(
-    data: bytes | None, path: str, base: str | None, collector: Collector, variant: str | None = None
+    data: bytes | None,
+    path: str,
+    base: str | None,
+    collector: Collector,
+    variant: str | None = None,
+    is_spec: bool = False,
 ) -> Document:
     root = None if data is None else parse(data, path, collector)
     if data is None or root is None:
         raise SpecError(collector.sorted())
     assert isinstance(root.value, dict)
+    if is_spec and _is_other(root.value):
+        form = root.value["format"][1].value if "format" in root.value else None
+        what = f"its `format` is {got(form)}" if form else "it has no key `actspec`, and no `actuators`"
+        help = "a spec begins with `actspec: 1`; `validate --skip-other` passes over files that are none"
+        raise SpecError.of("SPEC104", f"this is no spec: {what}", root.span, help=help)
     digest = hashlib.sha256(data)
     names: list[str] = []
     merged = Node(root.span, {key: entry for key, entry in root.value.items() if key != "include"})
@@ -206,6 +224,16 @@ def _document(
     plain = _plain(merged)
     assert isinstance(plain, dict)
     return Document(path, plain, SourceMap(merged), digest.hexdigest(), tuple(names), variant)
+
+
+def _is_other(top: Iterable[str]) -> bool:
+    """Whether a file with these keys at its top is neither a spec that lacks some, nor a part of one."""
+    keys = list(islice(top, 100))
+    return not {*keys} <= {*INCLUDED_KEYS} and not any(nearest(key.lower(), _SPEC_KEYS) for key in keys)
+
+
+_SPEC_KEYS = ("actspec", "actuators")
+"""Keys that other files do not have."""
 
 
 def _plain(node: Node) -> Any:
@@ -304,7 +332,8 @@ def check_included(root: Node, collector: Collector) -> None:
             collector.error("SPEC014", message, where=key, span=span, help="include both files in the spec")
         elif key not in INCLUDED_KEYS:
             message = f"an included file cannot hold '{cut(key)}', only `motors` and `sources`"
-            collector.error("SPEC014", message, where=cut(key), span=span, help="move it into the spec")
+            help = did_you_mean(key, INCLUDED_KEYS, "move it into the spec")
+            collector.error("SPEC014", message, where=cut(key), span=span, help=help)
         elif not isinstance(node.value, dict) and node.value is not None:
             collector.error("SPEC014", f"`{key}` must be a mapping of names", where=key, span=node.span)
 

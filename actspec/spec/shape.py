@@ -5,17 +5,18 @@ One mistake of layout makes many errors further on, none of which names it. So t
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 
-from actspec.diagnostics import Path, listed, nearest
+from actspec.diagnostics import Path, listed, many, nearest
+from actspec.spec.document import Document
 from actspec.spec.gears import Linkage
-from actspec.spec.models import Actuators, Motor, Robot, Source, SpecModel, Target, Timing
+from actspec.spec.models import Actuators, Motor, Robot, Source, SpecModel, Target, Timing, Tunable
 from actspec.spec.values import VALUE_KEYS, short
 
 _NAMED: dict[str, tuple[type[BaseModel], str]] = {
@@ -63,16 +64,23 @@ class Misplaced:
     code: str = "SPEC107"
 
 
-def misplaced(data: Mapping[str, Any], more: Iterable[str] = ()) -> tuple[Misplaced, ...]:
+def misplaced(document: Document, more: Iterable[str] = ()) -> tuple[Misplaced, ...]:
     """Mistakes of layout, each once.
 
     Args:
-        data: The document.
+        document: What was read.
         more: Sections that are there because of other files.
     """
+    data = document.data
     lost = (*_headers_lost(data, frozenset(more)), *_inside_another(data))
     told = {item.path[:2] for item in lost}
-    rest = (*_sections(data), *_at_the_edge(data), *_dedented(data, ()), *_cut_apart(data, ()))
+    rest = (
+        *_quoted(document),
+        *_sections(data),
+        *_at_the_edge(data),
+        *_dedented(data, ()),
+        *_cut_apart(data, (), document),
+    )
     return (*lost, *(item for item in rest if item.path[:2] not in told))
 
 
@@ -106,11 +114,18 @@ def _sections(data: Mapping[str, Any]) -> Iterator[Misplaced]:
         if not isinstance(held, Mapping):
             continue
         own = fields_of(model)
-        lost = next((name for name in held if name in tops and not _is_entry(held[name], own)), None)
-        if lost is not None:
+        marks = own & {"joints", "level"} if section == "actuators" else own
+        lost = next((name for name in held if name in tops and not _is_entry(held[name], marks)), None)
+        if lost == section:
+            yield Misplaced(
+                f"the line `{section}:` is there twice", (section, section), "remove one of the two"
+            )
+        elif lost is not None:
             yield _indented(lost, (section, lost))
         else:
-            yield from _beside(held, section, own, word)
+            yield from _beside(held, section, own, marks, word)
+            if section == "actuators":
+                yield from _without_pattern(held)
     if isinstance(data.get("variant"), Mapping) and "variants" not in data:
         message = "`variant` names the variant that the spec itself is, and this holds variants"
         yield Misplaced(message, ("variant",), "write `variants:`")
@@ -213,7 +228,8 @@ def _inside_another(data: Mapping[str, Any]) -> Iterator[Misplaced]:
         held = data.get(section)
         own = fields_of(model)
         for name, entry in held.items() if isinstance(held, Mapping) else ():
-            inner = [key for key in entry if key not in own] if isinstance(entry, Mapping) else []
+            others = isinstance(entry, Mapping) and name != section
+            inner = [key for key in entry if key not in own] if others else []
             found = [key for key in inner if _is_entry(entry[key], own) and section_of(entry[key]) == section]
             if found:
                 message = f"{_are(found, section)}, and stand{'s' * (len(found) == 1)} inside `{short(name)}`"
@@ -260,6 +276,9 @@ def fields_of(model: type[BaseModel] | None) -> frozenset[str]:
 
 def model_at(root: type[BaseModel], path: Path) -> type[BaseModel] | None:
     """The model that describes the mapping at `path`."""
+    if path[:1] == ("variants",) and len(path) > 1 and root is SpecModel:
+        # A variant is a part of a spec.
+        path = path[2:]
     node: Any = root
     for part in path:
         node = _unwrapped(node)
@@ -289,7 +308,7 @@ def _unwrapped(node: Any) -> Any:
     if get_origin(node) is None or get_origin(node) in (dict, list, tuple, Literal):
         return node
     arguments = [_unwrapped(part) for part in get_args(node) if part is not type(None)]
-    models = [part for part in arguments if _is_model(part)]
+    models = [part for part in arguments if _is_model(part) or is_dataclass(part)]
     nested = [part for part in arguments if get_origin(part) is not None]
     return (models or nested or arguments or [node])[0]
 
@@ -342,24 +361,50 @@ def _belongs(key: str, value: Any, held: Any, beside: Iterable[str]) -> bool:
     return (isinstance(value, Mapping) or not _is_model(part)) and nearest(key, sorted(beside)) is None
 
 
-def _beside(held: Mapping[str, Any], section: str, fields: frozenset[str], word: str) -> Iterator[Misplaced]:
-    """Fields of a group, motor or source that stand where its name should."""
-    stray = [key for key, value in held.items() if key in fields and not _is_entry(value, fields)]
-    owner = next((key for key, value in held.items() if value is None and key not in fields), None)
-    if len(stray) < (1 if owner is not None else 2):
+def _beside(
+    held: Mapping[str, Any], section: str, fields: frozenset[str], marks: frozenset[str], word: str
+) -> Iterator[Misplaced]:
+    """Fields of a group, motor or source that stand where its name should.
+
+    Args:
+        held: What the section holds.
+        section: Its name.
+        fields: Those of one entry.
+        marks: Those by which one is told.
+        word: For one.
+    """
+    names = list(held)
+    stray = [key for key in names if key in fields and not _is_entry(held[key], marks)]
+    if not stray:
         return
-    names = listed([f"`{key}`" for key in stray], 4)
+    owner = next((key for key in names if held[key] is None and key not in fields), None)
+    above = names[: names.index(stray[0])]
+    shown, one = listed([f"`{key}`" for key in stray], 4), len(stray) == 1
+    they, what, them = ("it is", "a field", "it") if one else ("they are", "fields", "them")
     if owner is not None:
-        they = "it is a field" if len(stray) == 1 else "they are fields"
-        message = (
-            f"{names} stand{'s' * (len(stray) == 1)} beside `{owner}`, which is empty: {they} of that {word}"
-        )
-        help = f"indent {'it' if len(stray) == 1 else 'them'} below `{owner}:`"
+        message = f"{shown} stand{'s' * one} beside `{owner}`, which is empty: {they} {what} of that {word}"
+        help = f"indent {them} below `{owner}:`"
     else:
-        message = f"{names} are fields of a {word}, and `{section}` holds {word}s by name"
+        message = f"{shown} {they.split()[1]} {what} of a {word}, and `{section}` holds {word}s by name"
         name = "such as `legs:`, " if word == "group" else ""
-        help = f"write a name above them, {name}and indent them below it"
+        help = f"write a name above {them}, {name}and indent {them} below it"
+        if above and (marks == fields or not marks & {*stray}):
+            into = f"indent {them} into the {word} that {they} for"
+            help = f"{into}; or {help}" if marks == fields else into
     yield Misplaced(message, (section, stray[0]), help)
+
+
+def _without_pattern(groups: Mapping[str, Any]) -> Iterator[Misplaced]:
+    """Fields that stand in `overrides` itself, without the joints that they are for."""
+    fields = fields_of(Tunable)
+    for name, group in groups.items():
+        held = group.get("overrides") if isinstance(group, Mapping) else None
+        for key, value in held.items() if isinstance(held, Mapping) else ():
+            if key in fields and not _is_entry(value, fields):
+                message = f"`{key}` stands in `overrides` itself, which holds fields by joint or pattern"
+                help = f'write the pattern above, such as `".*_knee": {{{key}: ...}}`'
+                yield Misplaced(message, ("actuators", name, "overrides", key), help)
+                break
 
 
 def _is_entry(value: Any, fields: frozenset[str]) -> bool:
@@ -380,7 +425,31 @@ def _dashed(held: list[Any], section: str, word: str) -> Iterator[Misplaced]:
     )
 
 
-def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
+def _quoted(document: Document) -> Iterator[Misplaced]:
+    """Values in typographic quotes, which are a part of them: the first, for one editor writes them all."""
+    found = [(path, text) for path, text in _texts(document.data, ()) if _TYPOGRAPHIC.fullmatch(text)]
+    for path, text in found[:1]:
+        more = f", here and at {many(len(found) - 1, 'more place')}" if len(found) > 1 else ""
+        message = f"the quotes of `{short(text)}` are typographic, which are letters to YAML{more}"
+        yield Misplaced(message, path, f'write `"{short(text[1:-1])}"`', key=False)
+
+
+_TYPOGRAPHIC = re.compile(
+    "[\u201c-\u201f\u00ab\u00bb].*[\u201c-\u201f\u00ab\u00bb\"]|[\u2018-\u201b].*[\u2018-\u201b']", re.DOTALL
+)
+
+
+def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str]]:
+    """Texts that are no sentences, with their places."""
+    if isinstance(node, str):
+        yield path, node
+    elif isinstance(node, (Mapping, list)):
+        for key, value in node.items() if isinstance(node, Mapping) else enumerate(node):
+            if key not in _TEXTS and path[:1] != ("accept",):
+                yield from _texts(value, (*path, key))
+
+
+def _cut_apart(node: Any, path: Path, document: Document) -> Iterator[Misplaced]:
     """Values in [ ] and { } that a comma inside a number, or a colon without a space, has cut apart."""
     if isinstance(node, Mapping):
         last: tuple[str, Any] | None = None
@@ -389,7 +458,8 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
             bracket = _NO_COLON.fullmatch(key)
             lacks = _NO_COLON_IN_BRACES.fullmatch(key) if value is None else None
             if value is None and last is not None and _is_whole(last[1]) and _DIGITS.fullmatch(key):
-                yield _comma(f"{last[1]},{key}", f"{last[1]}.{key}", (*path, last[0]))
+                at = (*path, last[0])
+                yield _comma(f"{document.spans.written(at)},{key}", at)
             elif value is None and last is not None and last[0] in _TEXTS and _is_text_on(last[1], key):
                 message = f"the comma behind `{short(last[1])}` ends the text of `{last[0]}`"
                 whole = short(f"{last[1]}, {key}".replace('"', "'"))
@@ -400,32 +470,78 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
             elif lacks is not None:
                 help = f"write `{lacks[1]}: {short(lacks[2])}`"
                 yield Misplaced(f"`{lacks[1]}` has no `:`", (*path, key), help)
-            elif value is None and len(node) == 1 and _NUMBER.fullmatch(key) and path[-1:] not in _BY_PATTERN:
-                message = f"`{{{short(key)}}}` is a mapping, and a number stands in it without a key"
-                yield Misplaced(message, path, f"write `{path[-1]}: {short(key)}` without {{ }}", key=False)
-            elif value is None and last is None and _NUMBER.fullmatch(key) and _is_value(node):
-                name = "nominal" if node.keys() & {"range", "sampling"} else "value"
-                message = f"`{short(key)}` stands where a key must"
-                yield Misplaced(message, (*path, key), f"write `{name}: {short(key)}`")
+            elif value is None and last is None and _NUMBER.fullmatch(key) and path[-1:] not in _BY_PATTERN:
+                cut = [other for other in node if other is not key and _DIGITS.fullmatch(other)]
+                parts = [short(key), *map(short, cut[:1])]
+                if len(node) == len(parts):
+                    message = f"`{{{','.join(parts)}}}` is a mapping, and a number stands in it without a key"
+                    yield Misplaced(
+                        message, path, f"write `{path[-1]}: {'.'.join(parts)}` without {{ }}", key=False
+                    )
+                elif _is_value(node):
+                    name = "nominal" if node.keys() & {"range", "sampling"} else "value"
+                    message = f"`{','.join(parts)}` stands where a key must"
+                    yield Misplaced(message, (*path, key), f"write `{name}: {'.'.join(parts)}`")
             elif space is not None:
                 message = f"`{short(key)}` has no space behind its colon, and is one word"
                 yield Misplaced(message, (*path, key), f"write `{space[1]}: {short(space[2])}`")
             else:
-                yield from _cut_apart(value, (*path, key))
+                yield from _cut_apart(value, (*path, key), document)
             last = key, value
     elif isinstance(node, list) and path[-1:] not in _BY_PATTERN:
-        pairs = list(itertools.pairwise(node))
-        cut = [
-            i
-            for i, (a, b) in enumerate(pairs)
-            if _is_whole(a) and isinstance(b, str) and _DIGITS.fullmatch(b)
-        ]
-        if cut and len(node) > 2:
-            first, second = pairs[cut[0]]
-            yield _comma(f"{first},{second}", f"{first}.{second}", (*path, cut[0]))
+        found = _cut_in_list(node, path, document)
+        if found is not None:
+            yield found
         else:
             for index, item in enumerate(node):
-                yield from _cut_apart(item, (*path, index))
+                yield from _cut_apart(item, (*path, index), document)
+
+
+def _cut_in_list(node: list[Any], path: Path, document: Document) -> Misplaced | None:
+    """A list of more numbers than it must have, because of commas inside them."""
+    spans, wanted = document.spans, _length(path, document.data)
+    if len(node) <= (wanted or 2):
+        return None
+    at: list[Path] = [(*path, index) for index in range(len(node))]
+    texts = [spans.written(place) or str(item) for place, item in zip(at, node, strict=True)]
+    if not all(map(_NUMBER.fullmatch, texts)):
+        return None
+    # A comma of the list mostly has a space behind it, one inside a number never.
+    glued = [
+        _is_whole(one)
+        and _DIGITS.fullmatch(after) is not None
+        and there == replace(here, column=here.column + len(before) + 1)
+        for one, (before, after), (here, there) in zip(
+            node, pairwise(texts), pairwise(map(spans.value, at)), strict=False
+        )
+    ]
+    numbers: list[str] = []
+    index = 0
+    while index < len(node):
+        joined = glued[index : index + 1] == [True]
+        if not joined and index and glued[index - 1]:
+            # Of three without a space two are one, and nothing tells which.
+            return None
+        numbers.append(",".join(texts[index : index + 1 + joined]))
+        index += 1 + joined
+    if len(numbers) == len(node) or wanted not in (None, len(numbers)):
+        return None
+    return _comma(f"[{', '.join(numbers)}]", path)
+
+
+_PAIRS = frozenset(("scale", "add", "abs", "range", "every", "command_range"))
+"""Keys of lists of two numbers."""
+
+
+def _length(path: Path, data: Mapping[str, Any]) -> int | None:
+    """How many numbers a list has: as a pair, as the pose of a linkage or as a row of its Jacobian; None: any."""
+    if path[-1] in _PAIRS:
+        return 2
+    if path[0] != "linkages" or (path[-1] != "at" and path[-2:-1] != ("jacobian",)):
+        return None
+    linkage = data["linkages"][path[1]]
+    joints = linkage.get("joints") if isinstance(linkage, Mapping) else None
+    return len(joints) if isinstance(joints, list) else None
 
 
 def _is_text_on(text: Any, rest: str) -> bool:
@@ -443,8 +559,9 @@ def _is_whole(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _comma(given: str, meant: str, path: Path) -> Misplaced:
+def _comma(given: str, path: Path) -> Misplaced:
     message = f"{short(given)}: a comma inside a number, which ends it in [ ] and {{ }}"
+    meant = re.sub(r",(?! )", ".", given)
     return Misplaced(
         message, path, f"decimals have a point (`{short(meant)}`), thousands no mark", False, "SPEC110"
     )

@@ -7,7 +7,6 @@ Needs no robot: what a spec says about itself. Whether its patterns match the ro
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
@@ -15,23 +14,18 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from actspec.diagnostics import Collector, Path, Span, SpecError, did_you_mean, listed, nearest
-from actspec.patterns import apart
+from actspec.diagnostics import Collector, Path, Span, SpecError, listed, nearest
 from actspec.spec.document import INCLUDED_KEYS, Breaches, Document, load_document, path_inside
+from actspec.spec.faults import report, together
 from actspec.spec.models import (
     GAPPED,
     SPEC_VERSION,
-    Actuators,
-    Friction,
-    Motor,
-    Robot,
     SpecModel,
-    Timing,
-    Tunable,
+    Target,
 )
 from actspec.spec.plausible import check_numbers
 from actspec.spec.rules import check_spec
-from actspec.spec.shape import fields_of, misplaced, misspelt, model_at
+from actspec.spec.shape import misplaced, misspelt, model_at
 from actspec.spec.values import short
 
 if TYPE_CHECKING:
@@ -89,7 +83,7 @@ def validate(document: Document) -> Spec:
             f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
         )
         raise SpecError(collector.sorted())
-    layout = misplaced(data, INCLUDED_KEYS if document.includes else ())
+    layout = misplaced(document, INCLUDED_KEYS if document.includes else ())
     for item in layout:
         breaches.error(item.code, item.message, item.path, item.help, key=item.key)
     if layout:
@@ -157,19 +151,23 @@ def checked(
         model = root.model_validate(data)
     except ValidationError as err:
         items = [(item, written_path(tuple(item["loc"]), data)) for item in err.errors(include_url=False)]
-        together = _together(root, [path for item, path in items if item["type"] == "extra_forbidden"])
-        told = {path for _, paths in together.values() for path in paths}
+        told_together = together(root, [path for item, path in items if item["type"] == "extra_forbidden"])
+        told = {path for _, paths in told_together.values() for path in paths}
         swapped = _exchanged(root, data, items)
         strange = [path for item, path in items if item["type"] == "extra_forbidden"]
+        no_names = {path for item, path in items if item["loc"][-1:] == ("[key]",)}
         for item, path in items:
             if faults is not None:
                 faults.append(path)
             below = (*path, *item.get("ctx", {}).get("at", ()))
+            if any(path[: len(name)] == name and path != name for name in no_names):
+                # What it should hold depends on what it is.
+                continue
             if item["type"] == "extra_forbidden":
                 # Under an unknown key it does not matter that nothing is written.
                 empty.pop(path, None)
-                if path in together:
-                    place, paths = together[path]
+                if path in told_together:
+                    place, paths = told_together[path]
                     keys = [short(str(one[-1])) for one in paths]
                     quoted, marked = ([f"{q}{key}{q}" for key in keys] for q in ("'", "`"))
                     help = f"{listed(marked, 40)} belong to {place}"
@@ -191,7 +189,16 @@ def checked(
                 continue
             report(breaches, item, path, root)
     for path in empty:
-        breaches.error("SPEC103", "is empty", path, "write a value, `unknown`, or remove the line", key=True)
+        held = model_at(root, path)
+        help = "write a value, `unknown`, or remove the line"
+        if held is not None:
+            help = (
+                f"write `{short(str(path[-1]))}: {{}}`"
+                if held is Target
+                else "indent what belongs to it below it"
+            )
+            help += ", or remove the line"
+        breaches.error("SPEC103", "is empty", path, help, key=True)
         if faults is not None:
             faults.append(path)
     return None if empty else model
@@ -242,192 +249,6 @@ def _made_short(item: Any) -> bool:
     )
 
 
-_OTHER_WORDS = {"output": "joint", "gearbox": "joint", "load": "joint", "input": "motor"}
-"""Words for the sides of a gearbox, and the one of the language."""
-
-
-def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> None:
-    """Add one pydantic error as a diagnostic in actspec's words."""
-    kind = item["type"]
-    context = item.get("ctx", {})
-    given = item.get("input")
-    if kind == "actspec":
-        path = (*path, *context["at"])
-        breaches.error("SPEC110", context["message"], path, context["help"])
-    elif kind == "missing":
-        key = str(item["loc"][-1])
-        parent = path if path and path[-1] != key else path[:-1]
-        breaches.error("SPEC104", f"the key '{key}' is missing", parent, _description(root, (*parent, key)))
-    elif kind == "extra_forbidden":
-        key = str(item["loc"][-1])
-        breaches.error(
-            "SPEC101",
-            f"unknown key '{short(key)}'",
-            path,
-            _help_for_key(key, model_at(root, path[:-1])),
-            key=True,
-        )
-    elif kind == "literal_error":
-        expected = str(context.get("expected", ""))
-        options = [option.strip("' ") for option in expected.replace(" or ", ", ").split(",")]
-        on_key = bool(item["loc"]) and item["loc"][-1] == "[key]"
-        word = given.get("value") if isinstance(given, Mapping) else given
-        help = did_you_mean(_OTHER_WORDS.get(str(word), str(word)), options)
-        if word is not given and word in options:
-            more = "; `sure: true` stands at a number that was judged with it" if "sure" in given else ""
-            help = f"write `{path[-1]}: {word}`{more}"
-        breaches.error(
-            "SPEC105",
-            f"must be {'one of ' * (len(options) > 1)}{', '.join(options)}, got {_got(given)}",
-            path,
-            help,
-            key=on_key,
-        )
-    else:
-        of = (*path, 0) if kind in ("tuple_type", "list_type") else path
-        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model_at(root, of))
-        if kind == "dict_type" and isinstance(given, list) and not message.endswith("a list"):
-            help = _as_mapping(path, given)
-            if path[-1] == "default_pose":
-                message = message.replace("a mapping", "a mapping of joints to positions", 1)
-        if kind == "string_type" and path[-1:] == ("motor",) and isinstance(given, Mapping):
-            help = "write it below `motors:` under a name, and that name here"
-        breaches.error("SPEC106", message, path, help)
-
-
-def _in_yaml_words(
-    kind: str, message: str, context: Mapping[str, Any], given: Any, model: type[BaseModel] | None
-) -> tuple[str, str | None]:
-    """Message and help of a pydantic error about the shape of a value, or of a list of which `model` is an item."""
-    got = f", got {_got(given)}"
-    if kind in ("tuple_type", "list_type"):
-        if isinstance(given, bool) or not isinstance(given, (str, int, float)):
-            whole = short(given)
-            fits = isinstance(given, Mapping) and model is not None and not whole.endswith("...")
-            return f"must be a list{got}", f"write `[{whole}]`" if fits else None
-        dashed = _DASHED.match(str(given))
-        if dashed is not None:
-            return f"must be a list, and `-{short(dashed[1])}` lacks a space", f"write `- {short(dashed[1])}`"
-        text = str(given)
-        if text.count("]") > text.count("["):
-            text = text.removesuffix("]")
-        items = ", ".join(f'"{item}"' for item in apart(text))
-        return f"must be a list{got}", f"write `[{items}]`"
-    if kind in ("dict_type", "model_type", "model_attributes_type"):
-        keys = sorted(fields_of(model))
-        if isinstance(given, list) and given and all(isinstance(item, Mapping) for item in given):
-            first = next(iter(given[0]), "name")
-            return "must be a mapping, and `- ` makes it a list", f"write `{short(first)}: ...` without `- `"
-        return f"must be a mapping{got}", f"its keys: {listed(keys, 40)}" if keys else "write `{name: ...}`"
-    if kind == "string_type":
-        single = isinstance(given, (bool, int, float))
-        return f"must be text{got}", f'write "{short(given)}" in quotes' if single else None
-    if kind.startswith("int_"):
-        return f"must be a whole number{got}", None
-    if kind == "float_type":
-        return f"must be a number{got}", None
-    for prefix, sign, key in (("greater_than", ">", "g"), ("less_than", "<", "l")):
-        if kind.startswith(prefix):
-            equal = kind.endswith("_equal")
-            return f"must be {sign}{'=' * equal} {context[key + ('e' if equal else 't')]}{got}", None
-    if kind in ("too_short", "too_long"):
-        least = kind == "too_short"
-        bound = context["min_length" if least else "max_length"]
-        have = context["actual_length"]
-        return (
-            f"must have at {'least' if least else 'most'} {bound} entr{'y' if bound == 1 else 'ies'}, got {have}",
-            None,
-        )
-    if kind == "string_too_short":
-        return "is an empty text", None
-    if kind == "string_too_long":
-        return f"must have at most {context['max_length']} characters, got {len(str(given))}", None
-    if kind == "string_pattern_mismatch":
-        return f"does not fit the form {context['pattern']}{got}", None
-    return message[:1].lower() + message[1:] + got, None
-
-
-_VALUES = {"default_pose": "30 deg", "accept": "why it is taken", "packages": "its folder"}
-"""What a name stands for in mappings that are no sections, as an example."""
-
-
-def _as_mapping(path: Path, given: list[Any]) -> str | None:
-    """How a list of names, or of the values without their names, is written as a mapping."""
-    value = _VALUES.get(str(path[-1]), "{}" if path == ("targets",) else "{...}")
-    if path[-1] == "default_pose":
-        return f"name the joint of each position: write `{{JOINT: {value}, ...}}`; joints that are not named are at 0"
-    names = [item for item in given if isinstance(item, str)]
-    return f"write `{{{', '.join(f'{short(name)}: {value}' for name in names)}}}`" if names == given else None
-
-
-_DASHED = re.compile(r"-([^\s\d-]\S*)")
-"""A list's item without the space behind its hyphen."""
-
-_MISNOMERS = {
-    "damping": "`kd` is the drive's velocity gain; passive joint damping is `friction: {viscous: ...}`",
-    "stiffness": "the drive's stiffness is `kp`",
-    "frictionloss": "dry friction is `friction: {coulomb: ...}`",
-    "torque_limit": "the clamp of the drive's torque is `effort_limit`",
-    "forcerange": "the clamp of the drive's torque is `effort_limit`",
-    "saturation_effort": "the torque at zero speed is the motor's `stall_torque`",
-    "rated_torque": "the thermal limit is `continuous_torque`",
-    "nominal_torque": "the thermal limit is `continuous_torque`",
-    "rated_current": "the continuous current is `nominal_current`",
-    "gains": "`kp` and `kd` stand in the group itself, each on a line of its own",
-    "gear": "gears are the motor's `gear_ratio`, and `reduction` from its output to the joint",
-    "saturation": "the torque at zero speed is the motor's `stall_torque`",
-    "latency": "the delay of the command is `delay`",
-    "timestep": "the simulation's step is `timing: {physics_dt: ...}`",
-    "dt": "the simulation's step is `timing: {physics_dt: ...}`",
-}
-"""Words of simulators and configs to the language's own."""
-
-_SECTIONS: tuple[tuple[type[BaseModel], str], ...] = (
-    (SpecModel, "the top of the spec"),
-    (Actuators, "a group, actuators.NAME"),
-    (Motor, "a motor, motors.NAME"),
-    (Friction, "`friction`"),
-    (Timing, "`timing`"),
-    (Robot, "`robot`"),
-)
-
-
-def _help_for_key(key: str, model: type[BaseModel] | None) -> str | None:
-    """The nearest known key, or where this one belongs."""
-    known = sorted(fields_of(model))
-    if model is Tunable and key in Actuators.model_fields:
-        return f"`{key}` holds for a whole group: give these joints a group of their own"
-    if key in _MISNOMERS:
-        return _MISNOMERS[key]
-    place = _place_of(key, model)
-    if place is not None:
-        return f"`{key}` belongs to {place}"
-    return did_you_mean(key, known, f"known keys: {listed(known, 40)}" if known else None)
-
-
-def _place_of(key: str, model: type[BaseModel] | None) -> str | None:
-    """Where a key belongs that is not the model's; None: nowhere, or another remark says more."""
-    if (model is Tunable and key in Actuators.model_fields) or key in _MISNOMERS:
-        return None
-    found = (place for section, place in _SECTIONS if key in section.model_fields)
-    return None if key in ("name", "note", "joints") else next(found, None)
-
-
-def _together(root: type[BaseModel], strange: Iterable[Path]) -> dict[Path, tuple[str, tuple[Path, ...]]]:
-    """Unknown keys of one mapping that belong to one place: the first of them to the place and all."""
-    groups: dict[tuple[Path, str], list[Path]] = {}
-    for path in strange:
-        place = _place_of(str(path[-1]), model_at(root, path[:-1]))
-        if place is not None:
-            groups.setdefault((path[:-1], place), []).append(path)
-    return {paths[0]: (place, tuple(paths)) for (_, place), paths in groups.items() if len(paths) > 1}
-
-
-def _got(given: Any) -> str:
-    """What was given; text in quotes, so that "1" is not taken for 1."""
-    return f"'{short(given)}'" if isinstance(given, str) else short(given)
-
-
 def written_path(loc: Path, data: Any) -> Path:
     """The part of a pydantic location that exists in the YAML, union tags left out."""
     path: list[str | int] = []
@@ -453,19 +274,6 @@ def _nulls(node: Any, path: Path = ()) -> Iterator[Path]:
         for index, value in enumerate(node):
             if value is not None or path[-1:] != (GAPPED,):
                 yield from _nulls(value, (*path, index))
-
-
-def _description(root: type[BaseModel], path: Path) -> str | None:
-    from actspec.spec.schema import descriptions
-
-    model = model_at(root, path[:-1])
-    if model is None:
-        return None
-    texts = descriptions(model)
-    for name, info in model.model_fields.items():
-        if (info.alias or name) == path[-1] and name in texts:
-            return f"{path[-1]}: {' '.join(texts[name].split())}"
-    return None
 
 
 _BY_NAME = ("actuators", "motors", "linkages", "sources", "targets", "accept")
@@ -532,7 +340,7 @@ def load_spec(path: str) -> Spec:
 
     Results of another robot are a warning in `Spec.diagnostics`.
     """
-    spec = validate(load_document(path))
+    spec = validate(load_document(path, is_spec=True))
     path = spec.document.path
     folder = os.path.dirname(os.path.abspath(path))
     collector = Collector()

@@ -15,8 +15,8 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from actspec.diagnostics import did_you_mean
-from actspec.spec.around import UNKNOWN, explained
+from actspec.diagnostics import did_you_mean, nearest
+from actspec.spec.around import UNKNOWN, explained, fits
 from actspec.units import Kind, UnitError, format_quantity, parse_quantity, parse_with_unit
 
 T = TypeVar("T")
@@ -114,9 +114,9 @@ def parse_value(
     unit_text: str | None = None
     at: tuple[str | int, ...] = ()
     if isinstance(given, dict):
-        check_keys(given, VALUE_KEYS, "a value")
         if "value" not in given:
-            raise fault("a value needs its key 'value'", "write {value: 33.5 N*m, source: ...}")
+            raise _without_value(given, kind)
+        check_keys(given, VALUE_KEYS, "a value")
         number, unit_text, at = given["value"], given.get("unit"), ("value",)
         source, note, std_given = given.get("source"), given.get("note"), given.get("std")
         for key, text in (("unit", unit_text), ("source", source), ("note", note)):
@@ -134,7 +134,9 @@ def parse_value(
             raise fault(f"{_a(kind.noun)} is needed here, got `{word}`", _example(kind), at)
         return SpecValue(None, kind.rotary_unit, None, word, source, None, note, word == IDENTIFIED)
     if isinstance(number, bool) or not isinstance(number, (int, float, str)):
-        raise fault(f"must be {_a(kind.noun)}, got {short(number)}", _example(kind), at)
+        raise fault(
+            f"must be {_a(kind.noun)}, got {short(number)}", _one_number(number) or _example(kind), at
+        )
     if unit_text is not None and isinstance(number, str):
         if not _PLAIN_NUMBER.fullmatch(number):
             raise fault(
@@ -396,7 +398,41 @@ def _written(given: Any) -> str:
 
 
 def _in_quotes(given: Any) -> str | None:
+    if isinstance(given, list) and len(given) == 1:
+        return f"write `{short(given[0])}` without [ ]"
     return None if isinstance(given, (list, dict)) else f'write "{short(given)}" in quotes'
+
+
+def _without_value(given: Mapping[str, Any], kind: Kind) -> PydanticCustomError:
+    """The error for a mapping in place of a number that has no key `value`."""
+    for key, item in given.items():
+        if nearest(key, VALUE_KEYS) is not None:
+            continue
+        if fits(f"{item} {key}", kind):
+            return fault(
+                f"`{short(key)}` is a unit, and no key", f"write `value: {short(item)} {short(key)}`", (key,)
+            )
+        if isinstance(item, (int, float, str)) and fits(item, kind):
+            message = f"`{short(key)}` has a number of its own, and the field holds one for all joints"
+            help = f'what differs stands in `overrides: {{"{short(key)}": {{...}}}}` of the group'
+            return fault(message, help, (key,))
+    check_keys(given, VALUE_KEYS, "a value")
+    return fault("a value needs its key 'value'", "write {value: 33.5 N*m, source: ...}")
+
+
+def _one_number(given: Any) -> str | None:
+    """What to write where one number must stand: for `[40]`, `[40, 30]`, `[value: 40, source: x]`, `{value: 40}`."""
+    if isinstance(given, dict) and "value" in given:
+        return f"write `{short(given['value'])}` without the inner {{ }}"
+    if not isinstance(given, list) or not given:
+        return None
+    if all(isinstance(item, dict) for item in given):
+        whole = {key: value for item in given for key, value in item.items()}
+        pairs = ", ".join(f"{key}: {short(value)}" for key, value in whole.items())
+        return f"write `{{{pairs}}}`" if "value" in whole else None
+    if len(given) == 1:
+        return f"write `{short(given[0])}` without [ ]"
+    return "write one number; what differs by joint stands in `overrides` of the group"
 
 
 def _example(kind: Kind) -> str:

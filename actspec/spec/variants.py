@@ -6,6 +6,7 @@ Places are kept: what a variant states is reported at its own line.
 from __future__ import annotations
 
 import os
+import re
 from typing import Any
 
 from actspec.diagnostics import Collector, Span, did_you_mean, listed
@@ -46,6 +47,9 @@ def named(path: str, variant: str | None) -> str:
     return path if variant is None else f"{path}{MARK}{variant}"
 
 
+_DIGITS = re.compile("[0-9]+")
+
+
 def chosen(root: Node, wanted: str, path: str, collector: Collector) -> Node:
     """The tree with a variant merged over it.
 
@@ -66,7 +70,9 @@ def chosen(root: Node, wanted: str, path: str, collector: Collector) -> Node:
     variants = found if isinstance(found, dict) else {}
     if wanted not in variants:
         names = [*([own] if isinstance(own, str) else []), *variants]
-        help = did_you_mean(wanted, names, f"its variants: {listed(names)}" if names else None)
+        # `mode_12` is no misspelt `mode_15`.
+        slips = [name for name in names if _DIGITS.findall(name) == _DIGITS.findall(wanted)]
+        help = did_you_mean(wanted, slips, f"its variants: {listed(names)}" if names else None)
         span = spec["variants"][0] if "variants" in spec else Span(path)
         collector.error("SPEC016", f"the spec has no variant '{cut(wanted)}'", span=span, help=help)
         return root
@@ -80,18 +86,18 @@ def chosen(root: Node, wanted: str, path: str, collector: Collector) -> Node:
             collector.error(
                 "SPEC016",
                 f"`{key}` holds for every variant",
-                where=f"variants.{cut(wanted)}.{key}",
+                where=key,
                 span=variant.value[key][0],
                 help="write it at the top of the spec",
             )
-    _check_groups(spec, over, f"variants.{cut(wanted)}", collector)
+    _check_groups(spec, over, collector)
     merged = _merged(root, over, _MERGED)
     assert isinstance(merged.value, dict)
     merged.value["variant"] = (place, Node(place, wanted))
     return merged
 
 
-def _check_groups(spec: dict[str, Any], over: Node, where: str, collector: Collector) -> None:
+def _check_groups(spec: dict[str, Any], over: Node, collector: Collector) -> None:
     """A group that is new and has no joints is a misspelt one."""
     assert isinstance(over.value, dict)
     here, there = (part["actuators"][1].value if "actuators" in part else None for part in (over.value, spec))
@@ -102,7 +108,7 @@ def _check_groups(spec: dict[str, Any], over: Node, where: str, collector: Colle
             collector.error(
                 "SPEC016",
                 f"the spec has no group '{cut(name)}'",
-                where=f"{where}.actuators.{cut(name)}",
+                where=f"actuators.{cut(name)}",
                 span=span,
                 help=did_you_mean(
                     name, list(there), f"its groups: {listed(there)}; a new one needs `joints`"

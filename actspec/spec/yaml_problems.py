@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from actspec.diagnostics import many
-from actspec.spec.yaml_text import BREAK, cut
+from actspec.spec.yaml_text import BREAK, cut, stray_character
 
 _QUOTE = "quote text that begins with one of [ ] { } * & ! | > % @ `"
 _SINGLE = "put text with backslashes into single quotes"
@@ -34,9 +34,15 @@ _PROBLEMS: tuple[tuple[str, str, str | None], ...] = (
         "a list item `- ` cannot stand behind its key",
         "write the items on lines of their own, or in [ ]",
     ),
+    (
+        "mapping keys are not allowed",
+        "a `?` is no value",
+        "for a figure that nobody states write `unknown`",
+    ),
 )
 
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)")
+_PAIR = re.compile(r"""(["'])([A-Za-z_][A-Za-z_0-9-]*): +(\S.*)\1""")
 _ITEM = re.compile(r"-([^\s-].*)")
 _EQUALS = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*)\s*=\s*(\S.*)")
 _NAME = r"""[A-Za-z_][A-Za-z_0-9.-]*|"[^"]*"|'[^']*'"""
@@ -47,7 +53,9 @@ _ONE_WORD = re.compile(_NAME)
 _SECOND_KEY = re.compile(r"\s([A-Za-z_][A-Za-z_0-9-]*):\s$")
 _RATIO = re.compile(r"(\d+(?:\.\d+)?)\s*:\s*([1-9]\d*(?:\.\d+)?)")
 _IN_BRACES = re.compile(r"[{,]\s*([A-Za-z_][A-Za-z_0-9-]*):\s")
-_COMMENT = re.compile(r"(?:^|\s+)#.*")
+_LIST_VALUE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*): +([^\[\]{}]+)$")
+_NAMES = re.compile(rf"((?:{_NAME})(?:\s*,\s*(?:{_NAME}))+)\s*:(?:\s.*)?")
+_COMMENT = re.compile(r"(?:^|(?<!\s)\s+)#.*")
 _WORD = re.compile(r""""[^"]*"|'[^']*'|[^\s,:\[\]{}]+""")
 _IN_TEXT = re.compile(r"""[{,]\s*(note|title):\s+(?=[^\s"'\[\]{},])(?=[^\[\]{},]*$)""")
 """A text in { } that stands open at the end."""
@@ -98,8 +106,17 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
     at = ""
     if mark is not None and mark.line < len(lines):
         at = lines[mark.line][mark.column : mark.column + 1]
+    found = _look_alike(lines, mark, start)
+    if found is not None:
+        return found
+    if "node content" in problem and at == "-":
+        return Problem("a list in [ ] has no `- `", "remove the `- `, or the `[`", mark)
+    if "node content" in problem and at == ",":
+        return Problem("nothing stands before this `,`", "remove it", mark)
     if "cannot start any token" in problem:
-        return Problem(f"a value cannot begin with {at or 'this character'}", _QUOTE, mark)
+        rest = lines[mark.line][mark.column :] if at else ""
+        meant = _bound(at, rest, lines[mark.line][: mark.column]) if at else None
+        return Problem(f"a value cannot begin with {at or 'this character'}", meant or _QUOTE, mark)
     if "alias" in context:
         help = "a joint pattern must be quoted: '.*_hip_joint'"
         return Problem("`*` begins an alias here, and this is no alias", help, mark)
@@ -111,6 +128,14 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         found = _marks(lines, mark)
         if found is not None:
             return found
+    before = "" if mark is None else lines[mark.line][: mark.column][-1:] if at else ""
+    if at.isalnum() and before in ("'", '"'):
+        help = (
+            "write it twice, or put the text into double quotes"
+            if before == "'"
+            else 'write `\\"` in the text'
+        )
+        return Problem(f"the `{before}` before this letter ends the text", help, mark)
     if "could not find expected ':'" in problem and start is not None and start.line < len(lines):
         line = lines[start.line].strip()
         found = _no_colon(line, start) or _lacks_colon(lines[start.line], start.line, _ALONE)
@@ -142,18 +167,64 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
             and _items(lines[start.line : mark.line], start.column) == 1
         ):
             return _item_among_keys(lines[start.line], start)
+        if at in (",", ";"):
+            return _ends_nothing(lines[mark.line], mark)
         return Problem("a list item must begin with `- ` at the indentation of its list", _QUOTE, mark)
     if "block mapping" in context:
         if at == "-" and mark.column == _indent(lines[mark.line]):
+            above = _above(lines, mark.line)
+            first = "" if above is None else _COMMENT.sub("", lines[above])
+            if first.strip()[:1] in _OPENS and _indent(first) == mark.column and above is not None:
+                return Problem(
+                    "this item lacks its `- `", f"write `- {cut(first.strip())}`", _Mark(above, mark.column)
+                )
             return _item_among_keys(lines[mark.line], mark)
-        found = None if mark is None else _below_a_value(lines, mark.line)
+        found = None if mark is None or at in (",", ";") else _below_a_value(lines, mark.line)
         if found is not None:
             return found
         if at in (",", ";"):
-            return Problem(f"this `{at}` ends nothing: each key has a line of its own", "remove it", mark)
+            return _ends_nothing(lines[mark.line], mark)
         return Problem("a key is expected here, at the indentation of its mapping", _QUOTE, mark)
     message = f"not valid YAML: {problem or 'no reason given'}" + (f", {context}" if context else "")
     return Problem(message, None, mark)
+
+
+def _look_alike(lines: list[str], mark: Any, start: Any) -> Problem | None:
+    """A character that looks like one of YAML's, where the parser stopped, where it began or on the line above."""
+    at = [place.line for place in (mark, start) if place is not None]
+    above = None if mark is None else _above(lines, mark.line)
+    for number in sorted({*at, *([] if above is None else [above])}):
+        line = lines[number] if number < len(lines) else ""
+        stray = stray_character(_COMMENT.sub("", line))
+        if stray is not None:
+            return Problem(stray[1], stray[2], _Mark(number, stray[0]))
+        if line.lstrip().startswith(("//", "/*")):
+            remark = line.strip().strip("/* ")
+            return Problem(
+                f"`{cut(line.strip()[:2])}` begins no comment",
+                f"write `# {cut(remark)}`",
+                _Mark(number, _indent(line)),
+            )
+    return None
+
+
+def _bound(sign: str, rest: str, before: str) -> str | None:
+    """What to write in place of `>30 Hz` and `%25` in [ ] and { }.
+
+    Args:
+        sign: What the value begins with.
+        rest: The line from there on.
+        before: The line up to there.
+    """
+    value = re.split(r"[\],}]|: | #", rest)[0].strip()
+    number = value.lstrip("><=~|@%` ").rstrip("` ")
+    if not number[:1].isdigit():
+        return None
+    if sign != ">":
+        return f"write `{cut(number)}{' %' * (sign == '%')}`"
+    pair = f'value: {cut(number)}, note: "{cut(value)}"'
+    inside = before.rstrip().endswith("value:")
+    return f"a bound stands in a note: write `{pair if inside else f'{{{pair}}}'}`"
 
 
 def _folded(line: str, start: Any) -> Problem:
@@ -170,6 +241,12 @@ def _folded(line: str, start: Any) -> Problem:
 
 def _no_colon(line: str, start: Any) -> Problem | None:
     """A line `kd:0.5` or `kd = 0.5`, on which the parser waits for a colon."""
+    line = _COMMENT.sub("", line)
+    pair = _PAIR.fullmatch(line)
+    if pair is not None:
+        return Problem(
+            "the quotes hold a key and its value together", f"write `{pair[2]}: {cut(pair[3])}`", start
+        )
     item = _ITEM.fullmatch(line)
     if item is not None:
         return Problem(f"`{cut(line)}` lacks a space behind its hyphen", f"write `- {cut(item[1])}`", start)
@@ -223,6 +300,14 @@ def _marks(lines: list[str], mark: Any) -> Problem | None:
                 quote = char, number, column
             elif char in _OPENS and (begins or opened):
                 opened.append(char)
+            elif (
+                char == "]"
+                and opened[-1:] == ["{"]
+                and here
+                and (begun := _LIST_VALUE.search(line[max(0, column - 200) : column]))
+            ):
+                help = f"write `{begun[1]}: [{cut(begun[2])}]`"
+                return Problem("this list lacks its `[`", help, _Mark(number, column - len(begun[2])))
             elif char in _CLOSES and opened:
                 opened.pop()
                 closed = True
@@ -238,7 +323,7 @@ def _marks(lines: list[str], mark: Any) -> Problem | None:
 def _not_closed(lines: list[str], quote: tuple[str, int, int]) -> Problem:
     char, number, column = quote
     text = _COMMENT.sub("", lines[number][column + 1 :])
-    word = re.split(r"[\],}]|: ", text)[0]
+    word = re.split(r"[\],}]|: ", text)[0].rstrip("\u201c\u201d\u00bb\u2019")
     return Problem(
         "this quote is not closed on its line", f"write `{char}{cut(word)}{char}`", _Mark(number, column)
     )
@@ -290,12 +375,36 @@ def _no_comma(lines: list[str], mark: Any, kind: str, end: str) -> Problem | Non
     return Problem(f"a `,` is missing before `{cut(word[0])}`", None, _Mark(mark.line, word.start()))
 
 
+def _ends_nothing(line: str, mark: Any) -> Problem:
+    """A `,` or `;` behind the value of a key, or behind an item."""
+    names = _NAMES.fullmatch(_COMMENT.sub("", line.strip()))
+    if names is not None:
+        help = "write a line for each, or one pattern, such as `(left|right)_knee`"
+        return Problem(
+            f"`{cut(names[1])}` are several keys before one `:`", help, _Mark(mark.line, _indent(line))
+        )
+    key, rest = _KEY.match(line.strip()), _COMMENT.sub("", line[mark.column :])
+    if key is None or len(rest) < 2:
+        return Problem(
+            f"this `{line[mark.column]}` ends nothing, as the end of the line does", "remove it", mark
+        )
+    value = _COMMENT.sub("", line.strip()[key.end() :]).strip(" ,;")
+    close = _OPENS.get(value[:1])
+    if close is None:
+        message = f"what stands behind `{cut(key[1])}:` is several texts, and no list"
+        whole = f"[{value.replace(';', ',')}]"
+    else:
+        message = f"the `{close}` before this `{line[mark.column]}` ends the {_CLOSES[close]}"
+        whole = f"{value.replace(close, '', 1).rstrip(close)}{close}"
+    return Problem(message, f"write `{cut(f'{key[1]}: {whole}')}`", mark)
+
+
 def _items(lines: list[str], column: int) -> int:
     return sum(_indent(line) == column and line.lstrip().startswith("- ") for line in lines)
 
 
 def _item_among_keys(line: str, mark: Any) -> Problem:
-    text = line.strip().removeprefix("-").strip()
+    text = _COMMENT.sub("", line.strip()).removeprefix("-").strip()
     return Problem(
         "this `- ` begins a list, and keys stand beside it", f"write `{cut(text)}` without `- `", mark
     )
@@ -315,6 +424,10 @@ def _second_colon(lines: list[str], mark: Any) -> Problem | None:
         found = None if second is None else _on_one_line(key[1], value, second[1], mark.line, second.start(1))
         if found is not None:
             return found
+        bare = _COMMENT.sub("", value)
+        if bare[0] + bare[-1] == "()":
+            help = f"write `{cut(f'{key[1]}: {{{bare[1:-1]}}}')}`"
+            return Problem("( ) holds no keys, which { } does", help, mark)
         help = f'put it into quotes: {key[1]}: "{cut(value)}"' if '"' not in value else "quote the text"
         return Problem("the `: ` inside this text begins a mapping", help, mark)
     above = _above(lines, mark.line)
@@ -430,7 +543,15 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
         if found is not None:
             return found
     named = ", ".join(str(level) for level in levels)
-    help = f"indent it by one of these, or check the indentation of line {(outer or 0) + 1}"
+    if any(_indent(line) == own and line.strip() for n, line in enumerate(lines) if n != mark.line):
+        # Others are indented so, and one above them may be wrong.
+        help = f"indent it by one of these, or check the indentation of line {(outer or 0) + 1}"
+    else:
+        lower = max((held for held in open_levels if held[0] < own), default=None)
+        (deeper, beside) = min(held for held in open_levels if held[0] > own)
+        help = f"indent it by {many(deeper, 'space')} as line {beside + 1}"
+        if lower is not None:
+            help += f", or by {lower[0]} as line {lower[1] + 1}"
     message = f"this line is indented by {many(own, 'space')}, and what is open above it by {named}"
     return Problem(message, help, _Mark(mark.line, own))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import unicodedata
 
 from actspec.diagnostics import Collector, Span, listed, nearest, shortened
 from actspec.files import NotRegular, TooLarge, read_regular
@@ -66,6 +67,36 @@ def _refuse_tab(text: str, path: str, collector: Collector) -> None:
             help = "use spaces; inside double quotes write \\t"
             collector.error("SPEC003", "a tab is not allowed", span=Span(path, number, tab + 1), help=help)
             raise Stop
+
+
+_SPACES = "\u00a0\u1680\u2000-\u200b\u202f\u205f\u2060\u3000"
+_STRAY = re.compile(
+    rf"^ *(?:- *)?(?P<space>[{_SPACES}])"
+    rf"|(?<=[:,]) *(?P<behind>[{_SPACES}])"
+    r"|^ *[\w.-]+ *(?P<colon>\uff1a)|(?P<comma>\uff0c)"
+    r"|(?:^|[\[{,:-]) *(?P<quote>[\u201c\u201d\u201e\u201f\u00ab\u2018\u2019\u201a])"
+)
+
+
+def stray_character(text: str, *, key: bool = False) -> tuple[int, str, str] | None:
+    """A character that looks like one of YAML's and stands where that must; None: there is none.
+
+    Args:
+        text: A line without its comment, or a key.
+        key: Whether it is a key, which may have any punctuation.
+
+    Returns: Its index, and message and help.
+    """
+    found = _STRAY.search(text)
+    kind = None if found is None else found.lastgroup
+    if found is None or kind is None or (key and kind in ("colon", "comma")):
+        return None
+    char, index = found[kind], found.start(kind)
+    name = f"U+{ord(char):04X}, {unicodedata.name(char).lower()},"
+    if kind in ("space", "behind"):
+        return index, f"the character {name} stands where a space must", "replace it by a space, or remove it"
+    meant = {"colon": ":", "comma": ",", "quote": '"'}[kind]
+    return index, f"the character {name} is a letter to YAML, and no `{meant}`", f"write `{meant}`"
 
 
 def place(before: str, path: str) -> Span:

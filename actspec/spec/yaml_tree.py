@@ -12,9 +12,9 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
-from actspec.diagnostics import Collector, Span, listed, nearest
+from actspec.diagnostics import Collector, Span, listed, many, nearest
 from actspec.spec.yaml_problems import plain_problem, too_deep
-from actspec.spec.yaml_text import Stop, cut, got, place, text_of
+from actspec.spec.yaml_text import Stop, cut, got, place, stray_character, text_of
 
 MAX_DEPTH = 40
 """Deepest nesting of collections. Chosen: the language needs 7."""
@@ -44,13 +44,15 @@ _TAG_PREFIX = "tag:yaml.org,2002:"
 class Node:
     """One value: where it is, what it holds, and how large it is with its aliases expanded."""
 
-    __slots__ = ("height", "size", "span", "value")
+    __slots__ = ("height", "size", "span", "text", "value")
 
     def __init__(self, span: Span, value: Scalar | dict[str, tuple[Span, Node]] | list[Node]) -> None:
         self.span = span
         self.value = value
         self.size = 1
         self.height = 0
+        self.text: str | None = None
+        """Of a number without quotes, its digits as they are written."""
 
 
 def parse(data: bytes, path: str, collector: Collector, *, included: bool = False) -> Node | None:
@@ -95,7 +97,7 @@ class _Repeat:
 class _Open:
     """A collection whose end has not come yet."""
 
-    __slots__ = ("anchor", "flow", "key", "node", "repeats", "waiting")
+    __slots__ = ("anchor", "flow", "key", "node", "number", "repeats", "waiting")
 
     def __init__(self, node: Node, anchor: str | None, flow: bool) -> None:
         self.node = node
@@ -105,6 +107,8 @@ class _Open:
         self.repeats: list[_Repeat] = []
         self.key: tuple[str, Span] | None = None
         """The key whose value comes next; None for one that was refused."""
+        self.number: Node | None = None
+        """That key, where it is a number: without a value a comma may have cut it off."""
         self.waiting = False
         """Whether a value comes next, not a key."""
 
@@ -120,6 +124,8 @@ class _Builder:
         self.aliases = 0
         self.anchors: dict[str, Node | None] = {}
         self.stack: list[_Open] = []
+        self.no_text: dict[str, list[tuple[Node, str]]] = {}
+        """Keys that are no text by what they are, each with the path of its mapping."""
         self.root: Node | None = None
         self.end = Span(path)
         self.keys = 0
@@ -160,6 +166,7 @@ class _Builder:
             self.fatal("SPEC004", "an escape in double quotes names no character", Span(self.path))
         finally:
             loader.dispose()
+        self.tell_no_text()
         return self.root
 
     def at(self, mark: Any) -> Span:
@@ -262,6 +269,8 @@ class _Builder:
         elif plain:
             value = self.finite(_core(text), text, span, is_key)
         node = Node(span, value)
+        if plain and event.tag is None and type(value) in (int, float):
+            node.text = text
         if not self.stack and plain and text == "" and event.tag is None:
             node.size = 0
         if event.anchor is not None:
@@ -318,7 +327,10 @@ class _Builder:
         if isinstance(held, list):
             held.append(node)
         elif isinstance(held, dict):
-            if frame.key is not None:
+            if frame.number is not None and not (plain and node.value is None):
+                frame.key = None
+                self.refuse(frame.number)
+            elif frame.key is not None:
                 held[frame.key[0]] = (frame.key[1], node)
                 if plain and node.value is None and not frame.flow:
                     self.empty, self.empty_key = frame.key, self.keys
@@ -326,31 +338,57 @@ class _Builder:
 
     def key(self, node: Node, held: dict[str, tuple[Span, Node]], plain: bool) -> tuple[str, Span] | None:
         """The key that a node is; None after an error."""
-        key = node.value
+        frame = self.stack[-1]
+        frame.number = node if frame.flow and node.text is not None else None
+        key = node.value if frame.number is None else node.text
         if not isinstance(key, str):
             if isinstance(key, (dict, list)):
-                self.error("SPEC009", "a key must be a word, not a list or mapping", node.span, "quote it")
+                # `{{kp}}`, in a template or by a slip.
+                help = "quote it, or write a line for each" if isinstance(key, list) else "quote it"
+                help = "write one pair of { }" if frame.flow and isinstance(key, dict) else help
+                self.error("SPEC009", "a key must be a word, not a list or mapping", node.span, help)
             else:
-                kind = "nothing" if key is None else "a truth value" if isinstance(key, bool) else "a number"
-                message = f"the key {got(key)} reads as {kind}, and keys are text"
-                help = "quote it, a joint pattern that looks like a number too"
-                self.error("SPEC009", message, node.span, help)
+                self.refuse(node)
             return None
+        stray = stray_character(key, key=True) if plain and not key.isascii() else None
+        if stray is not None:
+            at = node.span
+            self.fatal("SPEC003", stray[1], Span(at.path, at.line, at.column + stray[0]), stray[2])
         if key == "<<" and plain:
             help = "use `overrides` for the joints that differ, or a motor by name for what is shared"
             self.error("SPEC007", "the merge key << is not allowed", node.span, help)
             return None
         self.keys += 1
         if key in held:
+            if frame.flow and key[:1].isdigit() and held[key][1].value is None:
+                # `{value: 1,5 s, std: 0,5 s}` is cut by its commas, and has no two keys.
+                return None
             first = held[key][0]
             header = self.empty if self.empty is not None and first < self.empty[1] else None
             repeat = _Repeat(key, node.span, first, self.where(), header, self.keys == self.empty_key + 1)
-            self.stack[-1].repeats.append(repeat)
+            frame.repeats.append(repeat)
             return None
         return key, node.span
 
+    def refuse(self, key: Node) -> None:
+        """Note a key that is no text."""
+        value = key.value
+        kind = "nothing" if value is None else "a truth value" if isinstance(value, bool) else "a number"
+        self.no_text.setdefault(kind, []).append((key, self.where()))
+
+    def tell_no_text(self) -> None:
+        """Tell the keys that are no text, each kind once: a file has them by its form, not by a slip."""
+        for kind, keys in self.no_text.items():
+            key, where = keys[0]
+            more = f", here and at {many(len(keys) - 1, 'more place')}" if len(keys) > 1 else ""
+            message = f"the key {got(key.value)} reads as {kind}, and keys are text{more}"
+            help = "quote it, a joint pattern that looks like a number too"
+            self.error("SPEC009", message, key.span, help, where=where)
+        self.no_text.clear()
+
     def tell_repeats(self) -> None:
         """Tell those of all mappings whose end has not come."""
+        self.tell_no_text()
         for depth in range(len(self.stack)):
             self.repeated(depth)
 
@@ -385,7 +423,7 @@ class _Builder:
             message = f"the key '{cut(one.key)}' is repeated, first at {one.first}"
             more = "; what variants change stands under `variants`" if one.key == "variant" else ""
             if depth == 1 and not frame.flow:
-                more = ", or write the line of the section that is missing between them"
+                more = ", rename one, or write the line of the section that is missing between them"
             self.error("SPEC006", message, one.span, f"keep one of the two{more}", where=one.where)
 
     def syntax(self, err: Any, text: str) -> None:

@@ -298,6 +298,18 @@ def test_all_errors_of_a_file_are_told_at_once() -> None:
     ]
 
 
+def test_spaces_of_other_kinds_stand_in_texts() -> None:
+    """What looks like a mark of YAML is told where it must be one, and nowhere else."""
+    text = "a: b\u00a0c\nd: {e: 5\u00a0N*m, f: \u201cg\u201d}\n'h\uff1a i': j\uff0ck\nl\uff1am: 1\n\"\u00a0n\": 2\n"
+    assert document_from_text(text).data == {
+        "a": "b\u00a0c",
+        "d": {"e": "5\u00a0N*m", "f": "\u201cg\u201d"},
+        "h\uff1a i": "j\uff0ck",
+        "l\uff1am": 1,
+        "\u00a0n": 2,
+    }
+
+
 def test_a_repeated_key_is_refused_in_full() -> None:
     """Place, place of the first, where, help."""
     assert [str(d) for d in errors("m:\n  legs: {kp: 1,\n    kp: 2}\n")] == [
@@ -531,8 +543,88 @@ def test_what_is_refused_says_where(text: str | bytes, expected: str) -> None:
             "a:\n  b: 1\n  c:\n      d: 1\n    e: 2",
             5,
             "this line is indented by 4 spaces, and what is open above it by 0, 2, 6",
-            "indent it by one of these, or check the indentation of line 3",
+            "indent it by 6 spaces as line 4, or by 2 as line 3",
             id="no level",
+        ),
+        pytest.param(
+            "a:\n  b: 1\nc:\n    d: 1\n  e: 2",
+            5,
+            "this line is indented by 2 spaces, and what is open above it by 0, 4",
+            "indent it by one of these, or check the indentation of line 3",
+            id="no level, by the line of the key above",
+        ),
+        pytest.param(
+            "a:\n  b: 1\n  - c:  # d\n",
+            3,
+            "this `- ` begins a list, and keys stand beside it",
+            "write `c:` without `- `",
+            id="list among keys with a comment",
+        ),
+        pytest.param(
+            "a: 1\nb = 2  # c\nd: 3",
+            2,
+            "`b = 2` has `=` in place of `:`",
+            "write `b: 2`",
+            id="equals with a comment",
+        ),
+        pytest.param(
+            'a: "b"; "c"\nd: 1',
+            1,
+            "what stands behind `a:` is several texts, and no list",
+            'write `a: ["b", "c"]`',
+            id="list without brackets",
+        ),
+        pytest.param(
+            "a: {b: %25, c: 1}", 1, "a value cannot begin with %", "write `25 %`", id="percent before"
+        ),
+        pytest.param(
+            "a: [>= 3 Hz]",
+            1,
+            "a value cannot begin with >",
+            'a bound stands in a note: write `{value: 3 Hz, note: ">= 3 Hz"}`',
+            id="bound in a list",
+        ),
+        pytest.param(
+            "a: 1\nb:\u00a02\nc: 3",
+            2,
+            "the character U+00A0, no-break space, stands where a space must",
+            "replace it by a space, or remove it",
+            id="no-break space behind a colon",
+        ),
+        pytest.param(
+            "a: 1\n\u3000b: 2\nc: 3\n  d: 4",
+            2,
+            "the character U+3000, ideographic space, stands where a space must",
+            "replace it by a space, or remove it",
+            id="ideographic space before a key",
+        ),
+        pytest.param(
+            "a: {b: 1,\u00a0c: 2}",
+            1,
+            "the character U+00A0, no-break space, stands where a space must",
+            "replace it by a space, or remove it",
+            id="no-break space behind a comma",
+        ),
+        pytest.param(
+            "a: 1\nb\uff1a 2\nc: 3",
+            2,
+            "the character U+FF1A, fullwidth colon, is a letter to YAML, and no `:`",
+            "write `:`",
+            id="fullwidth colon",
+        ),
+        pytest.param(
+            'a: ["b"\uff0c "c"]',
+            1,
+            "the character U+FF0C, fullwidth comma, is a letter to YAML, and no `,`",
+            "write `,`",
+            id="fullwidth comma",
+        ),
+        pytest.param(
+            'a: ["b\u201d]\nc: "d"',
+            1,
+            "this quote is not closed on its line",
+            'write `"b"`',
+            id="quotes of two kinds",
         ),
         pytest.param(
             "a: 1\nb:2\nc: 3", 2, "`b:2` lacks a space behind its colon", "write `b: 2`", id="no space"

@@ -82,7 +82,7 @@ def test_std_with_a_unit_of_its_own() -> None:
         pytest.param(TORQUE, True, "must be a torque, got true", "write for instance `33.5 N*m`", (), id="bool"),
         pytest.param(TORQUE, None, "must be a torque, got null", "write for instance `33.5 N*m`", (), id="null"),
         pytest.param(
-            Number(Kind.INERTIA), [1], "must be an inertia, got [1]", "write for instance `0.01 kg*m^2`", (), id="list"
+            Number(Kind.INERTIA), [1], "must be an inertia, got [1]", "write `1` without [ ]", (), id="list"
         ),
         pytest.param(
             TORQUE, "identified", "a torque is needed here, got `identified`", "write for instance `33.5 N*m`", (),

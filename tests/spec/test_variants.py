@@ -111,12 +111,12 @@ def test_lists_are_replaced(spec: str) -> None:
         (
             "upper: {joints: [b]}",
             "uper: {kp: 1 N*m/rad}",
-            "arm.yaml:32:7: SPEC016 variants.swapped.actuators.uper",
+            "arm.yaml:32:7: SPEC016 actuators.uper (variant swapped): the spec",
         ),
         (
             "  strong:\n",
             "  strong:\n    include: [x.yaml]\n",
-            "arm.yaml:25:5: SPEC016 variants.strong.include",
+            "arm.yaml:25:5: SPEC016 include (variant strong): `include`",
         ),
         (
             "  strong:\n",
@@ -149,6 +149,16 @@ def test_an_unknown_variant_names_the_nearest(spec: str) -> None:
     (item,) = caught.value.diagnostics
     assert (item.code, item.message) == ("SPEC016", "the spec has no variant 'strng'")
     assert item.help == "did you mean 'strong'?"
+    # Of names that differ by their numbers none is a slip for another.
+    Path(spec).write_text(SPEC.replace("  strong:", "  mode_15:").replace("  swapped:", "  mode_5:"))
+    for name, help in (
+        ("mode_12", "its variants: light, mode_15, mode_5"),
+        ("mode5", "did you mean 'mode_5'?"),
+        ("mod_15", "did you mean 'mode_15'?"),
+    ):
+        with pytest.raises(SpecError) as caught:
+            load_document(f"{spec}#{name}")
+        assert caught.value.diagnostics[0].help == help
     Path("plain.yaml").write_text(SPEC.split("variant:")[0])
     with pytest.raises(SpecError, match="no variant 'strong'"):
         load_document("plain.yaml#strong")

@@ -34,5 +34,5 @@ def check_spec(model: SpecModel, document: Document, breaches: Breaches) -> None
         check_group(name, group, model, breaches)
     check_linkages(model.linkages, breaches)
     check_targets(model.targets, breaches)
-    check_variants(model.variants, breaches)
+    check_variants(model.variants, model.variant if document.variant is None else None, breaches)
     check_accept(model.accept, model.targets, breaches)

@@ -21,7 +21,7 @@ def check_group(name: str, group: Actuators, model: SpecModel, breaches: Breache
     path: Path = ("actuators", name)
     motors = model.motors
     # Whether every joint of the group is in a linkage is seen when its joints are known.
-    linked = may_be_linked(group.joints, model.linkages)
+    linked = may_be_linked(group, model)
     for index, pattern in enumerate(group.joints):
         check_pattern(pattern, (*path, "joints", index), breaches)
     check_joint_fields(path, group, group, motors, breaches, linked=linked)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 
 from actspec.diagnostics import Path, listed, many
 from actspec.patterns import PatternError, match_names
 from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Linkage, Stage
-from actspec.spec.models import Motor
+from actspec.spec.models import Actuators, Motor, SpecModel
 from actspec.spec.values import SpecValue
 from actspec.units import format_number, format_quantity
 
@@ -283,13 +284,18 @@ def _check_geometry(path: Path, linkage: Linkage, breaches: Breaches) -> None:
             )
 
 
-def may_be_linked(patterns: Iterable[str], linkages: Mapping[str, Linkage]) -> bool:
-    """Whether patterns match a joint whose motor a linkage names."""
-    names = [joint for linkage in linkages.values() for joint in linkage.joints]
-    for pattern in patterns:
-        try:
-            if match_names(pattern, names):
-                return True
-        except PatternError:
-            continue
-    return False
+def may_be_linked(group: Actuators, model: SpecModel) -> bool:
+    """Whether a linkage names the motor of a joint of the group, or of one in no group, which may be meant."""
+    names = [joint for linkage in model.linkages.values() for joint in linkage.joints]
+    if _matched(group, names):
+        return True
+    return not {*names} <= {name for other in model.actuators.values() for name in _matched(other, names)}
+
+
+def _matched(group: Actuators, names: Sequence[str]) -> tuple[str, ...]:
+    """Names that a group's patterns match; a pattern that is wrong has an error of its own."""
+    found: list[str] = []
+    for pattern in group.joints:
+        with suppress(PatternError):
+            found += match_names(pattern, names)
+    return tuple(found)

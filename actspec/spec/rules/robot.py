@@ -154,12 +154,21 @@ def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
     _check_distinct("targets", targets, breaches)
 
 
-def check_variants(variants: Iterable[str], breaches: Breaches) -> None:
-    """The name of a variant can end that of a folder."""
+def check_variants(variants: Iterable[str], own: str | None, breaches: Breaches) -> None:
+    """The name of a variant can end that of a folder, and is not that of the spec itself.
+
+    Args:
+        variants: Their names.
+        own: What the spec itself is called; None: nothing, or it is one of them.
+        breaches: Takes what is wrong.
+    """
     for name in variants:
         if name.endswith("."):
             message = f"the name '{name}' cannot end a folder's name"
             breaches.error("SPEC161", message, ("variants", name), FOLDER_HELP, key=True)
+        if name == own:
+            message = f"'{name}' is the spec itself, by `variant`"
+            breaches.error("SPEC161", message, ("variants", name), "rename one of the two", key=True)
     _check_distinct("variants", variants, breaches)
 
 

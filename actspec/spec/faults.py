@@ -1,0 +1,242 @@
+"""What pydantic finds wrong with a document, in the words of the language: message, place and what to write."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from pydantic import BaseModel
+
+from actspec.diagnostics import Path, did_you_mean, listed
+from actspec.patterns import apart
+from actspec.spec.document import Breaches
+from actspec.spec.models import Actuators, Friction, Motor, Randomize, Robot, SpecModel, Timing, Tunable
+from actspec.spec.shape import fields_of, model_at
+from actspec.spec.values import short
+
+_OTHER_WORDS = {
+    **dict.fromkeys(("output", "gearbox", "load"), "joint"),
+    "input": "motor",
+    **dict.fromkeys(("torque", "force"), "effort"),
+}
+"""Words for the sides of a gearbox and for commands, and those of the language."""
+
+
+def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> None:
+    """Add one pydantic error as a diagnostic in actspec's words."""
+    kind = item["type"]
+    context = item.get("ctx", {})
+    given = item.get("input")
+    if kind == "actspec":
+        path = (*path, *context["at"])
+        breaches.error("SPEC110", context["message"], path, context["help"])
+    elif kind == "missing":
+        key = str(item["loc"][-1])
+        parent = path if path and path[-1] != key else path[:-1]
+        breaches.error("SPEC104", f"the key '{key}' is missing", parent, _description(root, (*parent, key)))
+    elif kind == "extra_forbidden":
+        key = str(item["loc"][-1])
+        breaches.error(
+            "SPEC101",
+            f"unknown key '{short(key)}'",
+            path,
+            _help_for_key(key, model_at(root, path[:-1])),
+            key=True,
+        )
+    elif kind == "literal_error":
+        expected = str(context.get("expected", ""))
+        options = [option.strip("' ") for option in expected.replace(" or ", ", ").split(",")]
+        on_key = bool(item["loc"]) and item["loc"][-1] == "[key]"
+        word = given.get("value") if isinstance(given, Mapping) else given
+        help = _nearest_word(str(word).lower(), options)
+        if word is not given and word in options:
+            more = "; `sure: true` stands at a number that was judged with it" if "sure" in given else ""
+            help = f"write `{path[-1]}: {word}`{more}"
+        breaches.error(
+            "SPEC105",
+            f"must be {'one of ' * (len(options) > 1)}{', '.join(options)}, got {_got(given)}",
+            path,
+            help,
+            key=on_key,
+        )
+    else:
+        of = (*path, 0) if kind in ("tuple_type", "list_type") else path
+        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model_at(root, of))
+        if kind == "dict_type" and isinstance(given, list) and not message.endswith("a list"):
+            help = _as_mapping(path, given)
+            if path[-1] == "default_pose":
+                message = message.replace("a mapping", "a mapping of joints to positions", 1)
+        if kind == "string_type" and path[-1:] == ("motor",) and isinstance(given, Mapping):
+            help = "write it below `motors:` under a name, and that name here"
+        breaches.error("SPEC106", message, path, help)
+
+
+def _nearest_word(word: str, options: Sequence[str]) -> str | None:
+    """The help for a word that is none of these: the nearest, one that begins or ends so, or all that it begins."""
+    parts = [option for option in options if option.startswith(f"{word}.")]
+    if parts:
+        return f"write {listed([f'`{part}`' for part in parts])} as one key"
+    part = [
+        option for option in options if len(word) > 1 and (option.startswith(word) or option.endswith(word))
+    ]
+    return did_you_mean(part[0] if len(part) == 1 else _OTHER_WORDS.get(word, word), options)
+
+
+def _in_yaml_words(
+    kind: str, message: str, context: Mapping[str, Any], given: Any, model: type[BaseModel] | None
+) -> tuple[str, str | None]:
+    """Message and help of a pydantic error about the shape of a value, or of a list of which `model` is an item."""
+    got = f", got {_got(given)}"
+    if kind in ("tuple_type", "list_type"):
+        if isinstance(given, bool) or not isinstance(given, (str, int, float)):
+            whole = short(given)
+            fits = isinstance(given, Mapping) and model is not None and not whole.endswith("...")
+            return f"must be a list{got}", f"write `[{whole}]`" if fits else None
+        dashed = _DASHED.match(str(given))
+        if dashed is not None:
+            return f"must be a list, and `-{short(dashed[1])}` lacks a space", f"write `- {short(dashed[1])}`"
+        text = str(given)
+        if text.count("]") > text.count("["):
+            text = text.removesuffix("]")
+        if text[:1] + text[-1:] == "()" and len(apart(text[1:-1])) > 1:
+            text = text[1:-1]
+        items = ", ".join(f'"{bare}"' for item in apart(text) if (bare := item.strip("\"'")))
+        return f"must be a list{got}", f"write `[{items}]`"
+    if kind in ("dict_type", "model_type", "model_attributes_type"):
+        keys = sorted(fields_of(model))
+        key = _ALONE.get(model) if model is not None else None
+        if key is not None and isinstance(given, list if model is Randomize else (str, int, float)):
+            if isinstance(given, list) and any(isinstance(item, str) for item in given):
+                key = "abs"
+            return f"must be a mapping{got}", f"write `{{{key}: {short(given)}}}`"
+        if isinstance(given, list) and given and all(isinstance(item, Mapping) for item in given):
+            first = next(iter(given[0]), "name")
+            return "must be a mapping, and `- ` makes it a list", f"write `{short(first)}: ...` without `- `"
+        return f"must be a mapping{got}", f"its keys: {listed(keys, 40)}" if keys else "write `{name: ...}`"
+    if kind == "string_type":
+        if isinstance(given, (bool, int, float)):
+            return f"must be text{got}", f'write "{short(given)}" in quotes'
+        alone = isinstance(given, list) and len(given) == 1 and isinstance(given[0], str)
+        return f"must be text{got}", f"write `{short(given[0])}` without [ ]" if alone else None
+    if kind.startswith("int_"):
+        digits = re.fullmatch(r"(\d+)(?:\.0*)?", str(given).strip())
+        return f"must be a whole number{got}", f"write `{digits[1]}`" if digits is not None else None
+    if kind == "float_type":
+        return f"must be a number{got}", None
+    for prefix, sign, key in (("greater_than", ">", "g"), ("less_than", "<", "l")):
+        if kind.startswith(prefix):
+            equal = kind.endswith("_equal")
+            return f"must be {sign}{'=' * equal} {context[key + ('e' if equal else 't')]}{got}", None
+    if kind in ("too_short", "too_long"):
+        least = kind == "too_short"
+        bound = context["min_length" if least else "max_length"]
+        have = context["actual_length"]
+        return (
+            f"must have at {'least' if least else 'most'} {bound} entr{'y' if bound == 1 else 'ies'}, got {have}",
+            None,
+        )
+    if kind == "string_too_short":
+        return "is an empty text", None
+    if kind == "string_too_long":
+        return f"must have at most {context['max_length']} characters, got {len(str(given))}", None
+    if kind == "string_pattern_mismatch":
+        return f"does not fit the form {context['pattern']}{got}", None
+    return message[:1].lower() + message[1:] + got, None
+
+
+_ALONE: dict[type[BaseModel], str] = {Friction: "coulomb", Randomize: "scale"}
+"""Key that is meant by a value which stands alone."""
+
+_VALUES = {"default_pose": "30 deg", "accept": "why it is taken", "packages": "its folder"}
+"""What a name stands for in mappings that are no sections, as an example."""
+
+
+def _as_mapping(path: Path, given: list[Any]) -> str | None:
+    """How a list of names, or of the values without their names, is written as a mapping."""
+    value = _VALUES.get(str(path[-1]), "{}" if path == ("targets",) else "{...}")
+    if path[-1] == "default_pose":
+        return f"name the joint of each position: write `{{JOINT: {value}, ...}}`; joints that are not named are at 0"
+    names = [item for item in given if isinstance(item, str)]
+    return f"write `{{{', '.join(f'{short(name)}: {value}' for name in names)}}}`" if names == given else None
+
+
+_DASHED = re.compile(r"-[^\S ]?([^\s\d-]\S*)")
+"""A list's item without the space behind its hyphen."""
+
+_MISNOMERS = {
+    "damping": "`kd` is the drive's velocity gain; passive joint damping is `friction: {viscous: ...}`",
+    "stiffness": "the drive's stiffness is `kp`",
+    "frictionloss": "dry friction is `friction: {coulomb: ...}`",
+    "torque_limit": "the clamp of the drive's torque is `effort_limit`",
+    "forcerange": "the clamp of the drive's torque is `effort_limit`",
+    "saturation_effort": "the torque at zero speed is the motor's `stall_torque`",
+    "rated_torque": "the thermal limit is `continuous_torque`",
+    "nominal_torque": "the thermal limit is `continuous_torque`",
+    "rated_current": "the continuous current is `nominal_current`",
+    "gains": "`kp` and `kd` stand in the group itself, each on a line of its own",
+    "gear": "gears are the motor's `gear_ratio`, and `reduction` from its output to the joint",
+    "saturation": "the torque at zero speed is the motor's `stall_torque`",
+    "latency": "the delay of the command is `delay`",
+    "timestep": "the simulation's step is `timing: {physics_dt: ...}`",
+    "dt": "the simulation's step is `timing: {physics_dt: ...}`",
+}
+"""Words of simulators and configs to the language's own."""
+
+_SECTIONS: tuple[tuple[type[BaseModel], str], ...] = (
+    (SpecModel, "the top of the spec"),
+    (Actuators, "a group, actuators.NAME"),
+    (Motor, "a motor, motors.NAME"),
+    (Friction, "`friction`"),
+    (Timing, "`timing`"),
+    (Robot, "`robot`"),
+)
+
+
+def _help_for_key(key: str, model: type[BaseModel] | None) -> str | None:
+    """The nearest known key, or where this one belongs."""
+    known = sorted(fields_of(model))
+    if model is Tunable and key in Actuators.model_fields:
+        return f"`{key}` holds for a whole group: give these joints a group of their own"
+    if key in _MISNOMERS:
+        return _MISNOMERS[key]
+    place = _place_of(key, model)
+    if place is not None:
+        return f"`{key}` belongs to {place}"
+    return did_you_mean(key, known, f"known keys: {listed(known, 40)}" if known else None)
+
+
+def _place_of(key: str, model: type[BaseModel] | None) -> str | None:
+    """Where a key belongs that is not the model's; None: nowhere, or another remark says more."""
+    if (model is Tunable and key in Actuators.model_fields) or key in _MISNOMERS:
+        return None
+    found = (place for section, place in _SECTIONS if key in section.model_fields)
+    return None if key in ("name", "note", "joints") else next(found, None)
+
+
+def together(root: type[BaseModel], strange: Iterable[Path]) -> dict[Path, tuple[str, tuple[Path, ...]]]:
+    """Unknown keys of one mapping that belong to one place: the first of them to the place and all."""
+    groups: dict[tuple[Path, str], list[Path]] = {}
+    for path in strange:
+        place = _place_of(str(path[-1]), model_at(root, path[:-1]))
+        if place is not None:
+            groups.setdefault((path[:-1], place), []).append(path)
+    return {paths[0]: (place, tuple(paths)) for (_, place), paths in groups.items() if len(paths) > 1}
+
+
+def _got(given: Any) -> str:
+    """What was given; text in quotes, so that "1" is not taken for 1."""
+    return f"'{short(given)}'" if isinstance(given, str) else short(given)
+
+
+def _description(root: type[BaseModel], path: Path) -> str | None:
+    from actspec.spec.schema import descriptions
+
+    model = model_at(root, path[:-1])
+    if model is None:
+        return None
+    texts = descriptions(model)
+    for name, info in model.model_fields.items():
+        if (info.alias or name) == path[-1] and name in texts:
+            return f"{path[-1]}: {' '.join(texts[name].split())}"
+    return None
