@@ -219,9 +219,8 @@ def _exchanged(root: type[BaseModel], data: Any, items: Sequence[tuple[Any, Path
         if item["type"] == "actspec" and path and isinstance(path[-1], str):
             wrong.setdefault(path[:-1], []).append(path)
     found: dict[Path, Path] = {}
-    for parent, (one, *others) in wrong.items():
-        if len(others) != 1 or one == others[0] or len(found) == MOST_EXCHANGED:
-            continue
+    pairs = [(parent, paths) for parent, paths in wrong.items() if len(paths) == 2 and paths[0] != paths[1]]
+    for parent, (one, *others) in pairs[:MOST_EXCHANGED]:
         changed = deepcopy(data)
         node = changed
         for part in parent:
@@ -238,7 +237,7 @@ def _exchanged(root: type[BaseModel], data: Any, items: Sequence[tuple[Any, Path
 
 
 MOST_EXCHANGED = 10
-"""Exchanges of one spec; each is proved by validation."""
+"""Pairs of one spec that are tried: for each all of it is validated again."""
 
 
 def _made_short(item: Any) -> bool:

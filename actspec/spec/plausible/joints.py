@@ -58,6 +58,10 @@ RATE_SCALE = 10.0
 """One unit of action over the fastest speed or the effort limit."""
 FASTEST_LIMIT = 200.0
 """Velocity limit of a hinge [rad/s]. Published: to 200 (gripper of the reBot), 110 at 26 N*m (Qinglong)."""
+ODD = 10.0
+"""An armature over that of the other joints of its group, either way. Published: to 3 (results of one motor)."""
+SEVERAL = 3
+"""Other joints from which they show what is usual."""
 WHOLE_ROBOT = 6
 """Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
 HOPELESS_LEVER = 10.0
@@ -156,7 +160,7 @@ def _joint_doubts_of(
     for joint in joints:
         linkage = linked.get(joint.joint)
         lever = list(_lever(joint, whole, linkage))
-        for found in (*lever, *_joint_doubts(joint)):
+        for found in (*lever, *_joint_doubts(joint, joints)):
             doubt = found.doubt
             if lever and joint.effort_limit.span in doubt.judged:
                 # What is judged by a wrong limit says nothing.
@@ -172,10 +176,10 @@ def _joint_doubts_of(
             yield found
 
 
-def _joint_doubts(joint: JointActuator) -> Iterator[Found]:
+def _joint_doubts(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator[Found]:
     for check in (_pose, _command_range, _friction, _viscous, _scale, _velocity):
         yield from check(joint)
-    inertia = list(_armature(joint))
+    inertia = list(_armature(joint)) or list(_odd_armature(joint, joints))
     # With a wrong inertia gains say nothing.
     yield from inertia or _gains(joint)
 
@@ -407,6 +411,38 @@ def _armature(joint: JointActuator) -> Iterator[Found]:
         armature,
         limit,
         motor,
+    )
+
+
+def _odd_armature(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator[Found]:
+    """An armature of one joint's own, far from what the others of its group have with one drive."""
+    armature = joint.armature
+    if not _stated(armature) or not armature.value or armature.origin is Origin.DERIVED:
+        return
+    others = sorted(
+        other.armature.value
+        for other in joints
+        if other.group == joint.group
+        and other.kind is joint.kind
+        and other is not joint
+        and other.armature.value
+    )
+    if len(others) < SEVERAL:
+        return
+    usual = others[len(others) // 2]
+    ratio = armature.value / usual
+    if 1.0 / ODD < ratio < ODD or not 1.0 / ODD < usual / others[0] < ODD > others[-1] / usual:
+        return
+    times = f"{format_quantity(max(ratio, 1.0 / ratio), '', 3)} times {'above' if ratio > 1.0 else 'below'}"
+    yield _found(
+        joint,
+        "SPEC191",
+        f"actuators.{joint.group}.armature",
+        max(ratio, 1.0 / ratio),
+        f"an armature of {_shown(armature)} is {times} the {format_quantity(usual, armature.unit, 4)} of the other "
+        f"joints of {joint.group}, which have one drive",
+        "look for a wrong power of ten or unit, or give a joint with another drive a group of its own",
+        armature,
     )
 
 

@@ -550,6 +550,36 @@ def test_one_number_of_two_groups_is_one_message() -> None:
     assert [(item.code, item.message[:11]) for item in said(text)] == [("SPEC191", "hip, calf: ")]
 
 
+@pytest.mark.parametrize(
+    ("others", "own", "odd"),
+    [
+        # 0.11 is 11 times 0.01, 0.00099 is 10.1 times below it.
+        (("0.01", "0.011", "0.009"), "0.11", True),
+        (("0.01", "0.011", "0.009"), "0.09", False),
+        (("0.01", "0.011", "0.009"), "0.00099", True),
+        (("0.01", "0.011", "0.009"), "0.0011", False),
+        # They are not alike, or too few.
+        (("0.01", "0.011", "0.0009"), "0.11", False),
+        (("0.01", "0.011"), "0.11", False),
+    ],
+)
+def test_an_armature_that_no_other_joint_of_its_group_has(
+    others: tuple[str, ...], own: str, odd: bool, tmp_path: Path
+) -> None:
+    """Results of a log give one joint another power of ten; 20 N*m would turn 0.11 kg*m^2 with 182 rad/s^2."""
+    joints = [f"j{n}" for n in range(len(others) + 1)]
+    figures = zip(joints, (*others, own), strict=True)
+    overrides = ", ".join(f"{joint}: {{armature: {value}}}" for joint, value in figures)
+    names = ", ".join(f"{{name: {joint}}}" for joint in joints)
+    spec = tmp_path / "s.yaml"
+    spec.write_text(
+        f"actspec: 1\nrobot: {{name: r, model: none, joints: [{names}]}}\nactuators:\n  legs:\n    joints: ['.*']\n"
+        f"    level: ideal_pd\n    kp: 20\n    kd: 1\n    effort_limit: 20\n    overrides: {{{overrides}}}\n"
+    )
+    found = [item for item in api.resolve(spec).diagnostics if item.code in BY_CODE]
+    assert [(item.code, item.message.partition(":")[0]) for item in found] == [("SPEC191", joints[-1])] * odd
+
+
 @pytest.mark.parametrize("spec", sorted(path.name for path in ROBOTS.glob("*.yaml")))
 def test_the_robot_library_is_sound(spec: str) -> None:
     assert [str(item) for item in api.resolve(ROBOTS / spec).diagnostics if item.code in BY_CODE] == []
