@@ -168,8 +168,8 @@ CHECKS = (
     Check(
         "SPEC191",
         "armature",
-        "An armature that is not the motor's inertia at the joint, or far from the links, the torque or the other joints "
-        "of its group.",
+        "An armature that is not the motor's inertia at the joint, or far from the links, the torque or the other "
+        "joints of its group.",
         "Outside of 0.3 to 3 times what rotor inertia and gears give. Without those: effort limit over armature below "
         "5 (unless the motor's speed is reached in 0.2 s) or above 3e5 rad/s^2 (of a motor whose links are not known "
         "3e6); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from 300 times on "
