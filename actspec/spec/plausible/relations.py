@@ -27,6 +27,8 @@ ALIKE = 0.1
 """Two readings of one number are both told if they differ by no more than this [powers of ten]."""
 TIE = 0.02
 """Corrections of two numbers are both told if they differ by no more than this [powers of ten]."""
+TIE_OF_UNITS = 0.05
+"""The same of two that have a reason: what is usual hardly parts two units."""
 
 FAR_ABOVE_FILE = 30.0
 """A limit, or what a motor gives, over the limit of the robot's file: it is doubted whatever the file meant."""
@@ -142,7 +144,8 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
     ]
     rivals: dict[tuple[Path, ...], Repair] = {}
     for cost, repair in sorted(found, key=lambda item: item[0]):
-        if cost <= least + TIE and repair.help is not None and set(repair.paths).isdisjoint(best.paths):
+        tie = TIE_OF_UNITS if max(best.rare, repair.rare) < RARE else TIE
+        if cost <= least + tie and repair.help is not None and set(repair.paths).isdisjoint(best.paths):
             rivals.setdefault(repair.paths, repair)
     return [best, *alike[:1], *rivals.values()]
 
@@ -167,7 +170,10 @@ def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: Sourc
         others = [
             f"{repair.paths[0][-1]} ({spans.value(repair.paths[0])}): {repair.help}" for repair in rivals
         ]
-        help = f"one of {len(rivals) + 1} numbers is wrong. {where[-1]}: {help} Or {' Or '.join(others)}"
+        # `side` is no number.
+        told_of = "values" if any(repair.paths[0][-1] == "side" for repair in best) else "numbers"
+        help = ". Or ".join([f"one of {len(rivals) + 1} {told_of} is wrong. {where[-1]}: {help}", *others])
+        help = help.replace("?. Or", "? Or")
     if told.code == "SPEC183":
         # There are larger machines than robots.
         help = f"{help or 'look for a wrong unit'}{'' if (help or '').endswith('?') else ';'} {KEEP}"

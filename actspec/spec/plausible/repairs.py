@@ -37,6 +37,8 @@ SIDED = 0.15
 """What it costs that all torques are those of the other side, and the speed is not, as `RARE`."""
 ONE_SIDED = 0.25
 """What it costs that one of several torques is."""
+PER_AMPERE = 0.05
+"""So much likelier than a torque a torque constant is in kgf*cm: sheets of servos have kgf*cm/A."""
 PROVED = 1.25
 """A torque is what its current gives if they agree by this factor; then it was not exchanged for another."""
 PROVED_COST = 1.0
@@ -180,8 +182,11 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if across is not None:
             factor = across * (passed if across > 1.0 else 1.0 / passed)
             meant = about + _shown(_times(first, factor))
-            help = f"is it quoted at the {there} ({names})? At the {here} {_shown(first)} is {meant}"
-            yield moved(torques, factor, help, SIDED)
+            which = f" ({names})" if len(torques) > 1 else ""
+            help = f"is it quoted at the {there}{which}? At the {here} {_shown(first)} is {meant}"
+            # Without a speed all figures of the side are torques: `side` is no likelier.
+            alone = not any(number(_at(motor, path)) for path in SPEEDS)
+            yield moved(torques, factor, help, 0.0 if alone else SIDED)
         if len(torques) > 1:
             yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
         if len(torques) > 1 and all("kgf" not in _given(motor, path).written for path in torques):
@@ -381,18 +386,19 @@ def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, 
     else:
         yield 1e-3, _of_milli(value), 0.0
         yield 1e3, f"did you mean {_shown(_times(value, 1e3))}?", 0.0
-    servo = value.unit == "N*m" and "kgf" not in value.written and size * KGF_CM < SERVO
+    servo = value.unit in ("N*m", "N*m/A") and "kgf" not in value.written and size * KGF_CM < SERVO
     if servo:
         # A point in the wrong place is so near that nobody can tell.
         tenth = f"or did you mean {_shown(_times(value, 0.1))}?"
-        yield KGF_CM, f"{_kgf_cm(value)}; {tenth}", RARE
+        yield KGF_CM, f"{_kgf_cm(value)}; {tenth}", RARE if value.unit == "N*m" else RARE - PER_AMPERE
     yield from _tens(value)
 
 
 def _kgf_cm(value: SpecValue) -> str:
     """A torque of a servo's sheet."""
     size = value.value or 0.0
-    return f"is it in kgf*cm? {size:g} kgf*cm is {format_quantity(size * KGF_CM, value.unit, 4)}"
+    unit = value.unit.replace("N*m", "kgf*cm")
+    return f"is it in {unit}? {size:g} {unit} is {format_quantity(size * KGF_CM, value.unit, 4)}"
 
 
 def _tens(value: SpecValue) -> Iterator[tuple[float, str, float]]:

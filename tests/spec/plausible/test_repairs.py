@@ -332,3 +332,36 @@ def test_a_constant_that_its_currents_prove() -> None:
     )
     (found,) = said(sheet=f"{sheet}, torque_constant: 68 mN*m/A")
     assert (found.where, found.help) == ("motors.m.torque_constant", "did you mean 0.68 N*m/A?")
+
+
+def test_a_constant_of_a_servo_in_kgf_cm() -> None:
+    """1.21 / 0.0980665 = 12.34; x 5.92 = 73.0 of 7.4 V, and x 0.62 rad/s, 5.92 rpm, 7.65: two units of two lines."""
+    sheet = (
+        "side: joint, stall_torque: 3.25, peak_torque: 1.91, no_load_speed: 5.92 rad/s, torque_constant: {}, "
+        "nominal_voltage: 7.4 V, gear_ratio: 345"
+    )
+    assert said(sheet=sheet.format("1.21")) == []
+    (found,) = said(sheet=sheet.format("12.34"))
+    assert found.where == "motors.m.torque_constant"
+    assert found.help == (
+        "one of 2 numbers is wrong. torque_constant: is it in kgf*cm/A? 12.34 kgf*cm/A is 1.21 N*m/A; or did you mean "
+        "1.234 N*m/A? Or no_load_speed (s.yaml:3:81): is it in rpm? 5.92 rpm is 0.62 rad/s"
+    )
+
+
+def test_side_or_the_only_torque() -> None:
+    """0.88 x 51 = 44.88 N*m; x 51 again 2289: `side` or the number. A speed beside it, which fits, tells which.
+
+    The limit of 45 N*m leaves no mN*m.
+    """
+    sheet = "side: motor, peak_torque: {}, gear_ratio: 51"
+    assert said(", effort_limit: 45", sheet=sheet.format("0.88")) == []
+    (found,) = said(", effort_limit: 45", sheet=sheet.format("44.88"))
+    assert (found.code, found.where) == ("SPEC183", "motors.m.peak_torque")
+    assert (found.help or "").startswith(
+        "one of 2 values is wrong. peak_torque: is it quoted at the gearbox output? At the rotor 44.88 N*m is about "
+        "0.88 N*m. Or side (s.yaml:3:20): are the figures those of the gearbox output? Then write `side: joint`; "
+    )
+    (found,) = said(", effort_limit: 45", sheet=f"{sheet.format('44.88')}, no_load_speed: 17 rad/s")
+    assert found.where == "motors.m.side"
+    assert (found.help or "").startswith("are the figures those of the gearbox output?")

@@ -61,7 +61,9 @@ def said(
             {"side": "joint"},
             "SPEC187",
             "side",
-            "are the figures those of the rotor? Then write `side: motor`",
+            # The torque is the only figure of the side.
+            "one of 2 values is wrong. side: are the figures those of the rotor? Then write `side: motor`. Or "
+            "peak_torque (",
         ),
         # 1146 rpm is 120 rad/s.
         (
