@@ -8,8 +8,8 @@ leaves the figures nearest to those of published robots.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path
 from actspec.spec.document import SourceMap
@@ -35,6 +35,10 @@ FAR_ABOVE_FILE = 30.0
 ABOUT = 0.2
 """What is that far above may agree less well when it is corrected, by a factor of 2 [powers of ten]."""
 
+MET = 1.1
+"""Where the robot's file contradicts a number, a figure in its place is offered if they agree by this factor."""
+
+POINT = "is the point in the wrong place?"
 KEEP = "`sure: true` beside it keeps a number that is right"
 
 
@@ -105,6 +109,11 @@ class Repair:
     help: str | None
     rare: float = 0.0
 
+    @property
+    def is_point(self) -> bool:
+        """Whether it moves the point of one number."""
+        return self.rare == RARE and (self.help or "").startswith("did you mean")
+
 
 def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Repair]:
     """The best correction, with another of the same number that is as good; none where nothing explains all.
@@ -142,12 +151,34 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
         and repair.rare <= ALIKE
         and cost <= least + ALIKE
     ]
+    best = _told(best, least, found, refuted)
     rivals: dict[tuple[Path, ...], Repair] = {}
     for cost, repair in sorted(found, key=lambda item: item[0]):
         tie = TIE_OF_UNITS if max(best.rare, repair.rare) < RARE else TIE
         if cost <= least + tie and repair.help is not None and set(repair.paths).isdisjoint(best.paths):
-            rivals.setdefault(repair.paths, repair)
+            rivals.setdefault(repair.paths, _told(repair, cost, found, refuted))
     return [best, *alike[:1], *rivals.values()]
+
+
+def _told(
+    repair: Repair,
+    cost: float,
+    found: Sequence[tuple[float, Repair]],
+    refuted: Collection[tuple[object, ...]],
+) -> Repair:
+    """A correction, without its figure where another power of ten is as good, or the robot's file is not met."""
+    others = (
+        other
+        for other_cost, other in found
+        if other is not repair and other.paths == repair.paths and abs(other_cost - cost) <= TIE
+    )
+    vague = any(other.is_point for other in others) or (
+        bool(refuted)
+        and not any(
+            1.0 / MET <= relation.value <= MET for relation in repair.after if _about(relation) in refuted
+        )
+    )
+    return replace(repair, help=POINT) if repair.is_point and vague else repair
 
 
 def _about(relation: Relation) -> tuple[object, ...]:

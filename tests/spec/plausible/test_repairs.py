@@ -310,13 +310,29 @@ def test_the_rotors_own_as_reflected() -> None:
     assert "with 200000 rad/s^2 there, 1200000 rad/s^2 at the rotor" in found.message
 
 
-def test_one_power_of_ten_is_offered() -> None:
+def test_no_power_of_ten_is_offered_where_two_are_usual() -> None:
     """19.12 and 1.912 rad/s are both usual; so is a motor of 3.35 N*m with 191.2 rad/s."""
     (found,) = said(sheet="side: joint, peak_torque: 33.5, no_load_speed: 1826 rpm")
     assert found.where == "motors.m.no_load_speed"
     assert (found.help or "").startswith(
-        "one of 2 numbers is wrong. no_load_speed: did you mean 19.12 rad/s? Or peak_torque (s.yaml:3:40): is it in"
+        "one of 2 numbers is wrong. no_load_speed: is the point in the wrong place? Or peak_torque (s.yaml:3:40): is "
+        "it in kgf*cm? 33.5"
     )
+
+
+def test_the_rotors_own_as_reflected_of_an_unknown_gear() -> None:
+    """0.16 / 24^2 = 2.78e-4 kg*m^2: 300 N*m would turn it with 1.08e6 rad/s^2; 0.0278, 0.278, 2.78 are usual."""
+    sheet = "side: joint, peak_torque: 300, gear_ratio: unknown, reflected_inertia: {}"
+    assert said(", effort_limit: 300", sheet=sheet.format("0.16")) == []
+    (found,) = said(", effort_limit: 300", sheet=sheet.format("2.78e-4"))
+    assert (found.code, found.where) == ("SPEC185", "motors.m.reflected_inertia")
+    assert found.help == (
+        "is it the rotor's own, on the other side of the gear? At the output it is that times the gear ratio squared; "
+        "or look for a wrong unit"
+    )
+    # 300 / 1e-9 = 3e11 rad/s^2: a gear of 350 would leave 2.4e6.
+    (found,) = said(", effort_limit: 300", sheet=sheet.format("1e-9"))
+    assert "gear" not in (found.help or "")
 
 
 def test_sure_at_one_of_the_figures_keeps_them() -> None:
