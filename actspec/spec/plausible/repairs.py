@@ -181,7 +181,12 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if given.unit == "N*m" and "kgf" not in given.written:
             # A point in the wrong place is so near that only what agrees exactly tells.
             servo = moved([path], KGF_CM, _kgf_cm(given), RARE)
-            if any(item.code == "SPEC187" and 1.0 / EXACT < item.value < EXACT for item in servo.after):
+            if any(
+                item.code == "SPEC187"
+                and (*root, *path) in (item.path, *item.others)
+                and 1.0 / EXACT < item.value < EXACT
+                for item in servo.after
+            ):
                 yield servo
         yield from (moved([path], *slip) for slip in _slips(given))
         if across is not None and len(plain) > 1 and path in plain:

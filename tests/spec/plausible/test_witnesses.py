@@ -122,6 +122,11 @@ def test_a_figure_is_offered_near_the_files(tmp_path: Path, peak: str, help: str
     assert said(tmp_path, sheet, effort=35.278, speed=20) == []
     (found,) = said(tmp_path, sheet, effort=35.278, speed=20, peak_torque=peak)
     assert (found.where, found.help) == ("motors.m.peak_torque", help)
+    # A limit that agrees with the file says nothing of the torque.
+    (found,) = said(
+        tmp_path, sheet, effort=35.278, speed=20, peak_torque="352.78", limits=", effort_limit: 35.278"
+    )
+    assert found.help == "did you mean 35.278 N*m?"
 
 
 @pytest.mark.parametrize(("limits", "told"), [("6 rpm", True), ("0.6 rad/s", False), ("6 rad/s", False)])
