@@ -340,9 +340,9 @@ def _viscous(joint: JointActuator) -> Iterator[Found]:
         torque / limit.value,
         f"the viscous friction of {_shown(viscous)} takes {format_quantity(torque, limit.unit, 3)} at the joint's "
         f"{_shown(speed)}, of an effort limit of {_shown(limit)}",
-        f"is it in m{unit} ({format_quantity(viscous.value / 1000, unit, 3)}), or times 57.3 "
-        f"({format_quantity(viscous.value * DEGREE, unit, 3)})? The slope of the torque-speed line belongs to the "
-        "motor, not to friction",
+        # Any of them may be: a figure would be a guess.
+        f"is it in m{unit}, times 57.3, or the point in the wrong place? The slope of the torque-speed line belongs "
+        "to the motor, not to friction",
         viscous,
         limit,
         speed,

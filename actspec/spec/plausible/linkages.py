@@ -12,7 +12,7 @@ from actspec.ir import JointActuator, Origin
 from actspec.spec.document import SourceMap
 from actspec.spec.gears import Linkage
 from actspec.spec.models import SpecModel
-from actspec.spec.plausible.driven import WITNESS
+from actspec.spec.plausible.driven import AGREES, WITNESS
 from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE
 from actspec.spec.plausible.table import Doubt, Found, at, by_number
 from actspec.spec.plausible.witnesses import limits_of_file
@@ -113,11 +113,16 @@ class _Strength:
     ratio: float
 
     @property
+    def far(self) -> bool:
+        """Whether it is far from the file's."""
+        return not 1.0 / WITNESS < self.ratio < WITNESS
+
+    @property
     def broken(self) -> bool:
         """Whether it is a power of ten off, or far above."""
-        far = math.log10(self.ratio)
-        near = abs(far - round(far)) <= POWER
-        return not 1.0 / WITNESS < self.ratio < WITNESS and (near or self.ratio > FAR_ABOVE_FILE)
+        power = math.log10(self.ratio)
+        near = abs(power - round(power)) <= POWER
+        return self.far and (near or self.ratio > FAR_ABOVE_FILE)
 
 
 def _strength(name: str, joint: JointActuator) -> _Strength | None:
@@ -131,7 +136,9 @@ def _strength(name: str, joint: JointActuator) -> _Strength | None:
 
 def _too_strong(strengths: Sequence[_Strength], model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
     """Limits of one motor's joints: where those of other linkages agree with the file, it is no matter of the motor."""
-    broken = [one for one in strengths if one.broken]
+    agrees = any(1.0 / AGREES < one.ratio < AGREES for one in strengths)
+    # Beside one that agrees it need not be a power of ten: a gear that is counted twice is 16.
+    broken = [one for one in strengths if (one.far if agrees else one.broken)]
     names = list(dict.fromkeys(one.linkage for one in broken))
     proved = len(names) < len({one.linkage for one in strengths})
     for name in names if proved else names[:1]:

@@ -8,8 +8,8 @@ leaves the figures nearest to those of published robots.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path
 from actspec.spec.document import SourceMap
@@ -27,12 +27,18 @@ ALIKE = 0.1
 """Two readings of one number are both told if they differ by no more than this [powers of ten]."""
 TIE = 0.02
 """Corrections of two numbers are both told if they differ by no more than this [powers of ten]."""
+TIE_OF_UNITS = 0.05
+"""The same of two that have a reason: what is usual hardly parts two units."""
 
 FAR_ABOVE_FILE = 30.0
 """A limit, or what a motor gives, over the limit of the robot's file: it is doubted whatever the file meant."""
 ABOUT = 0.2
 """What is that far above may agree less well when it is corrected, by a factor of 2 [powers of ten]."""
 
+MET = 1.1
+"""Where the robot's file contradicts a number, a figure in its place is offered if they agree by this factor."""
+
+POINT = "is the point in the wrong place?"
 KEEP = "`sure: true` beside it keeps a number that is right"
 
 
@@ -103,6 +109,11 @@ class Repair:
     help: str | None
     rare: float = 0.0
 
+    @property
+    def is_point(self) -> bool:
+        """Whether it moves the point of one number."""
+        return self.rare == RARE and (self.help or "").startswith("did you mean")
+
 
 def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Repair]:
     """The best correction, with another of the same number that is as good; none where nothing explains all.
@@ -140,11 +151,34 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
         and repair.rare <= ALIKE
         and cost <= least + ALIKE
     ]
+    best = _told(best, least, found, refuted)
     rivals: dict[tuple[Path, ...], Repair] = {}
     for cost, repair in sorted(found, key=lambda item: item[0]):
-        if cost <= least + TIE and repair.help is not None and set(repair.paths).isdisjoint(best.paths):
-            rivals.setdefault(repair.paths, repair)
+        tie = TIE_OF_UNITS if max(best.rare, repair.rare) < RARE else TIE
+        if cost <= least + tie and repair.help is not None and set(repair.paths).isdisjoint(best.paths):
+            rivals.setdefault(repair.paths, _told(repair, cost, found, refuted))
     return [best, *alike[:1], *rivals.values()]
+
+
+def _told(
+    repair: Repair,
+    cost: float,
+    found: Sequence[tuple[float, Repair]],
+    refuted: Collection[tuple[object, ...]],
+) -> Repair:
+    """A correction, without its figure where another power of ten is as good, or the robot's file is not met."""
+    others = (
+        other
+        for other_cost, other in found
+        if other is not repair and other.paths == repair.paths and abs(other_cost - cost) <= TIE
+    )
+    vague = any(other.is_point for other in others) or (
+        bool(refuted)
+        and not any(
+            1.0 / MET <= relation.value <= MET for relation in repair.after if _about(relation) in refuted
+        )
+    )
+    return replace(repair, help=POINT) if repair.is_point and vague else repair
 
 
 def _about(relation: Relation) -> tuple[object, ...]:
@@ -167,7 +201,10 @@ def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: Sourc
         others = [
             f"{repair.paths[0][-1]} ({spans.value(repair.paths[0])}): {repair.help}" for repair in rivals
         ]
-        help = f"one of {len(rivals) + 1} numbers is wrong. {where[-1]}: {help} Or {' Or '.join(others)}"
+        # `side` is no number.
+        told_of = "values" if any(repair.paths[0][-1] == "side" for repair in best) else "numbers"
+        help = ". Or ".join([f"one of {len(rivals) + 1} {told_of} is wrong. {where[-1]}: {help}", *others])
+        help = help.replace("?. Or", "? Or")
     if told.code == "SPEC183":
         # There are larger machines than robots.
         help = f"{help or 'look for a wrong unit'}{'' if (help or '').endswith('?') else ';'} {KEEP}"

@@ -31,12 +31,18 @@ KGF_CM = 0.0980665
 """[N*m]."""
 SERVO = 10.0
 """Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
+LARGEST_GEAR = 350.0
+"""Of published gears, about."""
 SWAPPED = 0.2
 """What an exchange of two torques costs beside a wrong unit, as `RARE`."""
 SIDED = 0.15
 """What it costs that all torques are those of the other side, and the speed is not, as `RARE`."""
 ONE_SIDED = 0.25
 """What it costs that one of several torques is."""
+PER_AMPERE = 0.05
+"""So much likelier than a torque a torque constant is in kgf*cm: sheets of servos have kgf*cm/A."""
+EXACT = 1.003
+"""A torque in kgf*cm, 1.02 times one with a wrong point, is told from that if it agrees with a limit by this factor."""
 PROVED = 1.25
 """A torque is what its current gives if they agree by this factor; then it was not exchanged for another."""
 PROVED_COST = 1.0
@@ -171,7 +177,18 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         cost = SWAPPED + PROVED_COST * proved
         yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?", cost)
     for path in torques:
-        yield from (moved([path], *slip) for slip in _slips(_given(motor, path)))
+        given = _given(motor, path)
+        if given.unit == "N*m" and "kgf" not in given.written:
+            # A point in the wrong place is so near that only what agrees exactly tells.
+            servo = moved([path], KGF_CM, _kgf_cm(given), RARE)
+            if any(
+                item.code == "SPEC187"
+                and (*root, *path) in (item.path, *item.others)
+                and 1.0 / EXACT < item.value < EXACT
+                for item in servo.after
+            ):
+                yield servo
+        yield from (moved([path], *slip) for slip in _slips(given))
         if across is not None and len(plain) > 1 and path in plain:
             yield sided(path, across, lossy=True, rare=ONE_SIDED)
     if torques:
@@ -180,8 +197,11 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if across is not None:
             factor = across * (passed if across > 1.0 else 1.0 / passed)
             meant = about + _shown(_times(first, factor))
-            help = f"is it quoted at the {there} ({names})? At the {here} {_shown(first)} is {meant}"
-            yield moved(torques, factor, help, SIDED)
+            which = f" ({names})" if len(torques) > 1 else ""
+            help = f"is it quoted at the {there}{which}? At the {here} {_shown(first)} is {meant}"
+            # Without a speed all figures of the side are torques: `side` is no likelier.
+            alone = not any(number(_at(motor, path)) for path in SPEEDS)
+            yield moved(torques, factor, help, 0.0 if alone else SIDED)
         if len(torques) > 1:
             yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
         if len(torques) > 1 and all("kgf" not in _given(motor, path).written for path in torques):
@@ -201,6 +221,8 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         elif field == "reflected_inertia" and gear is not None and gear >= GEARED and not travels:
             help = "is it the rotor's own, before the gear? Then write `rotor_inertia`"
             yield changed(motor.model_copy(update={field: None, "rotor_inertia": inertia}), [(field,)], help)
+        elif field == "reflected_inertia" and gear is None:
+            yield from _unknown_gear(drive, moved)
 
 
 def _is_efficient(motor: Motor) -> bool:
@@ -223,6 +245,17 @@ def _forgotten(drive: Drive, moved: Callable[[Sequence[Path], float, str], Repai
         gear = min(weak)
         help = "is a gear forgotten? gear_ratio is rotor turns in one output turn"
         yield moved([("gear_ratio",)], gear, help)
+
+
+def _unknown_gear(drive: Drive, moved: Callable[..., Repair]) -> Iterator[Repair]:
+    """An inertia at the output that is the rotor's, if a gear of a usual size makes it a usual one."""
+    for relation in relations(drive):
+        if relation.code == "SPEC185" and relation.path[-1] == "reflected_inertia" and not relation.about:
+            turned = relation.value / math.sqrt(math.prod(relation.usual))
+            if GEARED**2 <= turned <= LARGEST_GEAR**2:
+                help = "is it the rotor's own, on the other side of the gear? At the output it is that times the "
+                help += "gear ratio squared; or look for a wrong unit"
+                yield moved([("reflected_inertia",)], turned, help, SIDED)
 
 
 def _is_proved(motor: Motor, field: str) -> bool:
@@ -381,18 +414,19 @@ def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, 
     else:
         yield 1e-3, _of_milli(value), 0.0
         yield 1e3, f"did you mean {_shown(_times(value, 1e3))}?", 0.0
-    servo = value.unit == "N*m" and "kgf" not in value.written and size * KGF_CM < SERVO
+    servo = value.unit in ("N*m", "N*m/A") and "kgf" not in value.written and size * KGF_CM < SERVO
     if servo:
         # A point in the wrong place is so near that nobody can tell.
         tenth = f"or did you mean {_shown(_times(value, 0.1))}?"
-        yield KGF_CM, f"{_kgf_cm(value)}; {tenth}", RARE
+        yield KGF_CM, f"{_kgf_cm(value)}; {tenth}", RARE if value.unit == "N*m" else RARE - PER_AMPERE
     yield from _tens(value)
 
 
 def _kgf_cm(value: SpecValue) -> str:
     """A torque of a servo's sheet."""
     size = value.value or 0.0
-    return f"is it in kgf*cm? {size:g} kgf*cm is {format_quantity(size * KGF_CM, value.unit, 4)}"
+    unit = value.unit.replace("N*m", "kgf*cm")
+    return f"is it in {unit}? {size:g} {unit} is {format_quantity(size * KGF_CM, value.unit, 4)}"
 
 
 def _tens(value: SpecValue) -> Iterator[tuple[float, str, float]]:

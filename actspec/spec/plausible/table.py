@@ -212,11 +212,12 @@ CHECKS = (
         "SPEC195",
         "jacobian",
         "A linkage's table of which a row does not fit the others, a pose far outside of the joint's range, or a limit "
-        "by a linkage that is a power of ten off the robot's file.",
+        "by a linkage that is far off the robot's file.",
         "Of four rows or more: a pose that is out of the order of all others and in it by another unit, sign or power "
         "of ten; a Jacobian of another sign than all others, or a power of ten off (to a factor of 1.6) what the rows "
         "beside it make on a straight line. A pose from 0.3 rad and from a quarter of the range beyond an end on. A "
-        "limit from 5 times on where it is a power of ten off, from 30 times above in any case (Spot's table: 1.0).",
+        "limit from 5 times on where it is a power of ten off or another linkage of the motor agrees with the file (to "
+        "a quarter), from 30 times above in any case (Spot's table: 1.0).",
     ),
 )
 """Every check, in the order in which they are explained."""

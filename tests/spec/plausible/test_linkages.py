@@ -146,6 +146,15 @@ def test_a_factor_against_the_file(tmp_path: Path, factor: str, effort: float, t
             "linkages.l.factor",
             "look at the factor here: other linkages of this motor agree with the file",
         ),
+        # A gear that is counted twice, no power of ten: 1.5 N*m x 32 = 48 of the file's 3.
+        (
+            ("32", "2"),
+            "linkages.l.factor",
+            "look at the factor here: other linkages of this motor agree with the file",
+        ),
+        # 1.5 N*m x 12 = 18 and 1.5 x 5 = 7.5: no linkage agrees.
+        (("12", "12"), "", ""),
+        (("12", "5"), "", ""),
         (("20", "20"), "motors.m.peak_torque", "look at the torque here, or at the linkages l, r ("),
     ],
 )

@@ -310,13 +310,29 @@ def test_the_rotors_own_as_reflected() -> None:
     assert "with 200000 rad/s^2 there, 1200000 rad/s^2 at the rotor" in found.message
 
 
-def test_one_power_of_ten_is_offered() -> None:
+def test_no_power_of_ten_is_offered_where_two_are_usual() -> None:
     """19.12 and 1.912 rad/s are both usual; so is a motor of 3.35 N*m with 191.2 rad/s."""
     (found,) = said(sheet="side: joint, peak_torque: 33.5, no_load_speed: 1826 rpm")
     assert found.where == "motors.m.no_load_speed"
     assert (found.help or "").startswith(
-        "one of 2 numbers is wrong. no_load_speed: did you mean 19.12 rad/s? Or peak_torque (s.yaml:3:40): is it in"
+        "one of 2 numbers is wrong. no_load_speed: is the point in the wrong place? Or peak_torque (s.yaml:3:40): is "
+        "it in kgf*cm? 33.5"
     )
+
+
+def test_the_rotors_own_as_reflected_of_an_unknown_gear() -> None:
+    """0.16 / 24^2 = 2.78e-4 kg*m^2: 300 N*m would turn it with 1.08e6 rad/s^2; 0.0278, 0.278, 2.78 are usual."""
+    sheet = "side: joint, peak_torque: 300, gear_ratio: unknown, reflected_inertia: {}"
+    assert said(", effort_limit: 300", sheet=sheet.format("0.16")) == []
+    (found,) = said(", effort_limit: 300", sheet=sheet.format("2.78e-4"))
+    assert (found.code, found.where) == ("SPEC185", "motors.m.reflected_inertia")
+    assert found.help == (
+        "is it the rotor's own, on the other side of the gear? At the output it is that times the gear ratio squared; "
+        "or look for a wrong unit"
+    )
+    # 300 / 1e-9 = 3e11 rad/s^2: a gear of 350 would leave 2.4e6.
+    (found,) = said(", effort_limit: 300", sheet=sheet.format("1e-9"))
+    assert "gear" not in (found.help or "")
 
 
 def test_sure_at_one_of_the_figures_keeps_them() -> None:
@@ -332,3 +348,36 @@ def test_a_constant_that_its_currents_prove() -> None:
     )
     (found,) = said(sheet=f"{sheet}, torque_constant: 68 mN*m/A")
     assert (found.where, found.help) == ("motors.m.torque_constant", "did you mean 0.68 N*m/A?")
+
+
+def test_a_constant_of_a_servo_in_kgf_cm() -> None:
+    """1.21 / 0.0980665 = 12.34; x 5.92 = 73.0 of 7.4 V, and x 0.62 rad/s, 5.92 rpm, 7.65: two units of two lines."""
+    sheet = (
+        "side: joint, stall_torque: 3.25, peak_torque: 1.91, no_load_speed: 5.92 rad/s, torque_constant: {}, "
+        "nominal_voltage: 7.4 V, gear_ratio: 345"
+    )
+    assert said(sheet=sheet.format("1.21")) == []
+    (found,) = said(sheet=sheet.format("12.34"))
+    assert found.where == "motors.m.torque_constant"
+    assert found.help == (
+        "one of 2 numbers is wrong. torque_constant: is it in kgf*cm/A? 12.34 kgf*cm/A is 1.21 N*m/A; or did you mean "
+        "1.234 N*m/A? Or no_load_speed (s.yaml:3:81): is it in rpm? 5.92 rpm is 0.62 rad/s"
+    )
+
+
+def test_side_or_the_only_torque() -> None:
+    """0.88 x 51 = 44.88 N*m; x 51 again 2289: `side` or the number. A speed beside it, which fits, tells which.
+
+    The limit of 45 N*m leaves no mN*m.
+    """
+    sheet = "side: motor, peak_torque: {}, gear_ratio: 51"
+    assert said(", effort_limit: 45", sheet=sheet.format("0.88")) == []
+    (found,) = said(", effort_limit: 45", sheet=sheet.format("44.88"))
+    assert (found.code, found.where) == ("SPEC183", "motors.m.peak_torque")
+    assert (found.help or "").startswith(
+        "one of 2 values is wrong. peak_torque: is it quoted at the gearbox output? At the rotor 44.88 N*m is about "
+        "0.88 N*m. Or side (s.yaml:3:20): are the figures those of the gearbox output? Then write `side: joint`; "
+    )
+    (found,) = said(", effort_limit: 45", sheet=f"{sheet.format('44.88')}, no_load_speed: 17 rad/s")
+    assert found.where == "motors.m.side"
+    assert (found.help or "").startswith("are the figures those of the gearbox output?")

@@ -196,6 +196,19 @@ def test_a_reduction_with_its_point_in_the_wrong_place(limits: str, told: str) -
     assert all((item.help or "").startswith("did you mean 2.22? reduction is turns of") for item in found)
 
 
+def test_viscous_friction_is_told_without_a_figure() -> None:
+    """45 N*m*s/rad of ANYmal's 4.5: neither 0.045 nor 0.785 is near, and nothing tells which it is."""
+    (found,) = told_of(
+        "legs: {joints: [hip], motor: m, level: dc_motor, kp: 40, kd: 5, friction: {viscous: 45}}",
+        "side: joint, peak_torque: 89, stall_torque: 140, no_load_speed: 8.5 rad/s",
+    )
+    assert found.code == "FRC106"
+    assert found.help == (
+        "is it in mN*m*s/rad, times 57.3, or the point in the wrong place? The slope of the torque-speed line belongs "
+        "to the motor, not to friction"
+    )
+
+
 def test_a_speed_in_degrees() -> None:
     """429.7 deg/s is 7.5 rad/s, 429.7 rpm 45 rad/s: both are usual."""
     (found,) = told_of(

@@ -61,7 +61,9 @@ def said(
             {"side": "joint"},
             "SPEC187",
             "side",
-            "are the figures those of the rotor? Then write `side: motor`",
+            # The torque is the only figure of the side.
+            "one of 2 values is wrong. side: are the figures those of the rotor? Then write `side: motor`. Or "
+            "peak_torque (",
         ),
         # 1146 rpm is 120 rad/s.
         (
@@ -102,6 +104,29 @@ def test_the_file_tells_a_wrong_figure(
     assert (found.code, found.where) == (code, f"motors.m.{place}")
     assert (found.help or "").startswith(help)
     assert "the robot's file gives the joint 'hip' " in found.message
+
+
+@pytest.mark.parametrize(
+    ("peak", "help"),
+    [
+        # 35.278 / 0.0980665 = 359.74; a tenth of it is 1.02 times the file's.
+        ("359.74", "is it in kgf*cm? 359.74 kgf*cm is 35.28 N*m"),
+        ("352.78", "did you mean 35.278 N*m?"),
+        # 36.9 is 1.046 times the file's, 42 is 1.19 times.
+        ("369", "did you mean 36.9 N*m?"),
+        ("420", "is the point in the wrong place?"),
+    ],
+)
+def test_a_figure_is_offered_near_the_files(tmp_path: Path, peak: str, help: str) -> None:
+    sheet = {"side": "joint", "peak_torque": "35.278"}
+    assert said(tmp_path, sheet, effort=35.278, speed=20) == []
+    (found,) = said(tmp_path, sheet, effort=35.278, speed=20, peak_torque=peak)
+    assert (found.where, found.help) == ("motors.m.peak_torque", help)
+    # A limit that agrees with the file says nothing of the torque.
+    (found,) = said(
+        tmp_path, sheet, effort=35.278, speed=20, peak_torque="352.78", limits=", effort_limit: 35.278"
+    )
+    assert found.help == "did you mean 35.278 N*m?"
 
 
 @pytest.mark.parametrize(("limits", "told"), [("6 rpm", True), ("0.6 rad/s", False), ("6 rad/s", False)])
