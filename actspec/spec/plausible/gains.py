@@ -15,8 +15,6 @@ from actspec.units import format_quantity
 
 RETURN = (5e-4, 1.0)
 """kd over kp [s]: the time in which a joint without inertia returns."""
-DRIVEN_RETURN = 0.5
-"""The most of a joint with a motor [s]. Published: 0.16."""
 USUAL_RETURN = (0.005, 0.25)
 LEAST_RETURN = 1e-4
 """The same of kd alone, where it is not 0 [s]. Published: 7e-3."""
@@ -96,7 +94,7 @@ def _relations(gains: Gains) -> Iterator[Relation]:
         yield Relation(
             "SPEC192",
             back,
-            (0.0, DRIVEN_RETURN if gains.driven else RETURN[1]),
+            (0.0, RETURN[1]),
             USUAL_RETURN,
             f"{pair}: the joint would take {format_quantity(back, 's', 3)} to come back to its command",
             ("kp",),

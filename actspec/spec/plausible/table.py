@@ -182,8 +182,7 @@ CHECKS = (
         "gains",
         "kp and kd exchanged, or given per degree, per mm or times 57.3, by each other, the effort limit, natural "
         "frequency and damping ratio.",
-        "kd over kp above 1 s, of joints with a motor above 0.5 s (published: 0.0071 to 0.25 s, with a motor to 0.16); "
-        "a natural frequency outside of 0.15 to 100 Hz or a "
+        "kd over kp above 1 s (published: 0.0071 to 0.25 s); a natural frequency outside of 0.15 to 100 Hz or a "
         "damping ratio outside of 0.015 to 60 that a gain is derived from. Of joints with a motor also kd over kp "
         "below 0.5 ms (0.1 ms without friction), a kp that needs an error of more than 50 rad for the effort limit "
         "(2.2 rad), or of less than 0.015 rad with kd over kp below 2 ms (an so101 with 998 N*m/rad); and, by the "
