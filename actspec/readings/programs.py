@@ -394,10 +394,12 @@ def _idle_configs(
         return {}
     every = frozenset().union(*configs.values()) | {_stem(path) for path in configs}
     # Whole words, each name that is not part of a longer one.
-    words = [rb"(?<![\w])" + re.escape(name) for name in sorted(every - _twins(configs))]
+    twins = {_stem(path) for path in configs if _folders(path)[0] == _stem(path)}
+    words = [rb"(?<![\w])" + re.escape(name) for name in sorted(every - twins)]
+    # Of a module that is called as its package a name in an import is mostly the package's.
     words += [
         b"(?<=" + before + b")" + re.escape(name)
-        for name in sorted(_twins(configs))
+        for name in sorted(twins)
         for before in (re.escape(name) + rb"\.", rb"from \.", b"import ")
     ]
     pattern = re.compile(b"(?:" + b"|".join(words) + rb")(?![\w])")
@@ -433,11 +435,6 @@ def _idle_configs(
         if alone:
             result[path] = frozenset(alone)
     return result
-
-
-def _twins(paths: Iterable[str]) -> frozenset[bytes]:
-    """Modules that are called as their package: its name in an import is not theirs."""
-    return frozenset(_stem(path) for path in paths if _folders(path)[0] == _stem(path))
 
 
 def _read(path: str) -> bytes:
