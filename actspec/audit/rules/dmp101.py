@@ -18,6 +18,7 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
     aliases: ClassVar[dict[str, str]] = {"DMP001": "damping-may-be-counted-twice"}
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    noted_in_folders = True
     needs = "no MJCF with a drive that has a velocity gain among the files"
     options: ClassVar[dict[str, float]] = {"share": 0.1, "large": 0.5}
 
@@ -95,15 +96,10 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
             "friction.viscous in a spec, or set the finding aside with that reason",
             related=(row.span,) if intent is None else (row.span, intent.place("kd")),
             fields=(field,),
-            # A file with the drive's gain alone shows that it is counted twice; the same number twice in one's own file
-            # is worth a look.
-            severity=self.severity if large and (intent or self._is_own(case, row, share)) else Severity.INFO,
+            # A file with the drive's gain alone shows that it is counted twice; the same number twice is worth a look.
+            severity=self.severity if large and sure else Severity.INFO,
             confidence=Confidence.LOW if not large else Confidence.HIGH if sure else self.confidence,
         )
-
-    def _is_own(self, case: Case, row: LedgerRow, share: float) -> bool:
-        """Whether a file that somebody named has one number for both."""
-        return same(share, 1.0) and not case.is_met(row.artifact)
 
     def _lagging(self, row: LedgerRow, parts: Parts, field: str) -> Finding:
         """A servo of speed, whose damping is not counted twice but kept from its target."""

@@ -3,7 +3,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-from actspec.audit.case import LIMIT_WRITTEN
 from actspec.audit.known import likenesses
 from actspec.audit.known import same as is_published
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
@@ -30,7 +29,7 @@ class HiddenGear(RuleInParts):
     name = "hidden-gear"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
-    written_over = LIMIT_WRITTEN
+    noted_in_folders = True
     paired = True
     needs = "no file with effort and speed limits beside another file of the same robot"
 
@@ -88,7 +87,6 @@ class HiddenGear(RuleInParts):
         gets = f"it gets {share} of its torque"
         if joint.speed is not None and right.speed is not None:
             gets += f" and {format_quantity(joint.speed / right.speed, '', 3)} times its speed"
-        # Files of a folder may be of two revisions; those that are named are of the robot at hand.
         robot = _published_for(case, joint)
         variant = f"; {shown(joint.row, 'effort_limit', joint.effort)} is published for a variant of {robot}"
         return Finding(
@@ -104,7 +102,6 @@ class HiddenGear(RuleInParts):
             right.effort,
             f"give this joint a group of its own with {_limits(right)}, if the reduction is there on the robot",
             (right.place, reduction.base.place),
-            severity=Severity.INFO if robot and case.is_met(joint.row.artifact) else None,
             fields=("effort_limit",),
         )
 

@@ -55,7 +55,6 @@ class Disagreement:
         variant: Whether the files describe variants: of the same kind, or with other joints.
         one_machine: Whether links and ranges speak of one machine, or do not speak.
         published: The known robot whose figure the other file has; "" where no such robot tells who is right.
-        backed: Whether files of more kinds that are run have the other figure than this one.
         both_published: Whether the robot's maker publishes both figures.
         copy: Whether an earlier file departs in the same way.
     """
@@ -68,7 +67,6 @@ class Disagreement:
     variant: bool
     one_machine: bool
     published: str = ""
-    backed: bool = False
     both_published: bool = False
     copy: bool = False
 
@@ -183,8 +181,8 @@ def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
 def _by_kinds(
     case: Case, found: Disagreement, stated: Mapping[str, Mapping[FileKind, set[float]]]
 ) -> Disagreement:
-    """Turned where files of more kinds have the figure of the departing one than the other's; or where somebody named
-    both and no kind has either, but more are near it: of 52, 60 and 520 the last is the odd one.
+    """Turned where files of more kinds have the figure of the departing one than the other's; or where no
+    kind has either, but more are near it: of 52, 60 and 520 the last is the odd one.
 
     Files of one kind are not counted: copies of a URDF are as old as the first.
     """
@@ -199,8 +197,8 @@ def _by_kinds(
 
     mine, theirs = count(lambda one, other: math.isclose(one, other, rel_tol=SAME))
     if mine != theirs:
-        return replace(found.turned if mine > theirs else found, backed=True)
-    if found.ratio is None or any(case.is_met(rows[0].artifact) for rows in (found.rows, found.others)):
+        return found.turned if mine > theirs else found
+    if found.ratio is None:
         # Nothing is near 0.
         return found
     mine, theirs = count(lambda one, other: max(one, other) < GRAVE * min(one, other))

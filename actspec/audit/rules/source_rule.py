@@ -12,7 +12,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joints import is_called_undriven, is_exporters
-from actspec.audit.rules.source_pairs import GRAVE, SAME, Disagreement, are_variants, compared, disagreements
+from actspec.audit.rules.source_pairs import GRAVE, SAME, Disagreement, compared, disagreements
 from actspec.diagnostics import Severity
 from actspec.fields import FIELDS, LIMITS, is_placeholder
 from actspec.readings.artifact import FileKind, Framework
@@ -97,12 +97,9 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     one, other = found.rows[0].artifact, found.others[0].artifact
     if found.variant and _revision(case, one) != _revision(case, other):
         return False
-    if case.is_met(one) and not (found.published or found.backed) and are_variants(case, one, other):
-        # Of files in a folder with unlike joints nobody said that they are of one robot.
-        return False
     if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
         return True
-    if not case.is_met(one) and case.artifacts[one].name == case.artifacts[other].name:
+    if case.artifacts[one].name == case.artifacts[other].name:
         # Whoever names both says that they are of one robot, and so do they.
         return True
     differ = []
@@ -118,21 +115,6 @@ def _revision(case: Case, artifact: int) -> frozenset[str]:
     """The versions in the names of a file and its folders: `atlas_v3/model.urdf` and `atlas_v4/model.urdf` differ."""
     parts = os.path.abspath(case.artifacts[artifact].path).split(os.sep)
     return frozenset(found.lower() for found in _REVISION.findall("/".join(parts[-_FOLDERS:])))
-
-
-def is_word_against_word(case: Case, found: Disagreement) -> bool:
-    """Whether a limit met in a folder, or a configuration's figure beside a URDF, has nothing but one file against it.
-
-    No maker's figure and no majority: templates that programs fill in, limits that a task chose, an exporter's figures
-    and the placeholders of another file differ as much (docs/survey.md). A configuration's figure is the one that
-    trains and was written later; the URDF has the links.
-    """
-    here, there = (case.artifacts[rows[0].artifact] for rows in (found.rows, found.others))
-    return (
-        case.is_met(found.rows[0].artifact)
-        and not (found.published or found.backed)
-        and (found.field == "effort_limit" or (here.kind, there.kind) == (FileKind.CFG, FileKind.URDF))
-    )
 
 
 def are_alternatives(case: Case, found: Disagreement) -> bool:
@@ -233,7 +215,7 @@ class SourceRule(RuleInParts):
             severity, confidence = Severity.INFO, Confidence.LOW
         # Beside a spec, which tells who is wrong, SPC101 has the error.
         beside = case.kinds_by_artifact[found.rows[0].artifact]
-        if is_word_against_word(case, found) or found.both_published:
+        if found.both_published:
             severity, confidence = Severity.INFO, Confidence.LOW
         elif not idle and found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
             severity, confidence = Severity.ERROR, Confidence.MEDIUM

@@ -3,9 +3,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from actspec.audit.case import LIMIT_WRITTEN, Case
+from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.known import Likeness, likenesses, same, with_other_motors
+from actspec.audit.known import Likeness, likenesses, same
 from actspec.audit.rules.joints import is_held, is_undriven
 from actspec.audit.rules.source_pairs import GRAVE, Disagreement
 from actspec.audit.rules.source_rule import (
@@ -36,7 +36,7 @@ _SEVERAL = 4
 class EffortLimit(SourceRule):
     code = "SRC101"
     name = "effort-limit-disagrees"
-    written_over = LIMIT_WRITTEN
+    noted_in_folders = True
     groups = (("effort_limit",),)
     needs = "an effort limit of one joint"
 
@@ -58,24 +58,11 @@ class EffortLimit(SourceRule):
             if len(one) == 1 and not is_small(item):
                 uniform.setdefault(one[0], []).append((item, sides[one[0]]))
             else:
-                found.append(self._beside_one_for_all(case, item, self.finding(case, item), one))
-        for key, held in uniform.items():
+                found.append(self.finding(case, item))
+        for held in uniform.values():
             each = [self.finding(case, item) for item, _ in held]
-            found += self._of_one_limit(case, each, [side for _, side in held]) or [
-                self._beside_one_for_all(case, item, one, [key])
-                for (item, _), one in zip(held, each, strict=True)
-            ]
+            found += self._of_one_limit(case, each, [side for _, side in held]) or each
         return found
-
-    def _beside_one_for_all(
-        self, case: Case, item: Disagreement, finding: Finding, one: Sequence[tuple[int, bool]]
-    ) -> Finding:
-        """A note where a configuration met in a folder has its own limit, and a model has one for all of its joints."""
-        rows, others = item.rows[0], item.others[0]
-        is_config = case.artifacts[rows.artifact].kind is FileKind.CFG and case.is_met(rows.artifact)
-        if is_config and not item.published and (others.artifact, _is_slide(others)) in one:
-            return replace(finding, severity=Severity.INFO, confidence=Confidence.LOW)
-        return finding
 
     def _of_one_limit(
         self, case: Case, found: Sequence[Finding], held: Sequence[Disagreement]
@@ -86,9 +73,8 @@ class EffortLimit(SourceRule):
             return []
         unit = held[0].mine.unit
         worst = max(found, key=lambda one: SEVERITIES.index(one.severity or self.severity))
-        if all(is_of_control(case, side.rows) for side in held) or case.is_met(held[0].rows[0].artifact):
-            # A range for whatever the task commands is no motor's; a file of a folder may be there for its links, or of
-            # another robot (docs/survey.md).
+        if all(is_of_control(case, side.rows) for side in held):
+            # A range for whatever the task commands is no motor's.
             worst = replace(worst, severity=Severity.INFO, confidence=Confidence.LOW)
         message = (
             f"the effort limit is {shown(held[0].mine.value, unit)} on every joint of this file, and "
@@ -109,16 +95,6 @@ class EffortLimit(SourceRule):
             )
             for joint, side in joints.items()
         ]
-
-    def finding(self, case: Case, found: Disagreement) -> Finding:
-        """A note of a file of a folder that is no configuration, fewer than half of which were in force, or that has
-        another robot's motors on purpose."""
-        said = super().finding(case, found)
-        blamed = found.rows[0].artifact
-        is_config = case.artifacts[blamed].kind is FileKind.CFG
-        if (case.is_met(blamed) and not is_config) or blamed in case.once(with_other_motors):
-            return replace(said, severity=Severity.INFO, confidence=Confidence.LOW)
-        return said
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where nothing meets the limit, where it is a task's, and of a robot program's margin."""

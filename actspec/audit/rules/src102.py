@@ -50,7 +50,7 @@ class VelocityLimit(SourceRule):
             if _is_placeholder(found.theirs) and not _is_placeholder(found.mine):
                 stated = found.others[0].stated
                 field = next((name for name in self.groups[0] if name in stated), found.field)
-                found = replace(found.turned, field=field, backed=False)
+                found = replace(found.turned, field=field)
             told.setdefault((found.rows[0].artifact, found.rows[0].joint), found)
         return super().findings(case, list(told.values()))
 

@@ -45,9 +45,6 @@ _DRIVE = (
 
 _LIMITS = ("effort_limit", "velocity_limit")
 
-_WRITTEN = frozenset({"effort_limit", "urdf_effort"})
-"""Effort limits of a model that a program of its folder leaves out of force."""
-
 _PASSIVE = ("armature", "frictionloss", "joint_damping", "actuator_damping")
 
 _COMPARED = attrgetter("control", *_DRIVE, *_PASSIVE)
@@ -73,9 +70,6 @@ _NEAR = 1.0 / 15.0
 """Share of a speed limit up to which two are one. Chosen: nobody acts on 8.37 and 8.9 rad/s; the least difference of
 limits that anybody has reported is 1/15."""
 
-_FAR = 0.5
-"""Share of a joint's range that a command has to be away for a limit to be met, from which nobody meets it. Chosen."""
-
 _AXES = 4
 """Names that differ in a letter alone, from which it is an axis'. Chosen: sides are two, or three with a middle."""
 
@@ -87,6 +81,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
     name = "left-right-asymmetry"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    noted_in_folders = True
     paired = True
     needs = "no joints whose names mirror each other among the files"
     options: ClassVar[dict[str, float]] = {"relative": 0.01, "angle": 0.02}
@@ -223,18 +218,10 @@ def _is_chosen(case: Case, left: LedgerRow, right: LedgerRow, fields: Set[str]) 
 
 
 def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: float, other: float) -> bool:
-    """Whether it makes no difference: nearly equal friction, gains or speeds, a speed out of reach, an unmet limit.
-
-    A limit is not met where a program writes it over, or clips at its own.
-    """
+    """Whether it makes no difference: nearly equal friction, gains or speeds, or a speed out of reach."""
     if field in ("kp", "kd"):
         return abs(one - other) <= _DERIVED * max(abs(one), abs(other))
-    if field in (*_PASSIVE, "velocity_limit") and case.is_met(sides[0].artifact):
-        # Of the programs that load a model few read its speeds, and friction and rotors were identified or guessed.
-        return True
     rough = abs(one - other) <= _ROUGH * max(abs(one), abs(other))
-    if field == "effort_limit" and all(_is_far(case, row, min(abs(one), abs(other))) for row in sides):
-        return True
     if field == "frictionloss":
         return rough
     if field == "joint_damping" and rough:
@@ -244,21 +231,11 @@ def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: 
         or abs(one - other) <= _NEAR * max(abs(one), abs(other))
     ):
         return True
-    if field == "effort_limit" and any(_WRITTEN & case.written(row.place(field), row.joint) for row in sides):
-        return True
     # Of a pair of fingers often one follows the other.
     return any(
         _follows(case, row) or (field.endswith("limit") and (is_undriven(case, row) or is_held(row)))
         for row in sides
     )
-
-
-def _is_far(case: Case, row: LedgerRow, limit: float) -> bool:
-    """Whether a servo of a folder meets a limit only where the command is more than `_FAR` of the range away."""
-    if not row.kp or row.position_range is None or not case.is_met(row.artifact):
-        return False
-    low, high = row.position_range
-    return limit >= _FAR * row.kp * (high - low) > 0.0
 
 
 def _follows(case: Case, row: LedgerRow) -> bool:
