@@ -233,7 +233,8 @@ def _resolve(
         rule = by_code[finding.code]
         severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
-        if severity is not Severity.INFO and said(finding.code) is None and _is_noted(case, rule, finding):
+        noted = severity is not Severity.INFO and said(finding.code) is None and _is_noted(case, rule, finding)
+        if noted:
             severity = Severity.INFO
         key = (
             finding.code,
@@ -244,7 +245,7 @@ def _resolve(
             finding.message,
         )
         confidence = finding.confidence or rule.confidence
-        unique.setdefault(key, Reported(finding, rule.name, severity, confidence))
+        unique.setdefault(key, Reported(finding, rule.name, severity, confidence, of_folder=noted))
     return _in_order(unique.values())
 
 

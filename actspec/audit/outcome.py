@@ -46,6 +46,7 @@ class Reported:
         severity: After the settings, and after what explains it.
         confidence: The finding's, else the rule's.
         cause: The finding that explains this one, which is a note for that; None: it stands for itself.
+        of_folder: Whether it is a note for that its file was met in a folder, and more of one that is named.
     """
 
     finding: Finding
@@ -53,6 +54,7 @@ class Reported:
     severity: Severity
     confidence: Confidence
     cause: Finding | None = None
+    of_folder: bool = False
 
 
 class Means(str, Enum):

@@ -90,8 +90,10 @@ def left_out(report: Report, least: Severity) -> Iterator[str]:
             parts.append(f"{many(counts[severity], NOUNS[severity])} ({names})")
     if parts:
         shows = f"{', '.join(parts)}: --notes shows {'it' if sum(counts.values()) == 1 else 'them'}"
-        met = any(report.case.is_met_at(item.finding.span) for item in below)
-        yield f"{shows}; --as-named judges a folder of your own" if met else shows
+        if any(report.case.is_met_at(item.finding.span) for item in below):
+            shows += "; --as-named judges a folder of your own"
+        more = sorted({item.finding.code for item in below if item.of_folder})
+        yield f"{shows}, where those of {listed(more)} can be errors or warnings" if more else shows
 
 
 def headline(group: FindingGroup, style: Style) -> str:
