@@ -12,7 +12,7 @@ from actspec.audit.finding import Confidence, Skipped
 from actspec.audit.outcome import Means
 from actspec.audit.selection import guess, selected
 from actspec.audit.settings import Settings
-from actspec.diagnostics import Severity
+from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
 from tests.audit.making import case_of, finding, rule_of
 
@@ -183,6 +183,18 @@ def test_severity_of_the_settings_wins() -> None:
     )
     found = judge(case_of(), settings, (first, second)).findings
     assert [item.severity for item in found] == [Severity.ERROR, Severity.INFO]
+
+
+def test_what_an_old_file_alone_speaks_against() -> None:
+    """A finding is a note where nobody runs any of the other files that it leans on."""
+    case = case_of(dict.fromkeys(("a.xml", "b.xml", "old.xml"), b"<mujoco/>"))
+    case = replace(case, files=(*case.files[:2], replace(case.files[2], in_folder=True, put_aside=True)))
+    old, run = Span("old.xml", 1), Span("b.xml", 1)
+    leaning = [
+        finding("LIM901", line=n, related=related) for n, related in enumerate(((old,), (old, run), ()), 1)
+    ]
+    found = judge(case, Settings(), (rule_of("LIM901", "first-rule", *leaning),)).findings
+    assert [item.severity for item in found] == [Severity.INFO, Severity.WARNING, Severity.WARNING]
 
 
 @pytest.mark.parametrize(

@@ -129,48 +129,6 @@ def test_a_folder_of_files_without_their_parts_is_one_entry() -> None:
     assert len(found(named)) == 2
 
 
-def test_what_an_old_file_alone_speaks_against() -> None:
-    """A limit that a backup and a model speak against is a note; where the file is in use, an error.
-
-    Two kinds of file have 40 N*m there, where the configuration has 10.
-    """
-    joint = '<joint name="knee" actuatorfrcrange="-40 40"/>'
-    joint += "".join(
-        f'<joint name="{n}" axis="{n == "hip":d} 1 0" actuatorfrcrange="-5 5"/>' for n in ("hip", "toe")
-    )
-    model = (
-        f'<mujoco model="leg"><worldbody><body>{joint}<geom size="0.1"/></body></worldbody><actuator>'
-        + "".join(f'<motor joint="{n}"/>' for n in ("knee", "hip", "toe"))
-        + "</actuator></mujoco>"
-    )
-    Path("robots/leg.xml").write_text(model)
-    joints = "".join(
-        f'<link name="{n}l"/><joint name="{n}" type="revolute"><parent link="base"/><child link="{n}l"/>'
-        f'<limit effort="{effort}" velocity="9" lower="-1" upper="1"/></joint>'
-        for n, effort in (("knee", 40), ("hip", 5), ("toe", 5))
-    )
-    Path("robots/leg_old.urdf").write_text(f'<robot name="leg"><link name="base"/>{joints}</robot>')
-    Path("robots/leg.py").write_text(
-        "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
-        'LEG_CFG = ArticulationCfg(actuators={"leg": ImplicitActuatorCfg(joint_names_expr=["knee", "hip", "toe"],\n'
-        '    effort_limit_sim={"knee": 10.0, "hip": 5.0, "toe": 5.0}, stiffness=9.0, damping=1.0)})\n'
-    )
-    settings = Settings(select=("SRC101",))
-
-    def said() -> list[tuple[str, Severity]]:
-        return [(item.finding.span.path, item.severity) for item in audit(["robots"], settings).findings]
-
-    assert said() == [("robots/leg.py", Severity.INFO)]
-    Path("robots/leg_old.urdf").rename("robots/leg_b.urdf")
-    assert said() == [("robots/leg.py", Severity.ERROR)]
-    # One word against another.
-    Path("robots/leg.xml").unlink()
-    assert said() == [("robots/leg.py", Severity.INFO)]
-    assert [i.severity for i in audit(["robots/leg.py", "robots/leg_b.urdf"], settings).findings] == [
-        Severity.ERROR
-    ]
-
-
 def test_a_world_with_robots_in_it_is_no_robot_file() -> None:
     """Another program's: it is passed over in a folder, and refused by name."""
     world = "<?xml version='1.0'?>\n<!-- a <robot> -->\n<world><robot><filename>leg.xml</filename></robot></world>"

@@ -1,0 +1,75 @@
+"""What rules say of files that were met in a folder, and of those that somebody named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.engine import audit
+from actspec.audit.settings import Settings
+from actspec.diagnostics import Severity
+
+SIDES = ("left", "right")
+
+
+@pytest.mark.parametrize(
+    ("code", "file", "other", "severity"),
+    [
+        ("SRC104", "dog.py", "dog.xml", "warning"),
+        ("SRC101", "dog.py", "dog.urdf", "error"),
+        ("GEA101", "dog.py", "dog.urdf", "warning"),
+        ("SYM101", "dog.xml", "dog.py", "warning"),
+        ("DMP101", "dog.xml", "dog.py", "warning"),
+    ],
+)
+def test_a_rule_that_speaks_in_notes_of_a_folder(
+    code: str, file: str, other: str, severity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever names the file that departs wants to know, and whoever sets the rule's severity.
+
+    Of the configuration the armature is not the model's, and the knees have the hips' limits: 47.4 N*m is 2.02 times
+    23.5, and 47.4 * 15.05 = 23.7 * 30.1. Of the model the knees differ, and its damping repeats the kv.
+    """
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    joint = """<link name="{child}"/><joint name="{child}_joint" type="revolute"><parent link="{parent}"/>
+        <child link="{child}"/><limit lower="-1" upper="1" effort="{effort}" velocity="{speed}"/></joint>"""
+    joints = "".join(
+        joint.format(parent="base", child=f"{side}_hip", effort=23.7, speed=30.1)
+        + joint.format(parent=f"{side}_hip", child=f"{side}_knee", effort=47.4, speed=15.05)
+        for side in SIDES
+    )
+    Path("r/dog.urdf").write_text(f'<robot name="dog"><link name="base"/>{joints}</robot>')
+    bodies = "".join(
+        f'<body><joint name="{side}_hip_joint" armature="0.1" damping="2"/><geom size="0.1"/>'
+        f'<body><joint name="{side}_knee_joint" armature="{knee}" damping="2"/><geom size="0.1"/></body></body>'
+        for side, knee in zip(SIDES, (0.1, 0.2), strict=True)
+    )
+    drives = "".join(
+        f'<position joint="{side}_{part}_joint" kp="20" kv="2"/>'
+        for side in SIDES
+        for part in ("hip", "knee")
+    )
+    Path("r/dog.xml").write_text(
+        f'<mujoco model="dog"><worldbody>{bodies}</worldbody><actuator>{drives}</actuator></mujoco>'
+    )
+    Path("r/dog.py").write_text(
+        "from isaaclab.actuators import DCMotorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        'LEGS = DCMotorCfg(joint_names_expr=[".*_joint"], effort_limit=23.5, saturation_effort=23.5,\n'
+        "    velocity_limit=30.0, stiffness=25.0, damping=0.5, armature=0.009)\n"
+        'DOG_CFG = ArticulationCfg(actuators={"legs": LEGS})\n'
+    )
+    alone = Settings(select=(code,))
+    for named, settings, expected in (
+        (["r"], alone, "info"),
+        ([f"r/{other}", "r"], alone, "info"),
+        ([f"r/{file}", "r"], alone, severity),
+        (["r/dog.urdf", "r/dog.xml", "r/dog.py"], alone, severity),
+        (["r"], Settings(select=(code,), as_named=True), severity),
+        (["r"], Settings(select=(code,), severity={code: Severity.ERROR}), "error"),
+    ):
+        found = audit(named, settings).findings
+        assert {(Path(item.finding.span.path).name, item.severity.value) for item in found} == {
+            (file, expected)
+        }
