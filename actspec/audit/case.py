@@ -25,9 +25,6 @@ _WRITTEN: dict[FileKind | None, frozenset[str]] = {
 }
 """What of a kind of file a program can write over."""
 
-LIMIT_WRITTEN = frozenset({"effort_limit", "urdf_effort", "urdf_limit", "actuators"})
-"""Of these, what leaves a file's effort limit out of force."""
-
 
 @dataclass(frozen=True, slots=True)
 class Case:
@@ -166,11 +163,11 @@ def _files(case: Case) -> dict[str, FileReading]:
 
 
 def _met(case: Case) -> dict[str, bool]:
-    """Files and what they include, and whether nobody named them or what includes them."""
+    """Files and what they include, and whether nobody named them or what includes them; a spec is its writer's own."""
     found: dict[str, bool] = {}
     for file in case.files:
         for path in (file.path, *(part.path for part in file.files)):
-            found[path] = found.get(path, True) and file.in_folder
+            found[path] = found.get(path, True) and file.in_folder and file.kind is not FileKind.SPEC
     return found
 
 

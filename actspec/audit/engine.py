@@ -233,7 +233,9 @@ def _resolve(
         rule = by_code[finding.code]
         severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
-        noted = severity is not Severity.INFO and said(finding.code) is None and _is_noted(case, rule, finding)
+        noted = (
+            severity is not Severity.INFO and said(finding.code) is None and _is_noted(case, rule, finding)
+        )
         if noted:
             severity = Severity.INFO
         key = (

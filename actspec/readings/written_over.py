@@ -51,15 +51,6 @@ _KINEMATICS = (
     rb"pinocchio|PyKDL|kdl\w*|urdf_parser_py|urdfpy|yourdfpy|ikpy|pytorch_kinematics|roboticstoolbox|mink|pink|placo"
     rb"|forwardkinematics|curobo"
 )
-_ASKS_NO_EFFORT = re.compile(rb"\b(?:setJointMotorControl\w*|trimesh|" + _KINEMATICS + rb")\b")
-_TAKES_EFFORT = re.compile(
-    rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|mujoco|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|dartpy|webots)\b|effort"
-)
-"""Libraries that ask a URDF for no effort, and simulators and programs that do.
-
-PyBullet drives a joint with the force of each command (setJointMotorControl2, `force`), and kinematics have none.
-"""
-
 _LIMITS_BY_URDF = re.compile(
     rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|genesis|raisim\w*|effort_bounds|effortLimit)\b"
     rb"""|\w\[["']effort["']\]"""
@@ -121,15 +112,13 @@ def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
 
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
-    """What programs write over, of `_WRITES`, and armatures; of URDFs what none asks for, or is no drive's limit."""
+    """What programs write over, of `_WRITES`, and armatures; of URDFs efforts that are no drive's limit."""
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
     if any(map(_CLIPS.search, texts)):
         found |= {"effort_limit", "urdf_effort"}
     if any(b"mujoco" in text and _clips_at_a_list(text) for text in texts):
         # Its URDF may be what another program of the folder trains with.
         found.add("effort_limit")
-    if any(map(_ASKS_NO_EFFORT.search, texts)) and not any(map(_TAKES_EFFORT.search, texts)):
-        found.add("urdf_effort")
     if not any(map(_LIMITS_BY_URDF.search, texts)):
         found.add("urdf_limit")
     if any(map(_sets_armature, texts)):

@@ -73,3 +73,18 @@ def test_a_rule_that_speaks_in_notes_of_a_folder(
         assert {(Path(item.finding.span.path).name, item.severity.value) for item in found} == {
             (file, expected)
         }
+
+
+def test_a_spec_in_a_folder_is_its_writers_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No program has to name it: sides that differ are a warning in it."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    limits = "".join(
+        f"  {side}: {{joints: [{side}_knee], level: ideal_pd, kp: 20, kd: 2, effort_limit: {limit}}}\n"
+        for side, limit in zip(SIDES, (20, 30), strict=True)
+    )
+    Path("r/dog.yaml").write_text(
+        f"actspec: 1\nrobot: {{name: dog, model: none, joints: [left_knee, right_knee]}}\nactuators:\n{limits}"
+    )
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    assert [(item.finding.span.path, item.severity) for item in found] == [("r/dog.yaml", Severity.WARNING)]

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.engine import audit
+from actspec.audit.rules.sym101 import LeftRightDiffer
 from actspec.audit.settings import Settings
 from actspec.readings.written_over import poses_alone
 
@@ -62,6 +63,8 @@ def test_a_model_of_kinematics_alone(
 ) -> None:
     """What is wrong with its drives is a note: left and right have 20 and 30 N*m in both."""
     monkeypatch.chdir(tmp_path)
+    # Which rules speak of a folder is tested elsewhere.
+    monkeypatch.setattr(LeftRightDiffer, "noted_in_folders", False)
     joints = "".join(
         f'<link name="{side}"/><joint name="{side}_knee" type="revolute"><parent link="base"/><child link="{side}"/>'
         f'<limit lower="-1" upper="1" effort="{effort}" velocity="9"/></joint>'

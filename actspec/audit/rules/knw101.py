@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
 
-from actspec.audit.case import LIMIT_WRITTEN, MODELS
+from actspec.audit.case import MODELS
 from actspec.audit.comments import Comment, comments
 from actspec.audit.known import KnownJoint, Likeness, likenesses, same, with_other_motors
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
@@ -32,7 +32,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
     name = "limit-is-not-the-published-one"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
-    written_over = LIMIT_WRITTEN
+    written_over = frozenset({"effort_limit", "urdf_effort", "urdf_limit", "actuators"})
     options: ClassVar[dict[str, float]] = {"times": 1.2}
     needs = "no robot among the files whose limits are published"
 
