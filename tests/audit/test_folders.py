@@ -88,3 +88,36 @@ def test_a_spec_in_a_folder_is_its_writers_own(tmp_path: Path, monkeypatch: pyte
     )
     found = audit(["r"], Settings(select=("SYM101",))).findings
     assert [(item.finding.span.path, item.severity) for item in found] == [("r/dog.yaml", Severity.WARNING)]
+
+
+@pytest.mark.parametrize(
+    ("names", "named", "severity"),
+    [
+        (("knee_1", "J24_HEAD_YAW"), ["r"], Severity.WARNING),
+        (("J12_TORSO_YAW", "J24_HEAD_YAW"), ["r"], Severity.INFO),
+        (("J12_TORSO_YAW", "J24_HEAD_YAW"), ["r/dog.py", "r/dog.xml"], Severity.WARNING),
+    ],
+)
+def test_names_that_are_nearly_a_models(
+    names: tuple[str, ...],
+    named: list[str],
+    severity: Severity,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One is misspelt; several that are numbered otherwise are of another robot (shivam-sood00/Gurukul)."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    joints = ("hip_1", "hip_2", "knee_1", "J11_TORSO_YAW", "J23_HEAD_YAW")
+    bodies = "".join(f'<body><joint name="{name}"/><geom size="0.1"/></body>' for name in joints)
+    Path("r/dog.xml").write_text(f'<mujoco model="dog"><worldbody>{bodies}</worldbody></mujoco>')
+    Path("r/dog.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        'LEGS = ImplicitActuatorCfg(joint_names_expr=["hip_1", "hip_2", "knee_1"], stiffness=9.0, damping=1.0)\n'
+        f"REST = ImplicitActuatorCfg(joint_names_expr={list(names)}, stiffness=9.0, damping=1.0)\n"
+        'DOG_CFG = ArticulationCfg(actuators={"legs": LEGS, "rest": REST})\n'
+    )
+    found = audit(named, Settings(select=("ORD104",))).findings
+    assert {item.finding.message.split("'")[1]: item.severity for item in found} == dict.fromkeys(
+        [name for name in names if name not in joints], severity
+    )

@@ -115,7 +115,9 @@ class PatternMatchesNothing(RuleOver[_Subject]):
             if not (fitting or key):
                 continue
             near = key or meant_for(pattern, names)
-            severity, confidence = _SURE if key else _NEAR if near else _UNSURE
+            # Several names that are nearly those of a model that nobody named with the file are another robot's.
+            other = near and len(missing) > 1 and case.is_met_at(group.span)
+            severity, confidence = _SURE if key else _NEAR if near and not other else _UNSURE
             yield Finding(
                 self.code,
                 f"the pattern '{shortened(pattern)}' matches no joint of {basename(model.path)}: with these joint "
