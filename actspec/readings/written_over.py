@@ -89,6 +89,12 @@ _ARMATURE = re.compile(
 )
 """A program that sets the armature of Isaac Gym's properties of joints, but for that of one by its number."""
 
+_ARMATURE_SET = re.compile(rb"\b(?:set_dofs_armature|write_joint_armature_to_sim)\(")
+"""A program that sets armatures in Genesis or Isaac Lab, where what it leaves has one that no file states.
+
+Source: Genesis, morphs.URDF, `default_armature` 0.1 kg*m^2.
+"""
+
 # What is 0, and variables that are somewhere.
 _NOTHING = rb"[ \t]*(?:0(?:\.0*)?[ \t]*(?:$|\))|\w+\.zeros)"
 _SET_TO_NOTHING = re.compile(rb"\b(\w+)[ \t]*=" + _NOTHING, re.MULTILINE)
@@ -121,7 +127,7 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
         found.add("effort_limit")
     if not any(map(_LIMITS_BY_URDF.search, texts)):
         found.add("urdf_limit")
-    if any(map(_sets_armature, texts)):
+    if any(map(_sets_armature, texts)) or any(map(_ARMATURE_SET.search, texts)):
         found.add("armature")
     return frozenset(found)
 

@@ -805,6 +805,7 @@ _ARMED = """class Task:
         ("robot.set_dofs_position(q)\n", Severity.WARNING),
         ("self.robot.control_dofs_position(q, dofs)\n", Severity.INFO),
         ("# robot.control_dofs_position(q)\n", Severity.WARNING),
+        ("self.robot.set_dofs_armature(drawn, dofs)\n", Severity.INFO),
         (_ARMED, Severity.INFO),
         (
             _ARMED.replace("for joint in", "if self.cfg.domain_rand.randomize_joint_armature: #"),
@@ -829,6 +830,25 @@ def test_what_a_program_makes_of_a_drive(program: str, severity: Severity) -> No
     Path("r/env.py").write_text(program)
     found = audit(["r"], Settings(select=("STB102",))).findings
     assert [(item.finding.span.path, item.severity) for item in found] == [("r/leg_config.py", severity)]
+
+
+@pytest.mark.parametrize(("step", "figure"), [(0.001, None), (0.004, 2.24)])
+def test_gains_that_a_class_with_a_shorter_step_inherits(step: float, figure: float | None) -> None:
+    """It is what is run: (4e-3 * 5.5 + 16e-6 * 20) / 0.01 = 2.23, in the base 2.8; with 1 ms 0.55, which is quiet."""
+    Path("r/leg.xml").write_text(
+        '<mujoco model="leg"><worldbody><body><joint name="knee"/>'
+        '<inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody></mujoco>'
+    )
+    Path("r/leg_config.py").write_text(
+        "class LegCfg(LeggedRobotCfg):\n    class control(LeggedRobotCfg.control):\n"
+        '        control_type = "P"\n        stiffness = {"knee": 40.0}\n        damping = {"knee": 5.5}\n'
+        "        decimation = 4\n    class sim:\n        dt = 0.005\n\n"
+        f"class LegRunCfg(LegCfg):\n    class sim:\n        dt = {step}\n"
+    )
+    found = audit(["r"], Settings(select=("STB102",))).findings
+    assert [item.finding.value for item in found] == (
+        [] if figure is None else [pytest.approx(figure, abs=0.01)]
+    )
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ class ExplicitDrive(RuleOver[_Subject]):
             ):
                 # What takes its limit from the model has no torque at all.
                 continue
-            yield row, step, inertia, row.kd, ""
+            yield row, case.once(_shortest).get(row.place("kd"), step), inertia, row.kd, ""
         for index, artifact in case.of_kind(FileKind.SPEC):
             step = artifact.spec.physics_dt.value if artifact.spec is not None else None
             for row in case.rows_of(index) if step is not None else ():
@@ -111,6 +111,19 @@ def _is_wheel(case: Case, row: LedgerRow) -> bool:
     """Whether a joint of a legged_gym configuration turns without end: forks give it a law of its own, in code."""
     models = _urdf_beside_gym(case, row)
     return bool(models) and all(model.position_range is None for model in models)
+
+
+def _shortest(case: Case) -> dict[Span, float]:
+    """Where gains stand, and the shortest step of the configurations that have them: a class that inherits them is what
+    is run.
+    """
+    steps: dict[Span, float] = {}
+    for rows in by_joint(case, FileKind.CFG).values():
+        config = case.artifacts[rows[0].artifact].config
+        if config is not None and config.physics_dt is not None:
+            place = rows[0].place("kd")
+            steps[place] = min(config.physics_dt, steps.get(place, math.inf))
+    return steps
 
 
 def _drawn(case: Case) -> frozenset[Span]:
