@@ -11,8 +11,7 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from numbers import Real
-from typing import TYPE_CHECKING, Literal, NoReturn
+from typing import TYPE_CHECKING, Literal, NoReturn, SupportsFloat
 
 from actspec.diagnostics import AuditError, Collector, listed
 from actspec.fields import FIELDS
@@ -144,7 +143,7 @@ def compared(
     out = Collector()
     versions = named_versions([target] if isinstance(target, str) else target, out)
     out.raise_if_failed(AuditError)
-    if not (isinstance(tolerance, Real) and 0.0 <= tolerance < math.inf):
+    if not (isinstance(tolerance, SupportsFloat) and 0.0 <= tolerance < math.inf):
         raise ValueError(f"tolerance is a number of 0 or more, got {tolerance!r}")
     names = _field_names((fields,) if isinstance(fields, str) else fields)
     ours = _resolved(spec)
