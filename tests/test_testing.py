@@ -128,7 +128,7 @@ def test_a_servo_with_a_constant_force(leg: Path) -> None:
     assert compared("leg.yaml", "leg.xml").wrong() == [
         "hip: the encoder bias is -0.125 rad (leg.xml:10:5), 0 rad (leg.yaml:10:9) in the spec"
     ]
-    (leg / "leg.yaml").write_text(f'{SPEC}    overrides:\n      hip: {{encoder_bias: -0.125 rad}}\n')
+    (leg / "leg.yaml").write_text(f"{SPEC}    overrides:\n      hip: {{encoder_bias: -0.125 rad}}\n")
     assert_agrees("leg.yaml", "leg.xml")
 
 
