@@ -11,7 +11,7 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NoReturn
+from typing import TYPE_CHECKING, Literal, NoReturn, SupportsFloat
 
 from actspec.diagnostics import AuditError, Collector, listed
 from actspec.fields import FIELDS
@@ -103,7 +103,7 @@ def assert_agrees(
             could be compared.
         ActspecError: the spec or the file cannot be read, or it is not known which robot is meant.
         TypeError: the object is none of those above.
-        ValueError: an unknown field, or a pattern of joints that is none.
+        ValueError: an unknown field, a pattern of joints that is none, or a tolerance that is no number of 0 or more.
     """
     __tracebackhide__ = True  # pytest shows the caller
     if missing not in ("ignore", "error"):
@@ -143,6 +143,8 @@ def compared(
     out = Collector()
     versions = named_versions([target] if isinstance(target, str) else target, out)
     out.raise_if_failed(AuditError)
+    if not (isinstance(tolerance, SupportsFloat) and 0.0 <= tolerance < math.inf):
+        raise ValueError(f"tolerance is a number of 0 or more, got {tolerance!r}")
     names = _field_names((fields,) if isinstance(fields, str) else fields)
     ours = _resolved(spec)
     if isinstance(cfg_or_file, (str, os.PathLike)):

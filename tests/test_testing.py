@@ -111,6 +111,27 @@ def test_a_servo_whose_gain_is_not_its_stiffness(leg: Path) -> None:
     assert not compared("leg.yaml", model, fields="kd").differences
 
 
+def test_a_servo_with_a_constant_force(leg: Path) -> None:
+    """5 N*m beside 40 N*m/rad: the servo rests where 40 q = 40 u + 5, 0.125 rad beyond its target; q + bias is u there.
+
+    So it is in a model that was compiled; a spec that has the bias agrees.
+    """
+    servo = '<general name="hip" joint="hip" gainprm="40" biastype="affine" biasprm="5 -40 -2" forcerange="-30 30"/>'
+    (leg / "leg.xml").write_text(
+        MODEL.replace('<position name="hip" joint="hip" kp="40" kv="2" forcerange="-30 30"/>', servo)
+    )
+    for thing in ("leg.xml", mujoco.MjModel.from_xml_path("leg.xml")):
+        for fields in ((), "encoder_bias"):
+            ((joints, one),) = compared("leg.yaml", thing, fields=fields).differences
+            assert (joints, one.field, one.expected) == (("hip",), "encoder_bias", 0.0)
+            assert one.value == pytest.approx(-0.125)
+    assert compared("leg.yaml", "leg.xml").wrong() == [
+        "hip: the encoder bias is -0.125 rad (leg.xml:10:5), 0 rad (leg.yaml:10:9) in the spec"
+    ]
+    (leg / "leg.yaml").write_text(f"{SPEC}    overrides:\n      hip: {{encoder_bias: -0.125 rad}}\n")
+    assert_agrees("leg.yaml", "leg.xml")
+
+
 MOTORS = MODEL.replace("<position", "<motor").replace(' kp="40" kv="2"', "").replace(' kp="10" kv="0.5"', "")
 
 
@@ -245,6 +266,9 @@ def test_wrong_arguments(leg: Path) -> None:
         assert_agrees("leg.yaml", "leg.xml", joints=["hip", "ankle"])
     with pytest.raises(ValueError, match=r"missing is 'ignore' or 'error', got 'fail'"):
         assert_agrees("leg.yaml", "leg.xml", missing="fail")  # type: ignore[arg-type]
+    for wrong in ("x", -1, float("nan")):
+        with pytest.raises(ValueError, match=rf"tolerance is a number of 0 or more, got {wrong!r}"):
+            assert_agrees("leg.yaml", "leg.xml", tolerance=wrong)  # type: ignore[arg-type]
     with pytest.raises(AuditError, match="must be NAME==VERSION, got 'isaaclab'"):
         assert_agrees("leg.yaml", "leg.xml", target="isaaclab")
     with pytest.raises(AuditError, match="cannot be read"):

@@ -252,8 +252,8 @@ def _resolve(
 
 
 def _is_noted(case: Case, rule: type[Rule], finding: Finding) -> bool:
-    """Whether a finding in a folder is a note: by its rule, or of what nobody runs, or spoken against by that alone."""
-    met = rule.noted_in_folders and case.is_met_at(finding.span)
+    """Whether a finding in a folder is a note: by itself, its rule, or of what nobody runs, or against that alone."""
+    met = (rule.noted_in_folders or finding.noted_in_folders) and case.is_met_at(finding.span)
     if met or rule.written_over & case.written(finding.span, finding.joint):
         return True
     others = [span for span in finding.related if span.path != finding.span.path]

@@ -58,8 +58,9 @@ def unfit(
 ) -> Iterator[Diagnostic]:
     """Globs that fit nothing, where something has nearly their name.
 
-    Only of folders, for a hook is handed some of the files. A glob without a near name is left alone, for what it names
-    may not be made yet, or lie in another folder than those that were named.
+    Only of folders, for a hook is handed some of the files. Near is a folder of a path that lies deeper, too. A glob
+    without a near name is left alone, for what it names may not be made yet, or lie in another folder than those that
+    were named.
 
     Args:
         globs: Globs, each with the folder that it is relative to.
@@ -76,16 +77,26 @@ def unfit(
         fit = fits or (lambda glob, folder, path: _excludes(glob, folder, path, above=False))
         if any(fit(glob, folder, path) for path in own):
             continue
-        if fits is not None and any(_excludes(glob, folder, path, above=False) for path in own):
-            # A folder, where files are named.
-            bare = glob.rstrip("/")
-            near: str | None = f"{bare}/**" if "/" in bare else f"**/{bare}/**"
-        else:
+        bare = os.path.normpath(glob).replace(os.sep, "/")
+        # A folder, where files are named.
+        below = f"{bare}/**" if "/" in bare else f"**/{bare}/**"
+        able = [bare, *_deeper(bare, base)]
+        if fits is not None:
+            able += [below, *_deeper(below, base)]
+        near = next((one for one in able if any(fit(one, folder, path) for path in own)), None)
+        if near is None:
             everything = any(base.startswith(path) for path in whole)
             near = _near(glob, base, own, everything=everything)
         if near:
             message = f"the glob {glob!r} of {setting} fits nothing here"
             yield Diagnostic("AUD017", Severity.WARNING, message, help=f"did you mean {near!r}?")
+
+
+def _deeper(glob: str, base: str) -> Iterator[str]:
+    """A glob that begins with a folder that is not there, for one of its name anywhere below."""
+    first, slash, _ = glob.partition("/")
+    if slash and first and not any(sign in first for sign in "*?") and not os.path.lexists(base + first):
+        yield f"**/{glob}"
 
 
 def _near(glob: str, base: str, own: Sequence[str], *, everything: bool) -> str | None:

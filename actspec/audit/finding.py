@@ -81,6 +81,7 @@ class Finding:
         help: The nearest right answer.
         related: Other places that the finding is about (the other file of a disagreement).
         fix: None: no automatic fix.
+        noted_in_folders: Whether it is a note in a file that was met in a folder, where those of its rule are not all.
         severity: Where it differs from the rule's own; None: the rule's.
         confidence: Likewise.
     """
@@ -91,6 +92,7 @@ class Finding:
     joint: str = ""
     joints: tuple[str, ...] = field(default=(), kw_only=True)
     fields: tuple[str, ...] = field(default=(), kw_only=True)
+    noted_in_folders: bool = field(default=False, kw_only=True)
     value: float | None = None
     unit: str | None = None
     expected: float | None = None

@@ -8,7 +8,10 @@ import os
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import takewhile
 from typing import TYPE_CHECKING, Any
+
+from actspec.diagnostics import nearest
 
 if TYPE_CHECKING:
     from actspec.diagnostics import Collector, Diagnostic
@@ -31,7 +34,10 @@ class Lines(argparse.HelpFormatter):
 
 
 class Command(argparse.ArgumentParser):
-    """A command whose optional arguments may stand behind options too: `show SPEC --variant NAME JOINT`."""
+    """A command whose optional arguments may stand behind options too: `show SPEC --variant NAME JOINT`.
+
+    It ends by itself where it does not know an option, with its own usage and the option of nearly that name.
+    """
 
     _mixing = False
 
@@ -39,8 +45,14 @@ class Command(argparse.ArgumentParser):
         """As argparse does; where it leaves arguments over, and no option among them, with options taken out first."""
         found, rest = super().parse_known_args(args, namespace)
         # `--` and parts of a command have an order that counts.
+        unknown = [text for text in takewhile("--".__ne__, rest) if text.startswith("-")]
+        if unknown and self._subparsers is None:
+            names = [name[2:] for name in self._option_string_actions if name.startswith("--")]
+            near = nearest(unknown[0].partition("=")[0].lstrip("-"), names)
+            guess = "" if near is None else f"; did you mean --{near}?"
+            self.error(f"unrecognized arguments: {' '.join(rest)}{guess}")
         plain = self._mixing or self._subparsers is not None or namespace is not None or "--" in args
-        if plain or not rest or any(text.startswith("-") for text in rest):
+        if plain or not rest:
             return found, rest
         self._mixing = True
         try:

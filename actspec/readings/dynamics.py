@@ -254,16 +254,24 @@ def _is_servo(drive: ActuatorView) -> bool:
 
 
 def levelled(joint: JointDynamics, other: JointDynamics) -> JointDynamics:
-    """A joint with a command gain of 1, which no file states, where another's servo does not settle at its target.
+    """A joint with what no file states, where another's servo does not settle at its target.
+
+    That is a command gain of 1; and an encoder bias of 0 where the other is a model's servo, which has all of its law.
 
     Args:
         joint: The joint as one file has it.
         other: As another has it.
     """
     kp = joint.figures.get("kp")
-    if "command_gain" in joint.figures or "command_gain" not in other.figures or kp is None or not kp.value:
+    if kp is None or not kp.value:
         return joint
-    return replace(joint, figures={**joint.figures, "command_gain": replace(kp, value=1.0, unit="")})
+    usual = {"command_gain": 1.0} | ({"encoder_bias": 0.0} if "position" in other.control.split("+") else {})
+    missing = {
+        name: replace(kp, value=value, unit=other.figures[name].unit)
+        for name, value in usual.items()
+        if name in other.figures and name not in joint.figures
+    }
+    return replace(joint, figures={**joint.figures, **missing}) if missing else joint
 
 
 def _network(actuator: JointActuator) -> str | None:

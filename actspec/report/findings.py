@@ -272,11 +272,16 @@ def _plain(text: str) -> str:
 
 
 def _badness(group: FindingGroup) -> tuple[int, float]:
-    """How bad it is, then how far the figure is off: by ratio where it is known what it should be, else its size."""
+    """How bad it is, then how far the figure is off: by ratio where it is known what it should be, else its size.
+
+    Of limits that somebody chose the least is the worst then.
+    """
     severity = SEVERITIES.index(group.first.severity)
-    value, expected = group.first.finding.value, group.first.finding.expected
+    finding = group.first.finding
+    value, expected = finding.value, finding.expected
     if value is None or math.isnan(value):
         return severity, 0.0
     if expected and value / expected > 0.0 and math.isfinite(value / expected):
         return severity, abs(math.log(value / expected))
-    return severity, abs(value)
+    least = LIMITS.intersection(finding.fields[:1]) and not is_placeholder(value)
+    return severity, -abs(value) if least else abs(value)

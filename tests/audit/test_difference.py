@@ -92,7 +92,7 @@ def told(found: Difference) -> list[str]:
         (
             '<position name="knee" joint="knee" kp="100" kv="3"',
             '<general name="knee" joint="knee" gainprm="100" biastype="affine" biasprm="5 -100 -3"',
-            ["knee:", "  encoder bias none -> -0.05 rad"],
+            ["knee:", "  encoder bias 0 -> -0.05 rad"],
         ),
     ],
     ids=[

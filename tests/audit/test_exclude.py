@@ -209,6 +209,12 @@ def test_what_is_said_of_files_can_be_ignored(settings: Settings, shown: list[st
         pytest.param("elsewhere/thrid_party", "robots", None, id="there, in another folder"),
         pytest.param("thrid_part", "robots", None, id="there, beside the folder"),
         pytest.param("third_partys", "robots", None, id="perhaps elsewhere: the plural"),
+        pytest.param(
+            "own/third_party", ".", "did you mean '**/own/third_party'?", id="a path from the middle"
+        ),
+        pytest.param("own/*.urdf", "robots", "did you mean '**/own/*.urdf'?", id="files of it"),
+        pytest.param("own/*.usd", "robots", None, id="files that are not there"),
+        pytest.param("elsewhere/*.xml", "robots", None, id="a folder that is there"),
         pytest.param("third_party2", "robots", None, id="perhaps elsewhere: another number"),
         pytest.param("thrid_party", "robots/a.xml", None, id="a file, as a hook names it"),
     ],
@@ -253,6 +259,9 @@ def test_a_misspelt_glob_of_the_command_is_told(capsys: pytest.CaptureFixture[st
         ("robots/own", "did you mean 'robots/own/**'?"),
         ("own/", "did you mean '**/own/**'?"),
         ("grippers/**", None),
+        ("own/*", "did you mean '**/own/*'?"),
+        ("own/third_party", "did you mean '**/own/third_party/**'?"),
+        ("./robots/own/**", "did you mean 'robots/own/**'?"),
     ],
 )
 def test_per_file_ignores_that_fit_nothing(

@@ -8,6 +8,7 @@ import pytest
 
 from actspec.audit.engine import audit
 from actspec.audit.settings import Settings
+from actspec.cli.main import main
 from actspec.diagnostics import Severity
 
 SIDES = ("left", "right")
@@ -120,4 +121,38 @@ def test_names_that_are_nearly_a_models(
     found = audit(named, Settings(select=("ORD104",))).findings
     assert {item.finding.message.split("'")[1]: item.severity for item in found} == dict.fromkeys(
         [name for name in names if name not in joints], severity
+
+
+def test_a_finding_may_be_a_note_of_a_folder_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A tenth of 23.7 N*m at a Go2's hip is one; what is 3 times the published 45.43 N*m at its knee is a warning."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    legs = "".join(
+        f'<body><joint name="{leg}_hip_joint"/><geom size=".1"/>'
+        f'<body><joint name="{leg}_thigh_joint"/><geom size=".1"/>'
+        f'<body><joint name="{leg}_calf_joint"/><geom size=".1"/></body></body></body>'
+        for leg in ("FR", "FL", "RR", "RL")
+    )
+    drives = "".join(
+        f'<position joint="{joint}_joint" kp="20" forcerange="-{limit} {limit}"/>'
+        for joint, limit in (("FR_hip", 2.37), ("FR_thigh", 23.7), ("FL_hip", 23.7), ("FR_calf", 136.3))
+    )
+    Path("r/go2.xml").write_text(
+        f'<mujoco model="go2"><worldbody>{legs}</worldbody><actuator>{drives}</actuator></mujoco>'
+    )
+    for named, given, expected in (
+        ("r", {}, ("info", "warning")),
+        ("r/go2.xml", {}, ("warning", "warning")),
+        ("r", {"as_named": True}, ("warning", "warning")),
+        ("r", {"severity": {"KNW101": Severity.ERROR}}, ("error", "error")),
+    ):
+        found = audit([named], Settings(select=("KNW101",), **given)).findings  # type: ignore[arg-type]
+        severities = {item.finding.joint: item.severity.value for item in found}
+        assert severities == dict(zip(("FR_hip_joint", "FR_calf_joint"), expected, strict=True))
+    main(["audit", "r", "--select", "KNW101"])
+    assert (
+        "1 note (KNW101): --notes shows it; --as-named judges a folder of your own, where those of KNW101 can be errors"
+        in (capsys.readouterr().out)
     )

@@ -151,3 +151,23 @@ def test_what_is_too_much_is_still_refused(capsys: pytest.CaptureFixture[str]) -
         with pytest.raises(SystemExit):
             parser().parse_args(text.split())
         assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "said"),
+    [
+        ("audit a.xml --noets", "audit", "--noets; did you mean --notes?"),
+        ("audit --as_named a.xml", "audit", "--as_named; did you mean --as-named?"),
+        ("diff a.xml b.xml --robt=x", "diff", "--robt=x; did you mean --robot?"),
+        ("sysid fit a.yaml log.csv --sed 3", "sysid fit", "--sed 3"),
+        ("audit a.xml -Z", "audit", "-Z"),
+    ],
+)
+def test_a_misspelt_option(text: str, name: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The usage is the command's own, and the option of nearly that name is told; `sed` is like no option of a fit."""
+    with pytest.raises(SystemExit) as stop:
+        main(text.split())
+    assert stop.value.code == 2
+    err = capsys.readouterr().err
+    assert err.startswith(f"usage: actspec {name} [-h]")
+    assert err.endswith(f"actspec {name}: error: unrecognized arguments: {said}\n")

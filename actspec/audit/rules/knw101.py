@@ -8,9 +8,17 @@ from typing import ClassVar
 
 from actspec.audit.case import MODELS
 from actspec.audit.comments import Comment, comments
-from actspec.audit.known import KnownJoint, Likeness, likenesses, same, with_other_motors
+from actspec.audit.known import SAME, KnownJoint, Likeness, likenesses, same, with_other_motors
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import driving_limit, driving_place, finite, is_exporters, shown, unit
+from actspec.audit.rules.joints import (
+    driving_limit,
+    driving_place,
+    finite,
+    is_exporters,
+    is_undriven,
+    shown,
+    unit,
+)
 from actspec.diagnostics import Span, listed
 from actspec.fields import is_placeholder
 from actspec.readings.artifact import FileKind
@@ -33,7 +41,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     written_over = frozenset({"effort_limit", "urdf_effort", "urdf_limit", "actuators"})
-    options: ClassVar[dict[str, float]] = {"times": 1.2}
+    options: ClassVar[dict[str, float]] = {"times": 1.2, "least": 0.1}
     needs = "no robot among the files whose limits are published"
 
     def subjects(self, case: Case) -> Iterable[Likeness]:
@@ -41,9 +49,9 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         return case.once(likenesses)
 
     def judge(self, case: Case, subject: Likeness) -> Iterator[Finding]:
-        """Hold each limit against the largest published one, and against those of the robot's other joints."""
+        """Hold each limit against the largest and the least published one, and those of the robot's other joints."""
         times = self.option(case, "times")
-        zeros = _zeros(subject)
+        zeros, lows = _zeros(subject), _lows(subject, self.option(case, "least"))
         for row, names in subject.joints:
             # A drive without gains is how a configuration writes a bearing.
             if row.joint in zeros and not row.kp == row.kd == 0.0:
@@ -53,17 +61,19 @@ class LimitBeyondPublished(RuleOver[Likeness]):
                 continue
             # What an exporter writes where nobody stated any, and a list of a robot's own program, nobody simulates.
             kind = case.artifacts[row.artifact].kind
-            quiet = case.is_met(row.artifact) and (
+            quiet = (
                 kind is FileKind.DEPLOY
                 or (kind is FileKind.URDF and is_exporters(row))
                 or _says_raised(case, row.place("effort_limit"))
+                or row.artifact in case.once(with_other_motors)
             )
-            quiet = quiet or row.artifact in case.once(with_other_motors)
             found = self._beyond(subject, row, names, limit, times) or self._other_joint(
                 subject, row, names, limit, times
             )
+            if found is None and row.joint in lows and not is_undriven(case, row):
+                found, quiet = self._far_below(subject, row, names, limit), True
             if found is not None:
-                yield replace(found, severity=Severity.INFO) if quiet else found
+                yield replace(found, noted_in_folders=quiet)
 
     def _beyond(
         self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float
@@ -86,6 +96,24 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             unit(row, "effort_limit"),
             published.effort,
             help=f"{shown(row, 'effort_limit', published.effort, 6)}: {published.source}",
+            fields=("effort_limit",),
+        )
+
+    def _far_below(self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float) -> Finding:
+        name = min(names, key=lambda name: _weakest(subject, name).effort)
+        published = _weakest(subject, name)
+        figure = shown(row, "effort_limit", published.effort, 6)
+        which = f", at {name}" if len({_most(subject, name).effort for name in names}) > 1 else ""
+        return Finding(
+            self.code,
+            f"{_named(row)} is {format_number(limit / published.effort, 3)} times what is published for "
+            f"{subject.robot.name}: {figure}{which}",
+            driving_place(row),
+            row.joint,
+            limit,
+            unit(row, "effort_limit"),
+            published.effort,
+            help=f"{figure}: {published.source}; is it the decimal point?",
             fields=("effort_limit",),
         )
 
@@ -194,11 +222,34 @@ def _zeros(subject: Likeness) -> frozenset[str]:
     return zeros if 2 * len(zeros) < len(limits) else frozenset()
 
 
+def _lows(subject: Likeness, least: float) -> frozenset[str]:
+    """Joints with a small share of what is published, in a file that gives most of its joints more.
+
+    Where they all have so little it is a scale, or a task's.
+    """
+    lows: dict[str, int] = {}
+    count = 0
+    for row, names in subject.joints:
+        limit = finite(driving_limit(row)[1])
+        if limit is None:
+            continue
+        count += len(names)
+        published = min(_weakest(subject, name).effort for name in names)
+        if limit <= least * (1.0 + SAME) * published:
+            lows[row.joint] = len(names)
+    return frozenset(lows) if 2 * sum(lows.values()) < count else frozenset()
+
+
 def _most(subject: Likeness, name: str) -> KnownJoint:
     """What is published of a joint, of the variants that it may be the one with the largest torque."""
     return max(
         (subject.robot.variants[variant][name] for variant in subject.variants), key=lambda j: j.effort
     )
+
+
+def _weakest(subject: Likeness, name: str) -> KnownJoint:
+    """What is published of a joint, of all variants the one with the least torque."""
+    return min((joints[name] for joints in subject.robot.variants.values()), key=lambda j: j.effort)
 
 
 def _alike(joints: Mapping[str, KnownJoint], limit: float) -> tuple[str, ...]:

@@ -29,6 +29,9 @@ from actspec.units import format_number
 _UNLIKE = 0.01
 """Chosen: limits that differ by more are of two motors, as `tolerance`."""
 
+_NONE_LEFT = 1e-3
+"""Below this a ratio is given as a factor. Chosen: three digits make 100 % less of 99.97 %."""
+
 _SEVERAL = 4
 """Joints from which one limit for all tells that nobody looked the motors up. Chosen: a leg may have three alike."""
 
@@ -106,12 +109,13 @@ class EffortLimit(SourceRule):
         return not _limits_nothing(case, found) and is_times_off(case, found)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
-        """How much torque."""
+        """How much torque, or force of a slide."""
         assert found.ratio is not None
-        if found.ratio >= TIMES:
-            return f"the joint has {format_number(found.ratio, 3)} times the torque here"
+        effort = "force" if _is_slide(found.rows[0]) else "torque"
+        if not _NONE_LEFT <= found.ratio < TIMES:
+            return f"the joint has {format_number(found.ratio, 3)} times the {effort} here"
         share = abs(found.ratio - 1.0) * 100.0
-        return f"the joint has {share:.3g} % {'more' if found.ratio > 1.0 else 'less'} torque here"
+        return f"the joint has {share:.3g} % {'more' if found.ratio > 1.0 else 'less'} {effort} here"
 
 
 def _limits_nothing(case: Case, found: Disagreement) -> bool:

@@ -51,9 +51,9 @@ class RangeInDegrees(RuleInParts):
                 yield ()
                 if index in locked:
                     continue
-                if _is_degrees_of(command, joint):
+                if is_degrees_of(command, joint):
                     found.append(row)
-                elif _is_degrees_of(joint, command) and largest(joint) > _TURN:
+                elif is_degrees_of(joint, command) and largest(joint) > _TURN:
                     turning.append(row)
         least = self.option(case, "least")
         # One range that is radians by its servo tells that all of the file are, endless joints' too.
@@ -188,6 +188,11 @@ def ranges_in_doubt(case: Case) -> frozenset[tuple[str, str]]:
     return frozenset((one.span.path, joint) for one in found for joint in one.joints or (one.joint,))
 
 
+def ranges_told(case: Case) -> frozenset[Span]:
+    """Where the ranges are written of which something is said."""
+    return frozenset(one.span for part in case.once(_told) for one in part)
+
+
 _LOCKED = 3.2 / DEGREES
 """Largest angle that a range in radians can become when read in degrees. Chosen: a little above pi / 57.3."""
 
@@ -274,7 +279,7 @@ def _placeholder_ranges(artifact: Artifact) -> set[tuple[float, float] | None]:
     return {joint.range for joint in joints if joint.kind is JointKind.SLIDE} | endless
 
 
-def _is_degrees_of(command: tuple[float, float], joint: tuple[float, float]) -> bool:
+def is_degrees_of(command: tuple[float, float], joint: tuple[float, float]) -> bool:
     """Whether a range is another one in degrees; ends of 0 agree in both."""
     span = (joint[1] - joint[0]) * DEGREES
     return span > 0.0 and all(

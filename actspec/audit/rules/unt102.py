@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown
+from actspec.audit.rules.unt101 import is_degrees_of
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
@@ -37,7 +38,13 @@ class TorqueAsTarget(RuleOver[tuple[LedgerRow, tuple[float, float]]]):
         high = command[1]
         if not math.isclose(-command[0], high, rel_tol=1e-6) or high < self.option(case, "least"):
             return
-        if row.position_range is not None and math.isclose(row.position_range[1], high, rel_tol=0.02):
+        own = row.position_range
+        # In degrees or radians as it is written: whichever is meant, it is a range of the joint (UNT101).
+        if own is not None and (
+            math.isclose(own[1], high, rel_tol=0.02)
+            or is_degrees_of(command, own)
+            or is_degrees_of(own, command)
+        ):
             return
         limit = self._place(case, row, high)
         if limit is not None:

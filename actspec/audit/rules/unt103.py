@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import SPEEDS, joint_pairs, shared_joints, shown, unit
-from actspec.audit.rules.unt101 import read_as_degrees
+from actspec.audit.rules.unt101 import ranges_told, read_as_degrees
 from actspec.ir import JointKind
 from actspec.readings.compare import DEGREES
 from actspec.readings.ledger import LedgerRow
@@ -48,10 +48,12 @@ class Factor57(RuleInParts):
                     ranges.setdefault((wrong.artifact, right.artifact), []).append(found)
                 else:
                     yield found
-        locked = case.once(read_as_degrees)
+        locked, told = case.once(read_as_degrees), case.once(ranges_told)
         for (index, reference), several in ranges.items():
-            # UNT101 has the whole file, and a part has its angle from what includes it.
-            if index in locked or case.artifacts[index].is_part or case.has_angle_of_another(index):
+            # UNT101 has the file already, whose angle is one; and a part has it from what includes it.
+            if index in locked or any(told.intersection((one.span, *one.related)) for one in several):
+                continue
+            if case.artifacts[index].is_part or case.has_angle_of_another(index):
                 continue
             # Where most ranges differ by something else, a few meet the factor by chance.
             if 2 * len({one.joint for one in several}) >= _ranges_that_differ(case, index, reference):

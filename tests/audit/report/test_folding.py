@@ -58,6 +58,19 @@ def test_the_worst_is_by_ratio_where_it_is_known_what_is_right() -> None:
     assert group.joints == ("j1",)
 
 
+def test_of_limits_the_least_is_the_worst() -> None:
+    """Nobody knows what is right: 2 N*m are fewer than 6. An effort of 1e9 that nobody filled in is worse than both."""
+    limits = (6.0, 2.0, 3.0)
+    for more, worst in ((), "j1"), ((1e9,), "j3"):
+        (group,) = _groups(
+            *(
+                _one(i, f"gets {limit:g} N*m", f"j{i}", value=limit, fields=("effort_limit",))
+                for i, limit in enumerate((*limits, *more))
+            )
+        )
+        assert group.joints == (worst,)
+
+
 def test_one_figure_that_several_robots_share_is_one_finding() -> None:
     """A base class's limit of 87 N*m for a UR3 and a UR10: 87/12 is worse than 87/56. On another line it is another."""
     told = [
