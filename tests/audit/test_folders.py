@@ -121,6 +121,7 @@ def test_names_that_are_nearly_a_models(
     found = audit(named, Settings(select=("ORD104",))).findings
     assert {item.finding.message.split("'")[1]: item.severity for item in found} == dict.fromkeys(
         [name for name in names if name not in joints], severity
+    )
 
 
 def test_a_finding_may_be_a_note_of_a_folder_alone(
