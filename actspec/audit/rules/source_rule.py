@@ -87,12 +87,12 @@ def _both(
 
 
 def is_times_off(case: Case, found: Disagreement) -> bool:
-    """Whether a limit of the hardware is `GRAVE` times the other: not one that only the range of a control makes.
+    """Whether a limit of one robot is `GRAVE` times the other.
 
     Variants that are called otherwise are held to each other where most of their joints agree: where most do not,
     they have other motors.
     """
-    if not is_times(found.ratio) or any(is_of_control(case, rows) for rows in (found.rows, found.others)):
+    if not is_times(found.ratio):
         return False
     one, other = found.rows[0].artifact, found.others[0].artifact
     if found.variant and _revision(case, one) != _revision(case, other):
@@ -198,9 +198,9 @@ class SourceRule(RuleInParts):
         """What it does to the robot, with a number."""
         raise NotImplementedError
 
-    def is_grave(self, case: Case, found: Disagreement) -> bool:
-        """Whether no variant explains it: two files of one robot cannot both be right."""
-        return False
+    def grave(self, case: Case, found: Disagreement) -> Severity | None:
+        """What it is where no variant explains it: two files of one robot cannot both be right. None: one may."""
+        return None
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """By what the files are."""
@@ -217,8 +217,10 @@ class SourceRule(RuleInParts):
         beside = case.kinds_by_artifact[found.rows[0].artifact]
         if found.both_published:
             severity, confidence = Severity.INFO, Confidence.LOW
-        elif not idle and found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
-            severity, confidence = Severity.ERROR, Confidence.MEDIUM
+        elif not idle and found.one_machine and FileKind.SPEC not in beside:
+            grave = self.grave(case, found)
+            if grave is not None:
+                severity, confidence = grave, Confidence.MEDIUM
         file = found.others[0].file
         if found.published:
             advice = f"{shown(theirs.value, theirs.unit)} is published for {found.published}: write it here, or set "
