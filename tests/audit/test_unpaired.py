@@ -9,7 +9,8 @@ import pytest
 from actspec.audit.engine import audit
 from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
-from actspec.diagnostics import Span
+from actspec.diagnostics import Severity, Span
+from actspec.report import ReportOptions, render
 
 MODEL = """<mujoco model="biped">
   <worldbody><body><joint name="hip"/><joint name="knee" axis="1 0 0"/><geom size="0.1"/></body></worldbody>
@@ -97,7 +98,20 @@ def test_a_series_of_files_hides_none(tmp_path: Path, monkeypatch: pytest.Monkey
     (found,) = audit(files, Settings(select=("SRC101",))).findings
     assert (found.finding.span.path, found.finding.joint) == ("set/arm3.xml", "lift")
     assert (found.finding.value, found.finding.expected) == (15.0, 150.0)
-    assert audit(["set"], Settings(select=("SRC101",))).findings == ()
+    report = audit(["set"], Settings(select=("SRC101",)))
+    assert report.findings == ()
+    # Nor does a note say how to have it: the last line does, once, and only where nobody said so already.
+    hint = "no findings in 3 files; --as-named judges a folder of your own\n"
+    assert render(report, "concise", ReportOptions(least=Severity.WARNING)) == hint
+    assert render(report, "markdown", ReportOptions()).startswith(f"### actspec audit: {hint}")
+    for own in (
+        audit(["set"], Settings(as_named=True)),
+        audit(files, Settings()),
+        audit(["set"], Settings()),
+    ):
+        least = ReportOptions(least=Severity.WARNING)
+        text = render(own, "concise", least)
+        assert text.count("--as-named") == own.case.is_met(0), text
 
 
 @pytest.mark.parametrize(
