@@ -90,7 +90,7 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     """Whether a limit of one robot is `GRAVE` times the other.
 
     Variants that are called otherwise are held to each other where most of their joints agree: where most do not,
-    they have other motors.
+    they have other motors. So they have where files of another kind have each figure under the same name.
     """
     if not is_times(found.ratio):
         return False
@@ -102,6 +102,8 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     if case.artifacts[one].name == case.artifacts[other].name:
         # Whoever names both says that they are of one robot, and so do they.
         return True
+    if _is_confirmed(case, found) and _is_confirmed(case, found.turned):
+        return False
     differ = []
     theirs = case.joints_by_artifact.get(other, {})
     for joint, rows in case.joints_by_artifact.get(one, {}).items():
@@ -109,6 +111,18 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
         if a and b:
             differ.append(not math.isclose(a, b, rel_tol=SAME))
     return 2 * sum(differ) < len(differ)
+
+
+def _is_confirmed(case: Case, found: Disagreement) -> bool:
+    """Whether a file of another kind, called as the one that departs is, has the same figure of the joint."""
+    mine, own = found.rows[0], case.artifacts[found.rows[0].artifact]
+    for index in case.robot_of(mine.artifact).artifacts:
+        beside, rows = case.artifacts[index], case.joints.get((index, mine.joint), ())
+        if rows and beside.kind is not own.kind and distinctive(beside) == distinctive(own):
+            value = figure(rows, found.field).value
+            if value and found.mine.value and math.isclose(value, found.mine.value, rel_tol=SAME):
+                return True
+    return False
 
 
 def _revision(case: Case, artifact: int) -> frozenset[str]:
