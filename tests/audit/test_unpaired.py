@@ -167,3 +167,32 @@ def test_one_of_two_configurations_of_a_file(tmp_path: Path, monkeypatch: pytest
         "`ROVER_CFG` has the joints of biped.xml, crane.xml, and is not compared with them:"
     )
     assert said.span.line == 9 and said.help == "write the robot's name into this configuration's name"
+
+
+@pytest.mark.parametrize(
+    ("name", "model", "compared"),
+    [
+        ("TROTTER_CFG", "/data/trotter.usd", False),
+        ("TROTTER_12DOF_CFG", "/data/trotter_flat.usd", False),
+        # One of the two may be a task's name, or say nothing.
+        ("TROTTER_CFG", "/data/robot.usd", True),
+        ("ROBOT_CFG", "/data/trotter.usd", True),
+        ("HUMANOID_CFG", "/data/humanoid.usd", True),
+        # What either calls it is in a name of the other.
+        ("MY_STRIDER_CFG", "/data/my_strider.usd", True),
+        ("TROTTER_CFG", "/strider/trotter.usd", True),
+        ("STRID_CFG", "/data/strid.usd", True),
+    ],
+)
+def test_a_configuration_of_another_robot(
+    name: str, model: str, compared: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside the only model with its joints it is compared, unless it and the file that it loads have another name."""
+    monkeypatch.chdir(tmp_path)
+    Path("strider.xml").write_text(MODEL.replace("biped", "strider"))
+    spawn = f'spawn=sim_utils.UsdFileCfg(usd_path="{model}"),\n    actuators='
+    config = CFG.format('"hip", "knee"').replace("ROVER_CFG", name).replace("actuators=", spawn)
+    Path("train.py").write_text("import isaaclab.sim as sim_utils\n" + config)
+    report = audit(["strider.xml", "train.py"], Settings())
+    assert [len(robot.artifacts) for robot in report.case.robots] == ([2] if compared else [1, 1])
+    assert ("AUD015" in {item.code for item in report.diagnostics()}) is not compared
