@@ -170,6 +170,25 @@ def test_one_of_two_configurations_of_a_file(tmp_path: Path, monkeypatch: pytest
 
 
 @pytest.mark.parametrize(
+    ("name", "turn", "told"),
+    [("picker", "-1.9", True), ("loader", "-1.9", False), ("picker", "-1.7", False)],
+    ids=["one-robot", "another-name", "another-range"],
+)
+def test_a_model_that_calls_the_joints_otherwise(
+    name: str, turn: str, told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`elbow` and `elbow_joint` of a robot are not compared; that is said of two files that somebody named."""
+    monkeypatch.chdir(tmp_path)
+    Path("one.xml").write_text(_arm("picker", 150))
+    other = _arm(name, 15).replace('"lift"', '"lift_joint"').replace('"elbow"', '"elbow_joint"')
+    Path("other.xml").write_text(other.replace("-1.9", turn))
+    report = audit(["one.xml", "other.xml"], Settings(select=("SRC101",)))
+    message = "this has the joints of one.xml, and is not compared with it: it calls them otherwise"
+    assert [item.message for item in report.diagnostics()] == [message] * told
+    assert audit(["."], Settings(select=("SRC101",))).diagnostics() == ()
+
+
+@pytest.mark.parametrize(
     ("name", "model", "compared"),
     [
         ("TROTTER_CFG", "/data/trotter.usd", False),
