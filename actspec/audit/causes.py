@@ -126,6 +126,9 @@ class _Findings:
             both = (one.span, *one.related)
             if one.span.path not in _files(other):
                 return False
+            if len(set(both)) == 1:
+                # One setting states both sides: what is said at its place may be of either.
+                return one.joint == other.joint
             return not all(other.code in self._codes[span] for span in both)
         if one.code.startswith("SRC") and other.code.startswith("SRC"):
             # Two files that differ from each other, at whatever joint, say nothing of a third.

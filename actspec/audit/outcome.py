@@ -12,7 +12,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
-from actspec.readings.artifact import FileKind, FileReading, Robot
+from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
 from actspec.readings.pair import (
     SHARE,
     figures_of,
@@ -196,6 +196,9 @@ def _unpaired(case: Case) -> Iterator[Diagnostic]:
             yield from _beside_a_model(
                 case, mine, [other for other in named if models[other] == models[mine]]
             )
+            yield from _of_other_joints(
+                case, mine, [other for other in named if models[other] != models[mine]]
+            )
             named.append(mine)
 
 
@@ -240,6 +243,29 @@ def _beside_a_model(case: Case, mine: int, others: Sequence[int]) -> Iterator[Di
             Span(artifact.path),
             "if it is, write one name in both (`<mujoco model>`, `<robot name>`); "
             f"`actspec diff {near[0]} {artifact.path}` compares them as they are",
+        )
+
+
+def _of_other_joints(case: Case, mine: int, others: Sequence[int]) -> Iterator[Diagnostic]:
+    """A model that somebody named, and others of one name inside whose joints turn as far and are called otherwise."""
+
+    def ranges(artifact: Artifact) -> list[tuple[float, ...]]:
+        """However the joints are called; of the order of a tree no two writers have the same idea."""
+        found = figures_of(artifact.robot).get("range", {}).values()
+        return sorted(tuple(round(end, 2) for end in each) for each in found)
+
+    artifact = case.artifacts[mine]
+    name = telling(artifact.name)
+    alike = [other for other in others if name and name == telling(case.artifacts[other].name)]
+    own = ranges(artifact) if alike else []
+    near = [case.artifacts[other].path for other in alike if own and ranges(case.artifacts[other]) == own]
+    if near:
+        yield _not_compared(
+            "this",
+            near,
+            "it calls them otherwise",
+            Span(artifact.path),
+            "if it is the same robot, call its joints alike in both",
         )
 
 

@@ -73,10 +73,11 @@ def pair(
     Artifacts that name their joints (models, specs, deploy files) come together when they share joints and the
     robot's name; a file that is called nothing belongs to those of its folder, or to the only one with its joints. A
     configuration joins the robot whose file it names, or that of its name where at least half of its patterns match a
-    joint, else the one whose joints all of its patterns match and that nothing tells from it; where several do, none:
-    nothing is guessed. Ranges of randomisation without actuators join the robot that their file's name tells, or the
-    only one. Models that somebody named are one robot where they have one body, and one name inside or the same joints:
-    else a wrong figure in `arm2.xml` is never compared with `arm1.xml`, nor one in `my_arm.xml`.
+    joint, else the one whose joints all of its patterns match and that nothing tells from it, such as another name that
+    it shares with its own file; where several do, none: nothing is guessed. Ranges of randomisation without actuators
+    join the robot that their file's name tells, or the only one. Models that somebody named are one robot where they
+    have one body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never compared with
+    `arm1.xml`, nor one in `my_arm.xml`.
 
     Args:
         artifacts: All robots of all files.
@@ -154,7 +155,9 @@ def pair(
         ]
         silent = [g for g in fitting if any(agree(index, i) for i in named[g])]
         sole = len(named) == 1 and (only or not calls[index][0]) and says_something(artifacts[index].config)
-        alone = fitting if sole else []
+        alone = [
+            g for g in fitting if sole and not _is_of_another(artifacts[index], [calls[i] for i in named[g]])
+        ]
         choice = next((found for found in (alike, silent, alone) if len(found) == 1), None)
         if choice is None or (not alike and len(fitting) > 1):
             groups.append([index])
@@ -204,6 +207,19 @@ def _that_is_named(artifacts: Sequence[Artifact], index: int, groups: Sequence[S
         if any(found.get(i) == most for i in group)
         and fits(config, [n for i in group for n in joint_names(artifacts[i]) or ()], VARIANT)
     ]
+
+
+def _is_of_another(artifact: Artifact, robot: Iterable[tuple[frozenset[str], frozenset[str]]]) -> bool:
+    """Whether a configuration has the name of the model that it loads, and a robot's files and folders have others.
+
+    `TROTTER_CFG` of `trotter.usd` is not `strider.urdf`'s; one name alone may be a task's, or a copy's.
+    """
+    model = ((artifact.config.model if artifact.config is not None else None) or "").replace("\\", "/")
+    files, folders = (frozenset().union(*each) for each in zip(*robot, strict=True))
+    if not (telling(artifact.name) & telling(_stem(model))) - _KINDS or not files - _KINDS:
+        return False
+    theirs = files | folders
+    return not any(a in b or b in a for a in telling(artifact.name) | telling(model) for b in theirs)
 
 
 def agreement(named: str, path: str) -> int:

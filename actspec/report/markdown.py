@@ -10,7 +10,16 @@ from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, for_people
 from actspec.report.ledger import Sheet, comparisons, ledger_sheets
 from actspec.report.tables import escaped, markdown_table
-from actspec.report.text import NOUNS, aside, counted, files_counted, left_out, remarks, worst_first
+from actspec.report.text import (
+    NOUNS,
+    aside,
+    counted,
+    files_counted,
+    left_out,
+    of_folder,
+    remarks,
+    worst_first,
+)
 
 LONGEST = 60_000
 """Characters. Source: a GitHub comment takes 65 536; this leaves room for words around it."""
@@ -19,7 +28,8 @@ LONGEST = 60_000
 def render(report: Report, options: ReportOptions) -> str:
     """The report as Markdown; what does not fit into a comment is counted."""
     groups = worst_first(for_people(report.at_or_above(options.least)))
-    text = f"### actspec audit: {counted(groups)} in {'; '.join((files_counted(report), *aside(report)))}\n"
+    notes = "; ".join((files_counted(report), *aside(report), *of_folder(report)))
+    text = f"### actspec audit: {counted(groups)} in {notes}\n"
     for block in (
         _findings(groups),
         tuple(left_out(report, options.least)),

@@ -24,6 +24,8 @@ _MOST_JOINTS = 24
 _MOST_PLACES = 8
 _MOST_RELATED = 3
 
+_AS_NAMED = "--as-named judges a folder of your own"
+
 NOUNS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "note"}
 
 _MEANS = {
@@ -91,7 +93,7 @@ def left_out(report: Report, least: Severity) -> Iterator[str]:
     if parts:
         shows = f"{', '.join(parts)}: --notes shows {'it' if sum(counts.values()) == 1 else 'them'}"
         if any(report.case.is_met_at(item.finding.span) for item in below):
-            shows += "; --as-named judges a folder of your own"
+            shows += f"; {_AS_NAMED}"
         more = sorted({item.finding.code for item in below if item.of_folder})
         yield f"{shows}, where those of {listed(more)} can be errors or warnings" if more else shows
 
@@ -163,7 +165,7 @@ def summary(
             yield style.faint(f"{listed(codes)} did not apply: {one_line(reason)}")
     else:
         yield style.faint(f"{many(count, 'rule')} did not apply; --select CODE reports why")
-    notes = list(aside(report))
+    notes = [*aside(report), *of_folder(report)]
     gone = sum(file.names_nothing for file in report.case.files)
     if gone:
         notes.insert(0, f"nothing to audit at {many(gone, 'path')}")
@@ -187,6 +189,17 @@ def aside(report: Report) -> Iterator[str]:
         yield f"{left} left out by exclude"
     if report.not_read:
         yield counted_not_read(report.not_read)
+
+
+def of_folder(report: Report) -> Iterator[str]:
+    """How to have a folder without findings judged as one's own: files are put together then that are not before.
+
+    Where it has some, the line that counts its notes says so.
+    """
+    case = report.case
+    met = any(map(case.is_met, range(len(case.artifacts))))
+    if met and not any(case.is_met_at(item.finding.span) for item in report.findings):
+        yield _AS_NAMED
 
 
 def files_counted(report: Report) -> str:

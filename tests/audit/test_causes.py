@@ -138,6 +138,11 @@ def test_which_of_two_sides_is_wrong_nobody_knows() -> None:
     assert _after(sides, left)[1] == ("SRC101", "info", "SYM101")
     assert _after(sides, right)[1] == ("SRC101", "info", "SYM101")
     assert [cause for *_, cause in _after(sides, left, right)] == ["", "", ""]
+    # A mapping of a configuration has both sides at one place: there the joint tells.
+    place = Span("a.xml", 1, 1)
+    mapping, other = replace(sides, span=place, related=(place,)), replace(right, span=place)
+    assert _after(mapping, left)[1] == ("SRC101", "warning", "")
+    assert _after(mapping, (other, ERROR)) == [("SYM101", "error", ""), ("SRC101", "info", "SYM101")]
 
 
 def test_a_side_in_another_file_explains_nothing_of_this_one() -> None:

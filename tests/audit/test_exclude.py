@@ -137,8 +137,9 @@ def test_settings_and_options_add_up(capsys: pytest.CaptureFixture[str]) -> None
     assert main(["audit", "robots", "--exclude", "e.urdf"]) == 0
     # robots/third_party, robots/own/third_party and robots/own/e.urdf
     told = "1 file and 2 folders left out by exclude"
-    assert capsys.readouterr().out == f"no findings in 1 file; {told}\n"
-    for output_format, text in (("markdown", f"in 1 file; {told}\n"), ("html", f"Not shown: {told}.<")):
+    own = f"{told}; --as-named judges a folder of your own"
+    assert capsys.readouterr().out == f"no findings in 1 file; {own}\n"
+    for output_format, text in (("markdown", f"in 1 file; {own}\n"), ("html", f"Not shown: {told}.<")):
         main(["audit", "robots", "--exclude", "e.urdf", "--output-format", output_format])
         assert text in capsys.readouterr().out
     Path("pyproject.toml").write_text(

@@ -9,7 +9,8 @@ import pytest
 from actspec.audit.engine import audit
 from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
-from actspec.diagnostics import Span
+from actspec.diagnostics import Severity, Span
+from actspec.report import ReportOptions, render
 
 MODEL = """<mujoco model="biped">
   <worldbody><body><joint name="hip"/><joint name="knee" axis="1 0 0"/><geom size="0.1"/></body></worldbody>
@@ -97,7 +98,20 @@ def test_a_series_of_files_hides_none(tmp_path: Path, monkeypatch: pytest.Monkey
     (found,) = audit(files, Settings(select=("SRC101",))).findings
     assert (found.finding.span.path, found.finding.joint) == ("set/arm3.xml", "lift")
     assert (found.finding.value, found.finding.expected) == (15.0, 150.0)
-    assert audit(["set"], Settings(select=("SRC101",))).findings == ()
+    report = audit(["set"], Settings(select=("SRC101",)))
+    assert report.findings == ()
+    # Nor does a note say how to have it: the last line does, once, and only where nobody said so already.
+    hint = "no findings in 3 files; --as-named judges a folder of your own\n"
+    assert render(report, "concise", ReportOptions(least=Severity.WARNING)) == hint
+    assert render(report, "markdown", ReportOptions()).startswith(f"### actspec audit: {hint}")
+    for own in (
+        audit(["set"], Settings(as_named=True)),
+        audit(files, Settings()),
+        audit(["set"], Settings()),
+    ):
+        least = ReportOptions(least=Severity.WARNING)
+        text = render(own, "concise", least)
+        assert text.count("--as-named") == own.case.is_met(0), text
 
 
 @pytest.mark.parametrize(
@@ -153,3 +167,51 @@ def test_one_of_two_configurations_of_a_file(tmp_path: Path, monkeypatch: pytest
         "`ROVER_CFG` has the joints of biped.xml, crane.xml, and is not compared with them:"
     )
     assert said.span.line == 9 and said.help == "write the robot's name into this configuration's name"
+
+
+@pytest.mark.parametrize(
+    ("name", "turn", "told"),
+    [("picker", "-1.9", True), ("loader", "-1.9", False), ("picker", "-1.7", False)],
+    ids=["one-robot", "another-name", "another-range"],
+)
+def test_a_model_that_calls_the_joints_otherwise(
+    name: str, turn: str, told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`elbow` and `elbow_joint` of a robot are not compared; that is said of two files that somebody named."""
+    monkeypatch.chdir(tmp_path)
+    Path("one.xml").write_text(_arm("picker", 150))
+    other = _arm(name, 15).replace('"lift"', '"lift_joint"').replace('"elbow"', '"elbow_joint"')
+    Path("other.xml").write_text(other.replace("-1.9", turn))
+    report = audit(["one.xml", "other.xml"], Settings(select=("SRC101",)))
+    message = "this has the joints of one.xml, and is not compared with it: it calls them otherwise"
+    assert [item.message for item in report.diagnostics()] == [message] * told
+    assert audit(["."], Settings(select=("SRC101",))).diagnostics() == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "model", "compared"),
+    [
+        ("TROTTER_CFG", "/data/trotter.usd", False),
+        ("TROTTER_12DOF_CFG", "/data/trotter_flat.usd", False),
+        # One of the two may be a task's name, or say nothing.
+        ("TROTTER_CFG", "/data/robot.usd", True),
+        ("ROBOT_CFG", "/data/trotter.usd", True),
+        ("HUMANOID_CFG", "/data/humanoid.usd", True),
+        # What either calls it is in a name of the other.
+        ("MY_STRIDER_CFG", "/data/my_strider.usd", True),
+        ("TROTTER_CFG", "/strider/trotter.usd", True),
+        ("STRID_CFG", "/data/strid.usd", True),
+    ],
+)
+def test_a_configuration_of_another_robot(
+    name: str, model: str, compared: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside the only model with its joints it is compared, unless it and the file that it loads have another name."""
+    monkeypatch.chdir(tmp_path)
+    Path("strider.xml").write_text(MODEL.replace("biped", "strider"))
+    spawn = f'spawn=sim_utils.UsdFileCfg(usd_path="{model}"),\n    actuators='
+    config = CFG.format('"hip", "knee"').replace("ROVER_CFG", name).replace("actuators=", spawn)
+    Path("train.py").write_text("import isaaclab.sim as sim_utils\n" + config)
+    report = audit(["strider.xml", "train.py"], Settings())
+    assert [len(robot.artifacts) for robot in report.case.robots] == ([2] if compared else [1, 1])
+    assert ("AUD015" in {item.code for item in report.diagnostics()}) is not compared

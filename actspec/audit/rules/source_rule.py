@@ -87,12 +87,12 @@ def _both(
 
 
 def is_times_off(case: Case, found: Disagreement) -> bool:
-    """Whether a limit of the hardware is `GRAVE` times the other: not one that only the range of a control makes.
+    """Whether a limit of one robot is `GRAVE` times the other.
 
     Variants that are called otherwise are held to each other where most of their joints agree: where most do not,
-    they have other motors.
+    they have other motors. So they have where files of another kind have each figure under the same name.
     """
-    if not is_times(found.ratio) or any(is_of_control(case, rows) for rows in (found.rows, found.others)):
+    if not is_times(found.ratio):
         return False
     one, other = found.rows[0].artifact, found.others[0].artifact
     if found.variant and _revision(case, one) != _revision(case, other):
@@ -102,6 +102,8 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     if case.artifacts[one].name == case.artifacts[other].name:
         # Whoever names both says that they are of one robot, and so do they.
         return True
+    if _is_confirmed(case, found) and _is_confirmed(case, found.turned):
+        return False
     differ = []
     theirs = case.joints_by_artifact.get(other, {})
     for joint, rows in case.joints_by_artifact.get(one, {}).items():
@@ -109,6 +111,18 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
         if a and b:
             differ.append(not math.isclose(a, b, rel_tol=SAME))
     return 2 * sum(differ) < len(differ)
+
+
+def _is_confirmed(case: Case, found: Disagreement) -> bool:
+    """Whether a file of another kind, called as the one that departs is, has the same figure of the joint."""
+    mine, own = found.rows[0], case.artifacts[found.rows[0].artifact]
+    for index in case.robot_of(mine.artifact).artifacts:
+        beside, rows = case.artifacts[index], case.joints.get((index, mine.joint), ())
+        if rows and beside.kind is not own.kind and distinctive(beside) == distinctive(own):
+            value = figure(rows, found.field).value
+            if value and found.mine.value and math.isclose(value, found.mine.value, rel_tol=SAME):
+                return True
+    return False
 
 
 def _revision(case: Case, artifact: int) -> frozenset[str]:
@@ -198,9 +212,9 @@ class SourceRule(RuleInParts):
         """What it does to the robot, with a number."""
         raise NotImplementedError
 
-    def is_grave(self, case: Case, found: Disagreement) -> bool:
-        """Whether no variant explains it: two files of one robot cannot both be right."""
-        return False
+    def grave(self, case: Case, found: Disagreement) -> Severity | None:
+        """What it is where no variant explains it: two files of one robot cannot both be right. None: one may."""
+        return None
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """By what the files are."""
@@ -217,8 +231,10 @@ class SourceRule(RuleInParts):
         beside = case.kinds_by_artifact[found.rows[0].artifact]
         if found.both_published:
             severity, confidence = Severity.INFO, Confidence.LOW
-        elif not idle and found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
-            severity, confidence = Severity.ERROR, Confidence.MEDIUM
+        elif not idle and found.one_machine and FileKind.SPEC not in beside:
+            grave = self.grave(case, found)
+            if grave is not None:
+                severity, confidence = grave, Confidence.MEDIUM
         file = found.others[0].file
         if found.published:
             advice = f"{shown(theirs.value, theirs.unit)} is published for {found.published}: write it here, or set "

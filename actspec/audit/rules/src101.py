@@ -7,7 +7,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
 from actspec.audit.rules.joints import is_held, is_undriven
-from actspec.audit.rules.source_pairs import GRAVE, Disagreement
+from actspec.audit.rules.source_pairs import GRAVE, Disagreement, are_variants
 from actspec.audit.rules.source_rule import (
     TIMES,
     SourceRule,
@@ -104,9 +104,16 @@ class EffortLimit(SourceRule):
         nothing = _is_of_task(case, found) or _limits_nothing(case, found) or _is_margin(case, found)
         return (Severity.INFO if nothing else self.severity), self.confidence
 
-    def is_grave(self, case: Case, found: Disagreement) -> bool:
-        """Twice or half the limit, or more."""
-        return not _limits_nothing(case, found) and is_times_off(case, found)
+    def grave(self, case: Case, found: Disagreement) -> Severity | None:
+        """Twice or half the limit, or more, is an error; a warning where only a control's range makes one of them, in
+        models with the same joints.
+        """
+        if _limits_nothing(case, found) or not is_times_off(case, found):
+            return None
+        if not any(is_of_control(case, rows) for rows in (found.rows, found.others)):
+            return Severity.ERROR
+        other_joints = are_variants(case, found.rows[0].artifact, found.others[0].artifact)
+        return None if other_joints or _is_of_task(case, found) else self.severity
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque, or force of a slide."""

@@ -61,9 +61,10 @@ class VelocityLimit(SourceRule):
         quiet = _least(found) <= _STILL or not is_times(found.ratio) or _is_quiet(case, found)
         return (Severity.INFO if quiet else self.severity), self.confidence
 
-    def is_grave(self, case: Case, found: Disagreement) -> bool:
-        """Twice or half the limit, or more."""
-        return _least(found) > _STILL and is_times_off(case, found) and not _is_quiet(case, found)
+    def grave(self, case: Case, found: Disagreement) -> Severity | None:
+        """Twice or half the limit, or more, is an error."""
+        wrong = _least(found) > _STILL and is_times_off(case, found) and not _is_quiet(case, found)
+        return Severity.ERROR if wrong else None
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much speed."""

@@ -130,7 +130,10 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         # Where one side has 0, that one is the odd one; then the one that other files of its robot contradict; else the
         # second, the first being the pattern.
         field, a, b = differing[0] if differing else ("", 1.0, 1.0)
-        doubted = [bool(field) and _is_contradicted(case, rows[0], field, relative) for rows in (left, right)]
+        sides = left[0], right[0]
+        doubted = [
+            bool(field) and _is_contradicted(case, *each, field, relative) for each in (sides, sides[::-1])
+        ]
         if 0.0 in (a, b) or doubted[0] is doubted[1]:
             first = a == 0.0 or _is_rarer(case, left[0], field, a, b)
         else:
@@ -148,7 +151,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             (all(name in _PASSIVE for name, _, _ in differing) and left[0].artifact in case.once(_identified))
             or all(_is_a_line_of_each(left[0], right[0], name) for name, _, _ in differing)
         )
-        unfelt = not kinds and all(_is_unfelt(case, (left[0], right[0]), *one) for one in differing)
+        unfelt = not kinds and all(_is_unfelt(case, sides, *one) for one in differing)
         names = {name for name, _, _ in differing}
         # Where joints of both sides have 0 as well, it stands for a limit that nobody looked up.
         empty = dead and left[0].artifact in case.once(_without_limits)
@@ -194,12 +197,27 @@ def _is_rarer(case: Case, row: LedgerRow, field: str, one: float, other: float) 
     return 0 < values.count(one) < values.count(other)
 
 
-def _is_contradicted(case: Case, row: LedgerRow, field: str, relative: float) -> bool:
-    """Whether other files of the robot state another figure for the joint, and none the same."""
-    mine = getattr(row, field)
-    others = [getattr(other, field) for other in partner_rows(case, row) if field in other.stated]
-    known = [value for value in others if value is not None]
-    return bool(known) and not any(math.isclose(mine, value, rel_tol=relative) for value in known)
+def _is_contradicted(case: Case, row: LedgerRow, twin: LedgerRow, field: str, relative: float) -> bool:
+    """Whether other files of the robot state another figure for the joint, and none the same.
+
+    One that has the figures of both sides repeats the fault, and speaks for neither.
+    """
+
+    def has(other: LedgerRow, mine: LedgerRow) -> bool:
+        one, its = getattr(other, field), getattr(mine, field)
+        return one is not None and math.isclose(one, its, rel_tol=relative)
+
+    others = [
+        has(other, row)
+        for other in partner_rows(case, row)
+        if field in other.stated
+        and getattr(other, field) is not None
+        and not (
+            has(other, row)
+            and any(has(beside, twin) for beside in case.joints.get((other.artifact, twin.joint), ()))
+        )
+    ]
+    return bool(others) and not any(others)
 
 
 def _is_a_line_of_each(left: LedgerRow, right: LedgerRow, field: str) -> bool:
