@@ -227,7 +227,7 @@ def converted(
             replace(last, weight=np.array([[manifest.torque_scale]]), bias=np.zeros(1), activation="identity")
         )
     entries = manifest.entries()
-    for key in ("sha256", "files", "format", "kind"):
+    for key in ("sha256", "files", "format", "kind", "doubts"):
         entries.pop(key, None)
     entries |= {"inputs": "position_velocity"}
     entries |= {"position_scale": 1.0, "velocity_scale": 1.0, "torque_scale": 1.0}

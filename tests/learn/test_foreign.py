@@ -12,6 +12,7 @@ import pytest
 
 from actspec.cli.main import main
 from actspec.readings.onnx_network import read_onnx
+from tests.learn.pendulums import MODEL, SPEC
 from tests.network_files import onnx_mlp
 from tests.schemas import fits
 
@@ -166,6 +167,8 @@ def test_convert_by_a_manifest_of_the_other_sign(
     monkeypatch.chdir(tmp_path)
     net = script(tmp_path, linear([0.0, -18.0, -2.0, -0.9, 0.0, 0.0]))
     convert = ["net", "convert", net, "--trust", "--manifest", "m.json", "--output-format", "json", "-o"]
+    spec = SPEC.replace("level: ideal_pd, kp: 20 N*m/rad, kd: 0.5 N*m*s/rad", "level: actuator_net")
+    Path("robot.xml").write_text(MODEL)
     found = {}
     for name, scale in (("good", -1.0), ("bad", 1.0)):
         scales = {"position_scale": scale, "velocity_scale": 1.0, "torque_scale": 1.0}
@@ -174,7 +177,19 @@ def test_convert_by_a_manifest_of_the_other_sign(
         record = json.loads(capsys.readouterr().out)
         fits("net-convert", record)
         found[name] = code, [(item["code"], item["file"]) for item in record["findings"]]
+        named = f"level: actuator_net, network: {{manifest: {name}.json}}"
+        Path(f"{name}.yaml").write_text(
+            spec.replace("level: actuator_net", named) + "targets: {mujoco: {}}\n"
+        )
     assert found == {"good": (0, []), "bad": (1, [("LRN034", "m.json")])}
+    for command in (["validate"], ["compile", "-o", "build"]):
+        warned = {}
+        for name in ("good", "bad"):
+            assert main([command[0], f"{name}.yaml", *command[1:]]) == 0
+            warned[name] = [line for line in capsys.readouterr().err.splitlines() if "NET016" in line]
+        assert warned["good"] == []
+        # By hand: the errors' weights are 0 - 18 - 2.
+        assert len(warned["bad"]) == 1 and "away from the target: -20 N*m/rad" in warned["bad"][0]
 
 
 @pytest.mark.slow

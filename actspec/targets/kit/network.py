@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from actspec.diagnostics import Collector, Place, SpecError, listed, shortened
+from actspec.diagnostics import Collector, Place, SpecError, listed, one_line, shortened
 from actspec.files import NotRegular, TooLarge, is_imported, read_regular
 from actspec.ir import ActuatorSet, Command, JointActuator, Level, Network
 from actspec.readings.onnx_file import NotOnnx, check_onnx
@@ -118,7 +118,7 @@ def _stride(manifest: NetworkManifest, step: float, place: Place) -> int | None:
 
 
 def check_manifests(actuators: ActuatorSet, collector: Collector) -> None:
-    """Report networks whose manifest cannot be read, or whose taps are not whole physics steps apart.
+    """Report networks whose manifest cannot be read or tells of doubts, and taps that are no whole physics steps apart.
 
     Their own files are not opened: of those the targets tell that read them.
     """
@@ -128,8 +128,16 @@ def check_manifests(actuators: ActuatorSet, collector: Collector) -> None:
             continue
         place = _place(actuator, network, collector)
         manifest = read_manifest(network.manifest, place)
-        if manifest is not None and step is not None:
+        if manifest is None:
+            continue
+        if step is not None:
             _stride(manifest, step, place)
+        for doubt in manifest.doubts:
+            place.warning(
+                "NET016",
+                f"the network was converted against its weights: {one_line(doubt)}",
+                "correct the manifest that it was converted with, and `actspec net convert` again",
+            )
 
 
 def read_networks(
