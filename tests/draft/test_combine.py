@@ -10,6 +10,7 @@ import pytest
 from actspec import api
 from actspec.cli.main import main
 from actspec.diagnostics import ActspecError, AuditError
+from actspec.draft.reading import read_robot_files
 from actspec.readings.versions import Versions
 from actspec.spec.models import NetworkFile
 from actspec.spec.validate import load_spec
@@ -358,6 +359,53 @@ def test_robot_of_several(tmp_path: Path) -> None:
         (item,) = caught.value.diagnostics
         assert item.code == "DRF007"
         assert "LEG_CFG" in str(item.help) and "ARM_CFG" in str(item.help)
+
+
+COPIED = {
+    "changed": "LEG_CFG.copy()\nLEG2_CFG.actuators['all'].stiffness = 70.0",
+    "deepcopied": "copy.deepcopy(LEG_CFG)\nLEG2_CFG.actuators['all'].stiffness = 70.0",
+    "replaced": "LEG_CFG.replace(init_state=None)\nLEG2_CFG.actuators['all'].stiffness = HARD",
+    "of another file": "LEG_CFG.copy()\nLEG2_CFG.spawn.usd_path = '/arm.usd'",
+    "as it is": "LEG_CFG.replace(prim_path='/World/Robot')",
+    "to the same": "LEG_CFG.copy()\nLEG2_CFG.actuators['all'].stiffness = 40.0",
+}
+
+
+@pytest.mark.parametrize("how", COPIED)
+def test_a_changed_copy_is_a_robot(how: str, tmp_path: Path) -> None:
+    """A robot that is copied and changed is asked for as one that is written out; an unchanged copy is not."""
+    spawn = "spawn=sim_utils.UsdFileCfg(usd_path='/leg.usd'), actuators={"
+    text = "import copy\nimport isaaclab.sim as sim_utils\n" + ISAACLAB.replace("actuators={", spawn)
+    text += f"LEG2_CFG = {COPIED[how]}\n"
+    asks = how not in ("as it is", "to the same")
+    for base, asked in (("LEG_CFG", asks), ("_LEG_CFG", False)):
+        paths = write(tmp_path, leg_xml=MOTORS, robots_py=text.replace("LEG_CFG", base))
+        if not asked:
+            kp = "70 N*m/rad" if how in ("changed", "deepcopied") else "40 N*m/rad"
+            found = joint(imported(paths, tmp_path), "hip")["kp"]
+            assert found == ("unknown" if how == "replaced" else kp)
+            continue
+        with pytest.raises(AuditError) as caught:
+            imported(paths[1:], tmp_path)
+        (item,) = caught.value.diagnostics
+        assert (item.code, item.message) == ("DRF007", "describes 2 robots")
+        assert item.help == "name one with --robot: LEG_CFG, LEG2_CFG"
+        assert joint(imported(paths, tmp_path, "LEG_CFG"), "hip")["kp"] == "40 N*m/rad"
+
+
+def test_a_base_without_an_asset_is_no_robot(tmp_path: Path) -> None:
+    """Its only copy that has one is the robot; of two such copies one is named, and the base not offered."""
+    copies = "".join(
+        f"{name} = LEG_CFG.copy()\n{name}.spawn = sim_utils.UsdFileCfg(usd_path='/{name}.usd')\n"
+        for name in ("A_CFG", "B_CFG")
+    )
+    text = f"import isaaclab.sim as sim_utils\n{ISAACLAB}{copies}"
+    paths = write(tmp_path, leg_xml=MOTORS, robots_py=text[: text.index("B_CFG")])
+    (_, only), _ = read_robot_files([str(path) for path in paths], None, Versions())
+    assert only.artifact.name == "A_CFG"
+    with pytest.raises(AuditError) as caught:
+        imported(write(tmp_path, robots_py=text), tmp_path)
+    assert [item.help for item in caught.value.diagnostics] == ["name one with --robot: A_CFG, B_CFG"]
 
 
 def test_other_robot(tmp_path: Path) -> None:
