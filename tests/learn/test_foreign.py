@@ -89,9 +89,37 @@ def test_manifest_of_the_other_sign(tmp_path: Path, capsys: pytest.CaptureFixtur
     (tmp_path / "m.json").write_text(json.dumps({**MANIFEST, "position_scale": 2.0}))
     code, found = said(capsys, path, "--trust", "--manifest", str(tmp_path / "m.json"))
     assert code == 1 and "away from the target" in found["contradictions"][0]
-    (tmp_path / "m.json").write_text(json.dumps({**MANIFEST, "taps": [0]}))
+    # Of two inputs it says nothing about six, whose weights tell: by them errors are last, at 20 N*m/rad.
+    (tmp_path / "m.json").write_text(
+        json.dumps({**MANIFEST, "inputs": "position_velocity", "taps": [0], "position_scale": 2.0})
+    )
     code, found = said(capsys, path, "--trust", "--manifest", str(tmp_path / "m.json"))
     assert code == 1 and "6 inputs" in found["contradictions"][0]
+    assert (found["inputs"], found["guessed"]) == ("velocity_position", True)
+    assert found["stiffness"] == pytest.approx(20.0, rel=1e-3)
+
+
+def test_saturation_of_an_error_that_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """10 tanh((18 + 2) e / 10) of an error at all taps, also where a history begins with zeros; 0.95 as above."""
+    path = script(tmp_path, linear([0.0, 18.0, 2.0, -0.9, 0.0, 0.0]))
+    scales = {"position_scale": 1.0, "velocity_scale": 1.0, "torque_scale": 1.0}
+    manifest = {**MANIFEST, "inputs": "position_velocity", **scales}
+    (tmp_path / "m.json").write_text(json.dumps(manifest))
+    for more in ([], ["--manifest", str(tmp_path / "m.json")]):
+        code, found = said(capsys, path, "--trust", *more)
+        assert code == 0 and found["saturation"]["error"] == pytest.approx(0.95)
+        assert found["saturation"]["torque"] == pytest.approx(10.0 * np.tanh(6.0), rel=1e-5)
+
+
+@pytest.mark.parametrize(("damping", "doubtful"), [(0.9, False), (0.01, True), (-0.9, True)])
+def test_an_order_in_doubt(
+    damping: float, doubtful: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """18 N*m/rad: 0.018 N*m*s/rad are a thousandth of a second."""
+    (tmp_path / "net.onnx").write_bytes(onnx_mlp([([[18.0, -damping]], [0.0], "")]))
+    assert main(["net", "inspect", str(tmp_path / "net.onnx")]) == 0
+    out = capsys.readouterr().out
+    assert "position_velocity, by its weights" in out and ("(doubtful:" in out) == doubtful
 
 
 def test_manifest_of_the_other_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
