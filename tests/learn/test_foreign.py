@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from actspec.cli.main import main
-from actspec.readings.onnx_network import read_onnx
+from actspec.learn.foreign import read_network_file
+from actspec.readings.onnx_network import NetworkUnknown, read_onnx
 from tests.learn.pendulums import MODEL, SPEC
 from tests.network_files import onnx_mlp
 from tests.schemas import fits
@@ -148,6 +149,86 @@ def test_manifest_of_the_other_order(tmp_path: Path, capsys: pytest.CaptureFixtu
         code, found = said(capsys, path, "--trust", "--manifest", str(tmp_path / "m.json"))
         (told,) = found["contradictions"]
         assert code == 1 and told.startswith(asked + then) and (then or told == asked)
+
+
+class Plain(torch.nn.Module):  # type: ignore[misc,name-defined]
+    """Three layers, and one activation for both hidden ones, made first or last or called as a function."""
+
+    def __init__(self, how: str, activation: Any) -> None:
+        super().__init__()
+        if how == "first":
+            self.act = activation
+        self.one, self.two, self.last = (torch.nn.Linear(n, m) for n, m in ((4, 8), (8, 8), (8, 1)))
+        if how == "last":
+            self.act = activation
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:  # type: ignore[name-defined]
+        return self.last(self.act(self.two(self.act(self.one(x)))))
+
+
+class Called(Plain):
+    """With a function."""
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:  # type: ignore[name-defined]
+        return self.last(torch.nn.functional.elu(self.two(torch.nn.functional.elu(self.one(x)))))
+
+
+class Odd(Plain):
+    """With an activation behind the first layer alone, which no order of the parts tells, and a factor."""
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:  # type: ignore[name-defined]
+        return 2.0 * self.last(self.two(self.act(self.one(x))))
+
+
+@pytest.mark.parametrize("how", ["first", "last", "function"])
+@pytest.mark.parametrize("activation", [torch.nn.Softsign(), torch.nn.ELU(), torch.nn.LeakyReLU(0.2)])
+def test_one_activation_of_all_layers(how: str, activation: Any, tmp_path: Path) -> None:
+    """A network in the usual style is read; its own answers tell where the activation is called."""
+    torch.manual_seed(5)
+    net = Called("", None) if how == "function" else Plain(how, activation)
+    read = read_network_file(script(tmp_path, net), trust=True)
+    x = torch.randn(20, 4)
+    with torch.no_grad():
+        assert read(x.double().numpy())[0] == pytest.approx(net(x).double().numpy(), abs=1e-5)
+
+
+def test_what_more_than_layers_is_refused_with_a_way_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A factor behind the last layer is in no part of the file."""
+    torch.manual_seed(5)
+    assert main(["net", "inspect", script(tmp_path, Odd("last", torch.nn.Tanh())), "--trust"]) == 2
+    err = capsys.readouterr().err
+    assert "LRN013" in err and "it does more than its layers" in err and "torch.nn.Sequential" in err
+
+
+@pytest.mark.parametrize("offset", [1.0, 2.0])
+def test_softsign_in_three_operations(offset: float, tmp_path: Path) -> None:
+    """x / (|x| + 1), as torch exports a Softsign; with another offset it is none, and refused."""
+    from onnx import TensorProto, helper, numpy_helper
+
+    weights = {"w": [[2.0, -1.0], [0.5, 3.0]], "b": [0.1, -0.2], "v": [[1.0, -2.0]], "c": [offset]}
+    nodes = [
+        helper.make_node("Gemm", ["x", "w", "b"], ["a"], transB=1),
+        helper.make_node("Abs", ["a"], ["size"]),
+        helper.make_node("Add", ["size", "c"], ["below"]),
+        helper.make_node("Div", ["a", "below"], ["s"]),
+        helper.make_node("Gemm", ["s", "v"], ["y"], transB=1),
+    ]
+    values = [
+        helper.make_tensor_value_info(name, TensorProto.FLOAT, [None, width])
+        for name, width in (("x", 2), ("y", 1))
+    ]
+    tensors = [numpy_helper.from_array(np.array(value, np.float32), name) for name, value in weights.items()]
+    data = helper.make_model(
+        helper.make_graph(nodes, "net", values[:1], values[1:], tensors)
+    ).SerializeToString()
+    if offset != 1.0:
+        with pytest.raises(NetworkUnknown):
+            read_onnx(data)
+        return
+    # By hand: 2 x 1 - 0.5 + 0.1 = 1.6 and 0.5 + 1.5 - 0.2 = 1.8; 1.6 / 2.6 - 2 x 1.8 / 2.8.
+    assert read_onnx(data)(np.array([[1.0, 0.5]]))[0] == pytest.approx(1.6 / 2.6 - 3.6 / 2.8)
 
 
 def test_convert(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
