@@ -437,6 +437,14 @@ def test_combined_spec_compiles(tmp_path: Path) -> None:
     assert [float(a.kp.value or 0) for a in done.actuators.joints if a.kp is not None] == [40.0, 40.0]
 
 
+def test_kinds_that_no_file_states_are_told_once(tmp_path: Path) -> None:
+    """A configuration and a deploy file both say so: once, in lines that are still read."""
+    named = ISAACLAB.replace('[".*"]', '["hip", "knee"]')
+    lines = imported(write(tmp_path, leg_py=named, deploy_yaml=DEPLOY), tmp_path).draft.text.splitlines()
+    assert sum("no robot file states the kinds" in line for line in lines) == 1
+    assert max(map(len, lines)) <= 120
+
+
 def test_networks(tmp_path: Path, capsys: Any) -> None:
     """A network keeps its level, and its file is named from the spec's folder, below which it must lie."""
     text = ISAACLAB.replace("IdealPDActuatorCfg", "ActuatorNetMLPCfg").replace(
