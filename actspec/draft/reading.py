@@ -368,6 +368,16 @@ def _named(
     return joints, renamed
 
 
+def _urdf_of(usd: str) -> str | None:
+    """The URDF of a USD's name that is beside it, or in a folder `urdf` beside its own."""
+    folder, name = os.path.split(usd)
+    stem, ending = os.path.splitext(name)
+    if "\0" in usd or not ending.lower().startswith(".usd"):
+        return None
+    beside = (os.path.join(folder, at, f"{stem}.urdf") for at in ("", os.path.join(os.pardir, "urdf")))
+    return next((os.path.normpath(path) for path in beside if os.path.isfile(path)), None)
+
+
 def _unmatched(config: RobotConfig, joints: Sequence[str], of: str, typed: bool) -> Iterator[Diagnostic]:
     """Patterns and keys that select no joint, for which the framework refuses the configuration: each once.
 
@@ -470,6 +480,14 @@ def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
         if patterns:
             asset = asset_of(config) if config is not None else None
             model = config.model if config is not None else None
+            if model and not re.search(r"[{}]|://", model):
+                model = os.path.normpath(model)
+            urdf = _urdf_of(model) if model else None
+            first = (
+                f"{one_line(urdf)} too, of which its USD may be made"
+                if urdf
+                else "the robot's MJCF or URDF too"
+            )
             where = f": they stand in {one_line(model)}" if model and _ROBOT_FILE.search(model) else ""
             listing = "" if config is None or config.framework is Framework.LEGGED_GYM else _DESCRIPTORS
             out.error(
@@ -479,6 +497,6 @@ def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
                 span=Span(artifact.path),
                 help=f"name {one_line(asset)} too, which it reads"
                 if asset
-                else f"name the robot's MJCF or URDF too, or its joints: --joints FILE ({listing}a URDF, any file that "
+                else f"name {first}, or its joints: --joints FILE ({listing}a URDF, any file that "
                 "names them) or --joints a,b,c",
             )

@@ -343,6 +343,24 @@ def test_configuration_alone(tmp_path: Path) -> None:
     assert item.help.startswith("name the robot's MJCF or URDF too, or its joints: --joints FILE")
 
 
+@pytest.mark.parametrize("at", ["usd/leg.urdf", "urdf/leg.urdf", "urdf/arm.urdf"])
+def test_urdf_of_a_usd(at: str, tmp_path: Path) -> None:
+    """Joints that stand in a USD may stand in the URDF of its name too; the USD's path is told without detours."""
+    spawn = "spawn=sim_utils.UsdFileCfg(usd_path=os.path.join(os.path.dirname(__file__), '../usd/leg.usd')),"
+    text = f"import os\nimport isaaclab.sim as sim_utils\n{ISAACLAB.replace('actuators={', spawn + 'actuators={')}"
+    for name, content in (("cfg/leg.py", text), (at, URDF)):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(content)
+    (tmp_path / "usd").mkdir(exist_ok=True)
+    with pytest.raises(AuditError) as caught:
+        imported([tmp_path / "cfg" / "leg.py"], tmp_path)
+    (item,) = caught.value.diagnostics
+    assert item.code == "DRF009" and item.message.endswith(f"they stand in {tmp_path / 'usd' / 'leg.usd'}")
+    other = "name the robot's MJCF or URDF too, or"
+    named = other if "arm" in at else f"name {tmp_path / at} too, of which its USD may be made, or"
+    assert str(item.help).startswith(named)
+
+
 SEVERAL = ISAACLAB + ISAACLAB[ISAACLAB.index("LEG_CFG") :].replace("LEG_CFG", "ARM_CFG").replace(
     "40.0", "70.0"
 )
