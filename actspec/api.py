@@ -86,6 +86,7 @@ def compile(
     from actspec.robot.load import check_packages
     from actspec.spec.plausible.joints import doubted_drives
     from actspec.targets.choose import check_accepted, choose_targets, emitter
+    from actspec.targets.kit.network import check_manifests
 
     loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
     collector = Collector()
@@ -99,6 +100,7 @@ def compile(
         from actspec.learn.delta.files import check_named
 
         check_named(actuators, robot, collector)
+    check_manifests(actuators, collector)
     emissions = []
     explicit: dict[str, frozenset[str]] = {}
     for options in chosen:

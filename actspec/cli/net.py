@@ -364,8 +364,11 @@ def _convert(arguments: argparse.Namespace) -> int:
     layers, entries = converted(read, manifest, arguments.file, arguments.manifest)
     out = Collector()
     help = "`actspec net inspect FILE` without a manifest shows what the weights tell"
-    for text in inspect(read, manifest, arguments.file).contradictions:
+    doubts = inspect(read, manifest, arguments.file).contradictions
+    for text in doubts:
         out.warning("LRN034", text, span=Span(arguments.manifest), help=help)
+    if doubts:
+        entries["doubts"] = list(doubts)
     try:
         paths = write_network(arguments.output, layers, entries, force=arguments.force)
     except NetworkFileError as err:

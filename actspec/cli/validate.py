@@ -235,6 +235,7 @@ def _resolved(
     )
     from actspec.targets.check import check_options
     from actspec.targets.choose import check_accepted, choose_targets
+    from actspec.targets.kit.network import check_manifests
 
     collector = Collector()
     targets = choose_targets(spec, (), None, False, collector)
@@ -264,6 +265,7 @@ def _resolved(
         try:
             actuators = resolve(spec, robot)
             managed = [actuator.joint for actuator in actuators.joints]
+            check_manifests(actuators, collector)
             found = actuators.diagnostics
             if not spec.model.variants:
                 # Another variant may lose what this one does not.

@@ -107,7 +107,11 @@ def draft(
         name=scalar(actuators.robot),
         model=model if model == "none" else scalar(model),
         packages=[(scalar(name), scalar(at)) for name, at in packages.items()],
-        remarks=[comment(text) for text in combined.notes.get("", ())],
+        remarks=[
+            row
+            for text in combined.notes.get("", ())
+            for row in textwrap.wrap(comment(text, 500), 110, break_on_hyphens=False)
+        ],
         joints=listed_joints(combined) if model == "none" else [],
         unmanaged=unmanaged,
         pose=pose,

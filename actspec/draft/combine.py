@@ -318,12 +318,16 @@ def _word(name: str) -> str:
 
 
 def _notes(ranked: Sequence[RobotReading], actuators: ActuatorSet) -> dict[str, tuple[str, ...]]:
-    """Remarks of all files, each with its file where there are several."""
+    """Remarks of all files, each with its file where there are several; of the whole robot each once."""
     managed = {joint.joint for joint in actuators.joints}
     found: dict[str, dict[str, None]] = {}
+    whole: set[str] = set()
     for reading in ranked:
         start = f"{os.path.basename(reading.path)}: " if len(ranked) > 1 else ""
         for joint, remarks in reading.lifted.notes.items():
+            if joint == "":
+                remarks = tuple(text for text in remarks if text not in whole)
+                whole.update(remarks)
             if joint == "" or joint in managed:
                 found.setdefault(joint, {}).update(dict.fromkeys(start + text for text in remarks))
     return {joint: tuple(remarks) for joint, remarks in found.items()}

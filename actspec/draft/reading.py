@@ -54,6 +54,8 @@ _ALIKE = 0.75
 """How alike a word and one of another name are, where it is misspelt. `knie` and `knee` are 0.75."""
 
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
+_OF_A_ROBOT = ("model", "default_position", "soft_joint_pos_limit_factor")
+"""Settings of a robot itself, not of what it is trained in."""
 
 
 def read_robot_files(
@@ -174,6 +176,11 @@ def _chosen(artifacts: Sequence[Artifact], name: str | None, out: Collector) -> 
 
     A file with one robot is about it, whatever it calls it; of a file with several, what belongs to those files.
     """
+    artifacts = [
+        part
+        for part in artifacts
+        if part.name == name or not any(_is_base(part, other) for other in artifacts)
+    ]
     robots = pair(artifacts)
     parts = [(robot, artifacts[index]) for robot in robots for index in robot.artifacts]
     files = [part.path for _, part in parts]
@@ -202,20 +209,57 @@ def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> 
     for path, own in by_file.items():
         full = [part for part in own if part.config is None or part.config.groups]
         named = [part for part in full if part.name == name]
-        distinct = {_told_apart_by(part): part for part in reversed(named or full)}
+        distinct: list[Artifact] = []
+        for part in named or full:
+            if not any(_are_one(part, other) for other in distinct):
+                distinct.append(part)
         if len(distinct) > 1:
-            names = listed([one_line(part.name) for part in full], 20)
-            message = f"describes {len(full)} robots"
+            names = listed([one_line(part.name) for part in full if part in distinct], 20)
+            message = f"describes {len(distinct)} robots"
             out.error("DRF007", message, span=Span(path), help=f"name one with --robot: {names}")
-        yield from distinct.values()
+        yield from distinct
         yield from (part for part in own if part not in full)
 
 
-def _told_apart_by(part: Artifact) -> tuple[object, ...]:
-    """What tells two robots of one file apart: the places of a configuration's groups, else the name."""
-    if part.config is None:
-        return (part.name,)
-    return tuple((group.name, group.cls, group.span) for group in part.config.groups)
+def _is_base(part: Artifact, other: Artifact) -> bool:
+    """Whether a configuration is only what another one of its file was made of: private, or without an asset."""
+    one, two = part.config, other.config
+    if one is None or two is None or part.path != other.path or not _written_once(one, two):
+        return False
+    private = part.name.startswith("_") and not other.name.startswith("_")
+    return private or ("model" not in one.settings and "model" in two.settings)
+
+
+def _written_once(one: RobotConfig, two: RobotConfig) -> bool:
+    """Whether the groups of two configurations were written in one place."""
+    places = [[(g.name, g.cls, g.span) for g in config.groups] for config in (one, two)]
+    return places[0] == places[1] != []
+
+
+def _are_one(part: Artifact, other: Artifact) -> bool:
+    """Whether two robots of one file are one: by their names, or configurations with the same groups.
+
+    A copy that was changed afterwards is another robot.
+    """
+    one, two = part.config, other.config
+    if one is None or two is None:
+        return part.name == other.name
+    if not _written_once(one, two):
+        return False
+    if any(_said(a.settings) != _said(b.settings) for a, b in zip(one.groups, two.groups, strict=True)):
+        return False
+    # What one of them leaves open tells nothing of the whole robot.
+    mine, theirs = (
+        {name: config.settings[name] for name in _OF_A_ROBOT if name in config.settings}
+        for config in (one, two)
+    )
+    known = [name for name in mine if name in theirs and not (mine[name].unknown or theirs[name].unknown)]
+    return all(mine[name].value == theirs[name].value for name in known)
+
+
+def _said(settings: Mapping[str, Setting]) -> dict[str, object]:
+    """What settings say, wherever it is written."""
+    return {name: setting.unknown or setting.value for name, setting in settings.items()}
 
 
 def _lifted(
@@ -324,6 +368,16 @@ def _named(
     return joints, renamed
 
 
+def _urdf_of(usd: str) -> str | None:
+    """The URDF of a USD's name that is beside it, or in a folder `urdf` beside its own."""
+    folder, name = os.path.split(usd)
+    stem, ending = os.path.splitext(name)
+    if "\0" in usd or not ending.lower().startswith(".usd"):
+        return None
+    beside = (os.path.join(folder, at, f"{stem}.urdf") for at in ("", os.path.join(os.pardir, "urdf")))
+    return next((os.path.normpath(path) for path in beside if os.path.isfile(path)), None)
+
+
 def _unmatched(config: RobotConfig, joints: Sequence[str], of: str, typed: bool) -> Iterator[Diagnostic]:
     """Patterns and keys that select no joint, for which the framework refuses the configuration: each once.
 
@@ -426,6 +480,14 @@ def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
         if patterns:
             asset = asset_of(config) if config is not None else None
             model = config.model if config is not None else None
+            if model and not re.search(r"[{}]|://", model):
+                model = os.path.normpath(model)
+            urdf = _urdf_of(model) if model else None
+            first = (
+                f"{one_line(urdf)} too, of which its USD may be made"
+                if urdf
+                else "the robot's MJCF or URDF too"
+            )
             where = f": they stand in {one_line(model)}" if model and _ROBOT_FILE.search(model) else ""
             listing = "" if config is None or config.framework is Framework.LEGGED_GYM else _DESCRIPTORS
             out.error(
@@ -435,6 +497,6 @@ def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
                 span=Span(artifact.path),
                 help=f"name {one_line(asset)} too, which it reads"
                 if asset
-                else f"name the robot's MJCF or URDF too, or its joints: --joints FILE ({listing}a URDF, any file that "
+                else f"name {first}, or its joints: --joints FILE ({listing}a URDF, any file that "
                 "names them) or --joints a,b,c",
             )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Span
@@ -11,7 +12,7 @@ from actspec.laws.network import ACTIVATIONS, Dense, Layers, LstmLayer
 from actspec.learn.files import torch_activation
 from actspec.learn.torchscript import loaded, pickled
 from actspec.logs import LogError
-from actspec.readings.onnx_network import NetworkFileError, read_onnx
+from actspec.readings.onnx_network import NetworkFileError, NetworkUnknown, read_onnx
 
 if TYPE_CHECKING:
     import numpy as np
@@ -58,7 +59,14 @@ def read_network_file(path: str, *, trust: bool) -> Layers:
         return _by_torch(data)
     except NetworkFileError as err:
         name = os.path.basename(path)
-        raise LogError.of("LRN013", f"'{name}' cannot be read: {err}", Span(path)) from err
+        help = (
+            "read are linear layers and LSTMs with one activation behind each layer: write it as torch.nn.Sequential "
+            f"of those ({', '.join(list(ACTIVATIONS)[1:])}), and save it by torch.jit.script"
+        )
+        known = isinstance(err, NetworkUnknown)
+        raise LogError.of(
+            "LRN013", f"'{name}' cannot be read: {err}", Span(path), help=help if known else None
+        ) from err
 
 
 def network_bytes(path: str) -> bytes:
@@ -85,7 +93,8 @@ def _by_torch(data: bytes) -> Layers:
         raise NetworkFileError(
             "torch does not load it as TorchScript: it is something else, or damaged"
         ) from err
-    layers = _layers(module)
+    found = _layers(module)
+    layers = found[0]
     random = torch.Generator().manual_seed(0)
     x = torch.randn((PROBES, layers.inputs), generator=random)
     try:
@@ -97,18 +106,25 @@ def _by_torch(data: bytes) -> Layers:
                 theirs = module(x)
     except RuntimeError as err:
         raise NetworkFileError("it does not take the inputs of an actuator network") from err
-    found = theirs.reshape(PROBES, -1)[:, :1].double().numpy()
-    ours = layers(x.double().numpy())[0][:, :1]
-    if not abs(found - ours).max() <= SAME * max(abs(found).max(), 1e-9):
-        raise NetworkFileError("it does more than its layers: what it answers is not what they give")
-    return layers
+    answers = theirs.reshape(PROBES, -1)[:, :1].double().numpy()
+    for layers in found:
+        ours = layers(x.double().numpy())[0][:, :1]
+        if abs(answers - ours).max() <= SAME * max(abs(answers).max(), 1e-9):
+            return layers
+    raise NetworkUnknown("it does more than its layers: what it answers is not what they give")
 
 
-def _layers(module: Any) -> Layers:
-    """In the order in which they were made; the caller compares answers."""
+def _layers(module: Any) -> list[Layers]:
+    """What its parts may be together; the caller compares answers.
+
+    They stand in the order in which they were made. One activation may be called after every layer but the last,
+    and what is called as a function is no part at all.
+    """
     known = {type(torch_activation(name)).__name__: name for name in ACTIVATIONS if name != "identity"}
     dense: list[Dense] = []
     recurrent: list[LstmLayer] = []
+    activations: list[tuple[str, float]] = []
+    in_place = True
     for part in module.modules():
         kind = getattr(part, "original_name", "")
         if kind == "Linear":
@@ -118,18 +134,25 @@ def _layers(module: Any) -> Layers:
         elif kind == "LSTM":
             recurrent += _recurrent(dict(part.named_parameters()))
         elif kind in known:
-            if not dense or dense[-1].activation != "identity":
-                raise NetworkFileError(f"its {kind} follows no linear layer")
-            default = 0.01 if kind == "LeakyReLU" else 1.0
-            alpha = float(getattr(part, "negative_slope" if kind == "LeakyReLU" else "alpha", default))
-            dense[-1] = Dense(dense[-1].weight, dense[-1].bias, known[kind], alpha)
+            alpha = float(getattr(part, "negative_slope" if kind == "LeakyReLU" else "alpha", 1.0))
+            activations.append((known[kind], alpha))
+            if dense and dense[-1].activation == "identity":
+                dense[-1] = replace(dense[-1], activation=known[kind], alpha=alpha)
+            else:
+                in_place = False
         elif not any(True for _ in part.children()) and kind not in _SILENT:
-            raise NetworkFileError(
+            raise NetworkUnknown(
                 f"its part {kind[:40] or 'without a name'} is not one of an actuator network"
             )
     if not dense:
-        raise NetworkFileError("it has no linear layer that could be read: a frozen file has lost them")
-    return Layers(tuple(recurrent), tuple(dense))
+        raise NetworkUnknown("it has no linear layer that could be read: a frozen file has lost them")
+    found = [dense] if in_place else []
+    for name, alpha in activations or [
+        (name, 0.01 if name == "leaky_relu" else 1.0) for name in known.values()
+    ]:
+        found.append([replace(layer, activation=name, alpha=alpha) for layer in dense[:-1]])
+        found[-1].append(replace(dense[-1], activation="identity"))
+    return [Layers(tuple(recurrent), tuple(layers)) for layers in found]
 
 
 def _recurrent(weights: dict[str, Any]) -> list[LstmLayer]:

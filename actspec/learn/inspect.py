@@ -25,6 +25,8 @@ REACH = 3.0
 """Largest error of the search for saturation [rad or m]. Chosen: no leg's command is further away."""
 SETTLED = 400
 """Samples in which an LSTM comes to rest."""
+DAMPED = 1e-3
+"""Damping over stiffness below which the weights do not tell the inputs apart [s]. Chosen: drives have 0.01 to 0.1."""
 FULL = 0.95
 """Share of the largest torque at which a network counts as saturated."""
 
@@ -61,6 +63,11 @@ class Inspection:
     guessed: bool
     contradictions: tuple[str, ...]
 
+    @property
+    def doubtful(self) -> bool:
+        """Whether order and sign are guessed, and the damping that results is not that of a drive."""
+        return self.guessed and self.damping < DAMPED * self.stiffness
+
 
 def inspect(layers: Layers, manifest: NetworkManifest | None, path: str = "") -> Inspection:
     """Describe a network.
@@ -81,10 +88,11 @@ def inspect(layers: Layers, manifest: NetworkManifest | None, path: str = "") ->
         )
         raise LogError.of("LRN013", message, Span(path))
     wrong = [] if manifest is None else misfits(layers, manifest)
-    fits = manifest is not None and layers.inputs == 2 * len(manifest.taps)
-    law = _law(layers, manifest if fits else None)
+    # What a manifest says of other inputs says nothing of these.
+    guessed = manifest is None or layers.inputs != 2 * len(manifest.taps)
+    law = _law(layers, None if guessed else manifest)
     by_error, by_velocity = _slopes(law)
-    if manifest is None and abs(by_velocity.sum()) > abs(by_error.sum()):
+    if guessed and abs(by_velocity.sum()) > abs(by_error.sum()):
         law = replace(law, velocity_first=True)
         by_error, by_velocity = _slopes(law)
     positive = by_error.sum() > 0.0
@@ -112,7 +120,7 @@ def inspect(layers: Layers, manifest: NetworkManifest | None, path: str = "") ->
         float(grid[1][len(grid[1]) // 2]),
         most,
         ends if ends < 0.9 * REACH else None,
-        manifest is None,
+        guessed,
         tuple(wrong),
     )
 
@@ -172,6 +180,8 @@ def _grid(law: NetworkLaw) -> tuple[Array, Array]:
     """Errors that stay, 0 in their middle, and the torque that each ends in with the joint at rest."""
     import numpy as np
 
+    # They were there before too, whatever a history begins with.
+    law = replace(law, backfill=True)
     errors = np.linspace(-REACH, REACH, 121)
     course = np.broadcast_to(errors, (SETTLED if law.layers.recurrent else 1, len(errors)))
     return errors, sequence(law, course, np.zeros_like(course), 1)[-1]
@@ -227,7 +237,7 @@ def converted(
             replace(last, weight=np.array([[manifest.torque_scale]]), bias=np.zeros(1), activation="identity")
         )
     entries = manifest.entries()
-    for key in ("sha256", "files", "format", "kind"):
+    for key in ("sha256", "files", "format", "kind", "doubts"):
         entries.pop(key, None)
     entries |= {"inputs": "position_velocity"}
     entries |= {"position_scale": 1.0, "velocity_scale": 1.0, "torque_scale": 1.0}

@@ -21,7 +21,7 @@ STOPS = 4
 
 
 def network_notes(actuators: ActuatorSet, robot: RobotView) -> tuple[Diagnostic, ...]:
-    """Warnings about the networks of a spec whose manifests can be read; the targets report the others.
+    """Warnings about the networks of a spec whose manifests can be read; `check_manifests` reports the others.
 
     Args:
         actuators: What the spec asks for.

@@ -99,13 +99,13 @@ def lift_config(
         alone += _unnamed(config, named)
     whole = [*_whole(config, versions)]
     if found and not any(views.values()):
-        asset = asset_of(config)
-        beside = f" (the configuration reads {one_line(asset)}: name it too)" if asset else ""
         whole.append(
-            f"no robot file states the kinds of the joints: all are taken as hinges{beside}; a joint that slides is "
+            "no robot file states the kinds of the joints: all are taken as hinges; a joint that slides is "
             "{name: NAME, kind: slide} in robot.joints of the spec, with a group of its own: --joints with the robot's "
             "URDF does both"
         )
+        if asset := asset_of(config):
+            whole.append(f"the configuration reads {one_line(asset)}: name it too")
     if whole:
         notes[""] = whole
     return Lifted(

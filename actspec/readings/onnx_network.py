@@ -127,10 +127,14 @@ class _Chain:
     now: set[str] = field(default_factory=set)
     dense: list[Dense] = field(default_factory=list)
     recurrent: list[LstmLayer] = field(default_factory=list)
+    sizes: dict[str, tuple[str, float]] = field(default_factory=dict)
+    """Tensor to x and c, where it is |x| + c."""
 
     def take(self, node: Any) -> None:
         """The next operation."""
         kind, inputs = node.op_type, list(node.input)
+        if self._softsign(kind, inputs, node.output[0] if node.output else ""):
+            return
         if kind == "Constant" or not self.now & set(inputs):
             if kind != "Constant" and not all(name in self.constants or not name for name in inputs):
                 raise NetworkUnknown(f"its operation {kind} is not part of one chain")
@@ -222,6 +226,24 @@ class _Chain:
             width = len(self.dense[-1].bias)
             self.dense.append(Dense(np.eye(width), np.zeros(width)))
         self.dense[-1] = replace(self.dense[-1], activation=name, alpha=alpha)
+
+    def _softsign(self, kind: str, inputs: list[str], output: str) -> bool:
+        """Whether an operation is one of the three of x / (|x| + 1), as which torch exports a Softsign."""
+        if kind == "Abs" and inputs[0] in self.now:
+            self.sizes[output] = inputs[0], 0.0
+            return True
+        if kind == "Add" and len(inputs) == 2:
+            for size, other in (inputs, inputs[::-1]):
+                value = self.constants.get(other)
+                if size in self.sizes and value is not None and value.size == 1:
+                    base, before = self.sizes[size]
+                    self.sizes[output] = base, before + float(value.item())
+                    return True
+        if kind == "Div" and inputs[0] in self.now and self.sizes.get(inputs[1]) == (inputs[0], 1.0):
+            self._activate("softsign", 0.0)
+            self.now = {output}
+            return True
+        return False
 
     def _lstm(self, inputs: list[str], attributes: Mapping[str, Any]) -> None:
         import numpy as np

@@ -270,6 +270,8 @@ def evaluate_record(found: Evaluation, findings: Sequence[Diagnostic]) -> dict[s
 def inspect_lines(found: Inspection, path: str) -> Iterator[str]:
     """What a network does, a line a property."""
     guess = ", by its weights" if found.guessed else ", by its manifest"
+    if found.doubtful:
+        guess += " (doubtful: no damping of a drive)"
     yield f"{one_line(path)}: {found.kind}, {found.inputs} inputs"
     at = "" if found.saturates_at is None else f", from an error of {format_number(found.saturates_at, 3)}"
     yield from table(

@@ -264,8 +264,15 @@ def _summary(compilation: Compilation, agreement: Agreement) -> str:
         verdict = _verdict(compilation, agreement)
     else:
         verdict = f"{many(len(faults), 'disagreement')} in {listed(bad)}"
-    asked = len({row.target for row in agreement.rows if row.quantity in _HISTORIES})
-    engines = f"the torque of {asked} of {len(compilation.targets)} was computed by the simulator's own code"
+    asked = {row.target for row in agreement.rows if row.quantity in _HISTORIES}
+    # Of the other targets it is said that they were read back.
+    for what in dict.fromkeys(skip.what for skip in agreement.skipped if skip.target in asked):
+        missed = [skip for skip in agreement.skipped if skip.target in asked and skip.what == what]
+        where = listed(dict.fromkeys(f"{skip.target} {skip.group}".rstrip() for skip in missed), 3)
+        verdict += f"; not run in full: {what} of {one_line(where)}"
+    engines = (
+        f"the torque of {len(asked)} of {len(compilation.targets)} was computed by the simulator's own code"
+    )
     own = compilation.actuators.approximations
     if own:
         # The law is that of the resolved spec, which has them already.

@@ -382,7 +382,7 @@ class _Matcher:
             message = f"{robot} has no hinge or slide joint with a name, and the spec has patterns of joints"
             have = "name a model that has joints"
             if self.robot.path.endswith(".xacro"):
-                have = "expand it first, and name what that writes: `xacro ROBOT.urdf.xacro > ROBOT.urdf`"
+                have = "expand it first, and name what that writes: `xacro ROBOT.urdf.xacro -o ROBOT.urdf`"
         elif self._is_another(count):
             many = f"{count} of the spec's {all_of_them} patterns match no joint"
             message = (

@@ -41,7 +41,7 @@ _UNITS = {
     JointKind.BALL: ("N*m", "rad/s"),
 }
 
-EXPAND = "xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that"
+EXPAND = "xacro ROBOT.urdf.xacro -o ROBOT.urdf, and name that"
 """What to do with a xacro."""
 
 
@@ -270,6 +270,7 @@ def _joint(element: Element, name: str, kind: str, document: XmlDocument, out: C
                 f"<{part.tag} {attribute}> must be a number, got {text!r}",
                 where=name,
                 span=document.span(part),
+                help=f"this is a xacro, which is not expanded here: {EXPAND}" if "${" in text else None,
             )
             return None
         return float(text)

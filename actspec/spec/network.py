@@ -174,6 +174,8 @@ class NetworkManifest(Strict):
     """What the training data held."""
     validation: NetworkValidation | None = None
     """How well it does on recordings that it was not trained on."""
+    doubts: tuple[str, ...] = ()
+    """What the weights contradicted of the conventions with which the network was converted."""
     note: str | None = None
     """Remark."""
 

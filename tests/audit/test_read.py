@@ -308,7 +308,7 @@ def test_a_folder_without_anything_says_so() -> None:
 XACRO = (
     '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="l" value="1"/></robot>'
 )
-EXPAND = "  help: xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that"
+EXPAND = "  help: xacro ROBOT.urdf.xacro -o ROBOT.urdf, and name that"
 
 
 def test_a_xacro_is_to_be_expanded_first(capsys: pytest.CaptureFixture[str]) -> None:

@@ -227,7 +227,7 @@ def test_what_strict_makes_of_it(
         (
             "macro.xacro",
             "macro.xacro:2:3: ROBOT104: <xacro:macro> has to be expanded by xacro first: it may make joints\n"
-            "  help: xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that",
+            "  help: xacro ROBOT.urdf.xacro -o ROBOT.urdf, and name that",
         ),
         ("parts.xacro", "parts.xacro:2:3: ROBOT104: <x:include> has to be expanded by xacro first"),
         ("page.xml", "page.xml:1:1: ROBOT104: the root element is <html>"),

@@ -13,7 +13,7 @@ from actspec import api
 from actspec.cli.main import main
 from actspec.ir import Approximation
 from actspec.report.verify import text as report
-from actspec.verify.agreement import Agreement, Row
+from actspec.verify.agreement import Agreement, Row, Skip
 from actspec.verify.response import SOFT
 from tests.schemas import fits
 from tests.verify.making import MODEL, SPEC
@@ -397,3 +397,25 @@ def test_the_last_line_tells_what_was_only_read_back(folder: Path) -> None:
     assert said(rows[1:], accept) == f"1 target {bounded}"
     run = Row("randomization", "hips", "hip", 2, "torque", "N*m", 1e-9, 1e-8, True)
     assert said((run,), accept) == "1 target agrees with the spec"
+
+
+def test_the_last_line_tells_what_was_not_run(folder: Path) -> None:
+    """Of what was run: other targets are said to be read back, whatever was not asked of them."""
+    (folder / "rich.yaml").write_text(SPEC[: SPEC.index("targets:")] + TARGETS, "utf-8")
+    done = api.compile("rich.yaml")
+    rows = (
+        Row("mujoco", "hips", "hip", 2, "torque", "N*m", 1e-9, 1e-8, True),
+        Row("deploy", "hips", "hip", 2, "kp", "N*m/rad", 0.0, 0.0, True),
+    )
+    skipped = (
+        Skip("mujoco", "hips", "responses", "the step is too coarse"),
+        Skip("mujoco", "hips", "responses", "a joint does not move"),
+        Skip("mujoco", "knee", "responses", "the step is too coarse"),
+        Skip("mujoco", "feet", "torque", "no law"),
+        Skip("deploy", "", "torque", "no engine"),
+    )
+    last = list(report(done, Agreement(rows, skipped)))[-1]
+    assert last.split("; ")[1:-1] == [
+        "not run in full: responses of mujoco hips, mujoco knee",
+        "not run in full: torque of mujoco feet",
+    ]

@@ -180,6 +180,11 @@ def _spec_data(block: Block) -> Any:
     return _lay(yaml.safe_load(_example("yaml", "actspec: 1").text), data)
 
 
+FOOT = """{"format": "actspec-network/1", "kind": "mlp", "inputs": "position_velocity", "taps": [0],
+"tap_period": "2 ms", "position_scale": 1, "velocity_scale": 1, "torque_scale": 1, "initial_history": "zero"}"""
+"""The manifest that a fragment names."""
+
+
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A working folder with the example robot and spec, and this repository's robots, schemas and docs/example."""
@@ -187,6 +192,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         shutil.copytree(ROOT / name, tmp_path / name)
     (tmp_path / "leg.xml").write_text(_example("xml", "<mujoco").text)
     (tmp_path / "leg.yaml").write_text(_example("yaml", "actspec: 1").text)
+    (tmp_path / "nets").mkdir()
+    (tmp_path / "nets" / "foot.json").write_text(FOOT)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

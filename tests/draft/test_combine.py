@@ -10,6 +10,7 @@ import pytest
 from actspec import api
 from actspec.cli.main import main
 from actspec.diagnostics import ActspecError, AuditError
+from actspec.draft.reading import read_robot_files
 from actspec.readings.versions import Versions
 from actspec.spec.models import NetworkFile
 from actspec.spec.validate import load_spec
@@ -342,6 +343,24 @@ def test_configuration_alone(tmp_path: Path) -> None:
     assert item.help.startswith("name the robot's MJCF or URDF too, or its joints: --joints FILE")
 
 
+@pytest.mark.parametrize("at", ["usd/leg.urdf", "urdf/leg.urdf", "urdf/arm.urdf"])
+def test_urdf_of_a_usd(at: str, tmp_path: Path) -> None:
+    """Joints that stand in a USD may stand in the URDF of its name too; the USD's path is told without detours."""
+    spawn = "spawn=sim_utils.UsdFileCfg(usd_path=os.path.join(os.path.dirname(__file__), '../usd/leg.usd')),"
+    text = f"import os\nimport isaaclab.sim as sim_utils\n{ISAACLAB.replace('actuators={', spawn + 'actuators={')}"
+    for name, content in (("cfg/leg.py", text), (at, URDF)):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(content)
+    (tmp_path / "usd").mkdir(exist_ok=True)
+    with pytest.raises(AuditError) as caught:
+        imported([tmp_path / "cfg" / "leg.py"], tmp_path)
+    (item,) = caught.value.diagnostics
+    assert item.code == "DRF009" and item.message.endswith(f"they stand in {tmp_path / 'usd' / 'leg.usd'}")
+    other = "name the robot's MJCF or URDF too, or"
+    named = other if "arm" in at else f"name {tmp_path / at} too, of which its USD may be made, or"
+    assert str(item.help).startswith(named)
+
+
 SEVERAL = ISAACLAB + ISAACLAB[ISAACLAB.index("LEG_CFG") :].replace("LEG_CFG", "ARM_CFG").replace(
     "40.0", "70.0"
 )
@@ -358,6 +377,53 @@ def test_robot_of_several(tmp_path: Path) -> None:
         (item,) = caught.value.diagnostics
         assert item.code == "DRF007"
         assert "LEG_CFG" in str(item.help) and "ARM_CFG" in str(item.help)
+
+
+COPIED = {
+    "changed": "LEG_CFG.copy()\nLEG2_CFG.actuators['all'].stiffness = 70.0",
+    "deepcopied": "copy.deepcopy(LEG_CFG)\nLEG2_CFG.actuators['all'].stiffness = 70.0",
+    "replaced": "LEG_CFG.replace(init_state=None)\nLEG2_CFG.actuators['all'].stiffness = HARD",
+    "of another file": "LEG_CFG.copy()\nLEG2_CFG.spawn.usd_path = '/arm.usd'",
+    "as it is": "LEG_CFG.replace(prim_path='/World/Robot')",
+    "to the same": "LEG_CFG.copy()\nLEG2_CFG.actuators['all'].stiffness = 40.0",
+}
+
+
+@pytest.mark.parametrize("how", COPIED)
+def test_a_changed_copy_is_a_robot(how: str, tmp_path: Path) -> None:
+    """A robot that is copied and changed is asked for as one that is written out; an unchanged copy is not."""
+    spawn = "spawn=sim_utils.UsdFileCfg(usd_path='/leg.usd'), actuators={"
+    text = "import copy\nimport isaaclab.sim as sim_utils\n" + ISAACLAB.replace("actuators={", spawn)
+    text += f"LEG2_CFG = {COPIED[how]}\n"
+    asks = how not in ("as it is", "to the same")
+    for base, asked in (("LEG_CFG", asks), ("_LEG_CFG", False)):
+        paths = write(tmp_path, leg_xml=MOTORS, robots_py=text.replace("LEG_CFG", base))
+        if not asked:
+            kp = "70 N*m/rad" if how in ("changed", "deepcopied") else "40 N*m/rad"
+            found = joint(imported(paths, tmp_path), "hip")["kp"]
+            assert found == ("unknown" if how == "replaced" else kp)
+            continue
+        with pytest.raises(AuditError) as caught:
+            imported(paths[1:], tmp_path)
+        (item,) = caught.value.diagnostics
+        assert (item.code, item.message) == ("DRF007", "describes 2 robots")
+        assert item.help == "name one with --robot: LEG_CFG, LEG2_CFG"
+        assert joint(imported(paths, tmp_path, "LEG_CFG"), "hip")["kp"] == "40 N*m/rad"
+
+
+def test_a_base_without_an_asset_is_no_robot(tmp_path: Path) -> None:
+    """Its only copy that has one is the robot; of two such copies one is named, and the base not offered."""
+    copies = "".join(
+        f"{name} = LEG_CFG.copy()\n{name}.spawn = sim_utils.UsdFileCfg(usd_path='/{name}.usd')\n"
+        for name in ("A_CFG", "B_CFG")
+    )
+    text = f"import isaaclab.sim as sim_utils\n{ISAACLAB}{copies}"
+    paths = write(tmp_path, leg_xml=MOTORS, robots_py=text[: text.index("B_CFG")])
+    (_, only), _ = read_robot_files([str(path) for path in paths], None, Versions())
+    assert only.artifact.name == "A_CFG"
+    with pytest.raises(AuditError) as caught:
+        imported(write(tmp_path, robots_py=text), tmp_path)
+    assert [item.help for item in caught.value.diagnostics] == ["name one with --robot: A_CFG, B_CFG"]
 
 
 def test_other_robot(tmp_path: Path) -> None:
@@ -387,6 +453,14 @@ def test_combined_spec_compiles(tmp_path: Path) -> None:
     done = api.compile(tmp_path / "spec.yaml", output=str(tmp_path / "out"))
     assert [target.name for target in done.targets] == ["mujoco", "isaaclab", "deploy"]
     assert [float(a.kp.value or 0) for a in done.actuators.joints if a.kp is not None] == [40.0, 40.0]
+
+
+def test_kinds_that_no_file_states_are_told_once(tmp_path: Path) -> None:
+    """A configuration and a deploy file both say so: once, in lines that are still read."""
+    named = ISAACLAB.replace('[".*"]', '["hip", "knee"]')
+    lines = imported(write(tmp_path, leg_py=named, deploy_yaml=DEPLOY), tmp_path).draft.text.splitlines()
+    assert sum("no robot file states the kinds" in line for line in lines) == 1
+    assert max(map(len, lines)) <= 120
 
 
 def test_networks(tmp_path: Path, capsys: Any) -> None:

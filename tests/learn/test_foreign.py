@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from actspec.cli.main import main
-from actspec.readings.onnx_network import read_onnx
+from actspec.learn.foreign import read_network_file
+from actspec.readings.onnx_network import NetworkUnknown, read_onnx
+from tests.learn.pendulums import MODEL, SPEC
 from tests.network_files import onnx_mlp
 from tests.schemas import fits
 
@@ -88,9 +90,37 @@ def test_manifest_of_the_other_sign(tmp_path: Path, capsys: pytest.CaptureFixtur
     (tmp_path / "m.json").write_text(json.dumps({**MANIFEST, "position_scale": 2.0}))
     code, found = said(capsys, path, "--trust", "--manifest", str(tmp_path / "m.json"))
     assert code == 1 and "away from the target" in found["contradictions"][0]
-    (tmp_path / "m.json").write_text(json.dumps({**MANIFEST, "taps": [0]}))
+    # Of two inputs it says nothing about six, whose weights tell: by them errors are last, at 20 N*m/rad.
+    (tmp_path / "m.json").write_text(
+        json.dumps({**MANIFEST, "inputs": "position_velocity", "taps": [0], "position_scale": 2.0})
+    )
     code, found = said(capsys, path, "--trust", "--manifest", str(tmp_path / "m.json"))
     assert code == 1 and "6 inputs" in found["contradictions"][0]
+    assert (found["inputs"], found["guessed"]) == ("velocity_position", True)
+    assert found["stiffness"] == pytest.approx(20.0, rel=1e-3)
+
+
+def test_saturation_of_an_error_that_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """10 tanh((18 + 2) e / 10) of an error at all taps, also where a history begins with zeros; 0.95 as above."""
+    path = script(tmp_path, linear([0.0, 18.0, 2.0, -0.9, 0.0, 0.0]))
+    scales = {"position_scale": 1.0, "velocity_scale": 1.0, "torque_scale": 1.0}
+    manifest = {**MANIFEST, "inputs": "position_velocity", **scales}
+    (tmp_path / "m.json").write_text(json.dumps(manifest))
+    for more in ([], ["--manifest", str(tmp_path / "m.json")]):
+        code, found = said(capsys, path, "--trust", *more)
+        assert code == 0 and found["saturation"]["error"] == pytest.approx(0.95)
+        assert found["saturation"]["torque"] == pytest.approx(10.0 * np.tanh(6.0), rel=1e-5)
+
+
+@pytest.mark.parametrize(("damping", "doubtful"), [(0.9, False), (0.01, True), (-0.9, True)])
+def test_an_order_in_doubt(
+    damping: float, doubtful: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """18 N*m/rad: 0.018 N*m*s/rad are a thousandth of a second."""
+    (tmp_path / "net.onnx").write_bytes(onnx_mlp([([[18.0, -damping]], [0.0], "")]))
+    assert main(["net", "inspect", str(tmp_path / "net.onnx")]) == 0
+    out = capsys.readouterr().out
+    assert "position_velocity, by its weights" in out and ("(doubtful:" in out) == doubtful
 
 
 def test_manifest_of_the_other_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -119,6 +149,86 @@ def test_manifest_of_the_other_order(tmp_path: Path, capsys: pytest.CaptureFixtu
         code, found = said(capsys, path, "--trust", "--manifest", str(tmp_path / "m.json"))
         (told,) = found["contradictions"]
         assert code == 1 and told.startswith(asked + then) and (then or told == asked)
+
+
+class Plain(torch.nn.Module):  # type: ignore[misc,name-defined]
+    """Three layers, and one activation for both hidden ones, made first or last or called as a function."""
+
+    def __init__(self, how: str, activation: Any) -> None:
+        super().__init__()
+        if how == "first":
+            self.act = activation
+        self.one, self.two, self.last = (torch.nn.Linear(n, m) for n, m in ((4, 8), (8, 8), (8, 1)))
+        if how == "last":
+            self.act = activation
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:  # type: ignore[name-defined]
+        return self.last(self.act(self.two(self.act(self.one(x)))))
+
+
+class Called(Plain):
+    """With a function."""
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:  # type: ignore[name-defined]
+        return self.last(torch.nn.functional.elu(self.two(torch.nn.functional.elu(self.one(x)))))
+
+
+class Odd(Plain):
+    """With an activation behind the first layer alone, which no order of the parts tells, and a factor."""
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:  # type: ignore[name-defined]
+        return 2.0 * self.last(self.two(self.act(self.one(x))))
+
+
+@pytest.mark.parametrize("how", ["first", "last", "function"])
+@pytest.mark.parametrize("activation", [torch.nn.Softsign(), torch.nn.ELU(), torch.nn.LeakyReLU(0.2)])
+def test_one_activation_of_all_layers(how: str, activation: Any, tmp_path: Path) -> None:
+    """A network in the usual style is read; its own answers tell where the activation is called."""
+    torch.manual_seed(5)
+    net = Called("", None) if how == "function" else Plain(how, activation)
+    read = read_network_file(script(tmp_path, net), trust=True)
+    x = torch.randn(20, 4)
+    with torch.no_grad():
+        assert read(x.double().numpy())[0] == pytest.approx(net(x).double().numpy(), abs=1e-5)
+
+
+def test_what_more_than_layers_is_refused_with_a_way_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A factor behind the last layer is in no part of the file."""
+    torch.manual_seed(5)
+    assert main(["net", "inspect", script(tmp_path, Odd("last", torch.nn.Tanh())), "--trust"]) == 2
+    err = capsys.readouterr().err
+    assert "LRN013" in err and "it does more than its layers" in err and "torch.nn.Sequential" in err
+
+
+@pytest.mark.parametrize("offset", [1.0, 2.0])
+def test_softsign_in_three_operations(offset: float, tmp_path: Path) -> None:
+    """x / (|x| + 1), as torch exports a Softsign; with another offset it is none, and refused."""
+    from onnx import TensorProto, helper, numpy_helper
+
+    weights = {"w": [[2.0, -1.0], [0.5, 3.0]], "b": [0.1, -0.2], "v": [[1.0, -2.0]], "c": [offset]}
+    nodes = [
+        helper.make_node("Gemm", ["x", "w", "b"], ["a"], transB=1),
+        helper.make_node("Abs", ["a"], ["size"]),
+        helper.make_node("Add", ["size", "c"], ["below"]),
+        helper.make_node("Div", ["a", "below"], ["s"]),
+        helper.make_node("Gemm", ["s", "v"], ["y"], transB=1),
+    ]
+    values = [
+        helper.make_tensor_value_info(name, TensorProto.FLOAT, [None, width])
+        for name, width in (("x", 2), ("y", 1))
+    ]
+    tensors = [numpy_helper.from_array(np.array(value, np.float32), name) for name, value in weights.items()]
+    data = helper.make_model(
+        helper.make_graph(nodes, "net", values[:1], values[1:], tensors)
+    ).SerializeToString()
+    if offset != 1.0:
+        with pytest.raises(NetworkUnknown):
+            read_onnx(data)
+        return
+    # By hand: 2 x 1 - 0.5 + 0.1 = 1.6 and 0.5 + 1.5 - 0.2 = 1.8; 1.6 / 2.6 - 2 x 1.8 / 2.8.
+    assert read_onnx(data)(np.array([[1.0, 0.5]]))[0] == pytest.approx(1.6 / 2.6 - 3.6 / 2.8)
 
 
 def test_convert(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -166,6 +276,8 @@ def test_convert_by_a_manifest_of_the_other_sign(
     monkeypatch.chdir(tmp_path)
     net = script(tmp_path, linear([0.0, -18.0, -2.0, -0.9, 0.0, 0.0]))
     convert = ["net", "convert", net, "--trust", "--manifest", "m.json", "--output-format", "json", "-o"]
+    spec = SPEC.replace("level: ideal_pd, kp: 20 N*m/rad, kd: 0.5 N*m*s/rad", "level: actuator_net")
+    Path("robot.xml").write_text(MODEL)
     found = {}
     for name, scale in (("good", -1.0), ("bad", 1.0)):
         scales = {"position_scale": scale, "velocity_scale": 1.0, "torque_scale": 1.0}
@@ -174,7 +286,19 @@ def test_convert_by_a_manifest_of_the_other_sign(
         record = json.loads(capsys.readouterr().out)
         fits("net-convert", record)
         found[name] = code, [(item["code"], item["file"]) for item in record["findings"]]
+        named = f"level: actuator_net, network: {{manifest: {name}.json}}"
+        Path(f"{name}.yaml").write_text(
+            spec.replace("level: actuator_net", named) + "targets: {mujoco: {}}\n"
+        )
     assert found == {"good": (0, []), "bad": (1, [("LRN034", "m.json")])}
+    for command in (["validate"], ["compile", "-o", "build"]):
+        warned = {}
+        for name in ("good", "bad"):
+            assert main([command[0], f"{name}.yaml", *command[1:]]) == 0
+            warned[name] = [line for line in capsys.readouterr().err.splitlines() if "NET016" in line]
+        assert warned["good"] == []
+        # By hand: the errors' weights are 0 - 18 - 2.
+        assert len(warned["bad"]) == 1 and "away from the target: -20 N*m/rad" in warned["bad"][0]
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 
 from actspec import api
+from actspec.cli.main import main
 from actspec.diagnostics import Diagnostic
 from actspec.learn.dynamics import dynamics_entries
 from tests.learn import pendulums
@@ -28,19 +30,22 @@ CONVENTIONS: dict[str, Any] = {
 }
 
 
-def compiled(
-    folder: Path, manifest: dict[str, Any], spec: str = NET, model: str = pendulums.MODEL
-) -> list[Diagnostic]:
-    """What `compile` says of the network: 8 and 12 N*m/rad of the errors of two samples, -0.5 of the velocity."""
+def written(folder: Path, manifest: dict[str, Any], spec: str = NET, model: str = pendulums.MODEL) -> Path:
+    """A spec whose network gives 8 and 12 N*m/rad of the errors of two samples, -0.5 of the velocity."""
     data = onnx_mlp([([[8.0, 12.0, -0.5, 0.0]], [0.0], "")])
     (folder / "net.onnx").write_bytes(data)
-    import hashlib
-
     files = {"onnx": {"path": "net.onnx", "sha256": hashlib.sha256(data).hexdigest()}}
     (folder / "net.json").write_text(json.dumps({**CONVENTIONS, "files": files, **manifest}))
     (folder / "robot.xml").write_text(model)
     (folder / "spec.yaml").write_text(spec + 'targets: {mujoco: {version: "3.11"}}\n')
-    done = api.compile(str(folder / "spec.yaml"), output=str(folder / "build"))
+    return folder / "spec.yaml"
+
+
+def compiled(
+    folder: Path, manifest: dict[str, Any], spec: str = NET, model: str = pendulums.MODEL
+) -> list[Diagnostic]:
+    """What `compile` says of what a network counts twice, and of its model."""
+    done = api.compile(str(written(folder, manifest, spec, model)), output=str(folder / "build"))
     return [item for item in done.diagnostics if item.code in ("NET013", "NET014", "NET015")]
 
 
@@ -131,3 +136,42 @@ def test_delay_and_filter_again(tmp_path: Path) -> None:
         "hip, arm: delay 10 ms, 0.5 N*m at 2.5 rad/s | hip, arm: command_filter 5 Hz, 1.59 N*m"
         in said.message
     )
+
+
+COMMANDS = (
+    ["validate", "spec.yaml"],
+    ["compile", "spec.yaml", "-t", "mujoco", "-o", "build"],
+    ["verify", "spec.yaml", "-t", "mujoco"],
+)
+
+
+@pytest.mark.parametrize(
+    ("manifest", "said"),
+    [
+        (None, "NET004 actuators.legs.network: the manifest cannot be read: there is no file"),
+        ('{"format": "actspec-netw', "NET004"),
+        (
+            {"inputs": "sideways"},
+            "SPEC105 inputs: must be one of position_velocity, velocity_position, got 'sideways'",
+        ),
+        ({"tap_period": "7 ms"}, "NET007 actuators.legs.network: tap_period 7 ms is not a whole number of"),
+    ],
+)
+def test_every_command_tells_a_broken_manifest(
+    manifest: dict[str, Any] | str | None,
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Without it no target knows the network, MuJoCo's plain motors least of all; 7 ms are 1.4 steps of 5 ms."""
+    written(tmp_path, manifest if isinstance(manifest, dict) else {})
+    monkeypatch.chdir(tmp_path)
+    if isinstance(manifest, str):
+        Path("net.json").write_text(manifest)
+    elif manifest is None:
+        Path("net.json").unlink()
+    for command in COMMANDS:
+        assert main(command) == 2
+        assert capsys.readouterr().err.count(said) == 1
+    assert not Path("build").exists()

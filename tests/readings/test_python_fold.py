@@ -195,22 +195,22 @@ UNKNOWN = {
     "unknown test": (
         "import os\nif os.environ.get('A'):\n  K = 1\nelse:\n  K = 2",
         "K",
-        "depends on a condition: calls get(): get comes from os, which is not beside this file",
+        "depends on a condition: calls get(): get comes from Python's os, which is not run",
     ),
     "one branch": (
         "import os\nK = 1\nif os.environ.get('A'):\n  K = 2",
         "K",
-        "depends on a condition: calls get(): get comes from os, which is not beside this file",
+        "depends on a condition: calls get(): get comes from Python's os, which is not run",
     ),
     "only in one branch": (
         "import os\nif os.name:\n    K = 2",
         "K",
-        "depends on a condition: name comes from os, which is not beside this file",
+        "depends on a condition: name comes from Python's os, which is not run",
     ),
     "unknown index": (
         "import os\nA = {'a': 1}",
         "A[os.name]",
-        "name comes from os, which is not beside this file",
+        "name comes from Python's os, which is not run",
     ),
     "no such key": ("A = {'a': 1}", "A['b']", "there is no 'b' in it"),
     "division by zero": ("", "1 / 0", "Div: division by zero"),
@@ -218,7 +218,7 @@ UNKNOWN = {
     "maybe returned": (
         "import os\ndef f():\n  if os.name:\n    return 1\n  return 2",
         "f()",
-        "depends on a condition: name comes from os, which is not beside this file",
+        "depends on a condition: name comes from Python's os, which is not run",
     ),
     "other decorator": ("import x\n@x.y\ndef f():\n  return 1", "f()", "f() is decorated by y"),
     "generator": ("def f():\n  yield 1", "f()", "f() is a generator"),

@@ -298,7 +298,7 @@ CHANGED = {
     "unknown switch": (
         "import os\nif os.environ:\n    DOG_CFG.actuators['legs'].stiffness = 7.0\n",
         {
-            "stiffness": "? depends on a condition: environ comes from os, which is not beside this file",
+            "stiffness": "? depends on a condition: environ comes from Python's os, which is not run",
             "damping": 1.0,
         },
     ),

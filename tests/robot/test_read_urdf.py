@@ -209,6 +209,16 @@ def test_all_errors_at_once() -> None:
     ]
 
 
+def test_a_value_that_xacro_computes() -> None:
+    """It is no slip of a number: the file is to be expanded first."""
+    with pytest.raises(RobotError) as caught:
+        read(robot(joint('<limit effort="${e}" velocity="3"/>')))
+    assert [str(d) for d in caught.value.diagnostics] == [
+        "r.urdf:6:90: ROBOT120 j: <limit effort> must be a number, got '${e}'\n"
+        "  help: this is a xacro, which is not expanded here: xacro ROBOT.urdf.xacro -o ROBOT.urdf, and name that"
+    ]
+
+
 def test_joints_of_transmissions_are_not_joints() -> None:
     """Only joints right below the root count; one without a name is noted."""
     extra = '<transmission name="t"><joint name="x" type="revolute"/></transmission>'

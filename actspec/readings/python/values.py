@@ -7,6 +7,7 @@ where it is written, through names and attributes.
 from __future__ import annotations
 
 import ast
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
@@ -77,6 +78,8 @@ class External:
         """Why it is not known."""
         if self.root == "builtins":
             return f"{self.name} is not folded"
+        if self.root in sys.stdlib_module_names:
+            return f"{self.name} comes from Python's {self.root}, which is not run"
         return f"{self.name} comes from {self.root}, which {self.why}"
 
     @property

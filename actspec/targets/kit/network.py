@@ -11,9 +11,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from actspec.diagnostics import Collector, Place, SpecError, listed, shortened
+from actspec.diagnostics import Collector, Place, SpecError, listed, one_line, shortened
 from actspec.files import NotRegular, TooLarge, is_imported, read_regular
-from actspec.ir import Command, JointActuator, Level, Network
+from actspec.ir import ActuatorSet, Command, JointActuator, Level, Network
 from actspec.readings.onnx_file import NotOnnx, check_onnx
 from actspec.targets.base import EmittedFile
 
@@ -90,26 +90,54 @@ class NetworkWithManifest:
         Args:
             step: Physics step h [s].
         """
-        from actspec.spec.network import MOST_STEPS
+        return _stride(self.manifest, step, self.place)
 
-        # The period T at which the network was trained.
-        period = self.manifest.tap_period.value
-        if period is None:
-            self.place.error(
-                "NET007",
-                "tap_period is unknown, so the time between two taps is unknown",
-                "write the time between two samples of the training log",
+
+def _stride(manifest: NetworkManifest, step: float, place: Place) -> int | None:
+    """Physics steps of `step` seconds between two taps; None after an error."""
+    from actspec.spec.network import MOST_STEPS
+
+    # The period T at which the network was trained.
+    period = manifest.tap_period.value
+    if period is None:
+        place.error(
+            "NET007",
+            "tap_period is unknown, so the time between two taps is unknown",
+            "write the time between two samples of the training log",
+        )
+        return None
+    stride = manifest.stride(step)
+    if stride is None:
+        near = max(1, round(min(period / step, MOST_STEPS))) * step
+        place.error(
+            "NET007",
+            f"tap_period {period * 1e3:g} ms is not a whole number of physics steps of {step * 1e3:g} ms",
+            f"train at {near * 1e3:g} ms, or set timing.physics_dt to {period * 1e3:g} ms or a whole part of it",
+        )
+    return stride
+
+
+def check_manifests(actuators: ActuatorSet, collector: Collector) -> None:
+    """Report networks whose manifest cannot be read or tells of doubts, and taps that are no whole physics steps apart.
+
+    Their own files are not opened: of those the targets tell that read them.
+    """
+    for actuator in _first_of(actuators.joints).values():
+        network, step = actuator.network, actuators.physics_dt.value
+        if network is None or network.manifest is None:
+            continue
+        place = _place(actuator, network, collector)
+        manifest = read_manifest(network.manifest, place)
+        if manifest is None:
+            continue
+        if step is not None:
+            _stride(manifest, step, place)
+        for doubt in manifest.doubts:
+            place.warning(
+                "NET016",
+                f"the network was converted against its weights: {one_line(doubt)}",
+                "correct the manifest that it was converted with, and `actspec net convert` again",
             )
-            return None
-        stride = self.manifest.stride(step)
-        if stride is None:
-            near = max(1, round(min(period / step, MOST_STEPS))) * step
-            self.place.error(
-                "NET007",
-                f"tap_period {period * 1e3:g} ms is not a whole number of physics steps of {step * 1e3:g} ms",
-                f"train at {near * 1e3:g} ms, or set timing.physics_dt to {period * 1e3:g} ms or a whole part of it",
-            )
-        return stride
 
 
 def read_networks(
@@ -119,10 +147,19 @@ def read_networks(
 
     Args: as of `read_network`.
     """
-    learned = [actuator for actuator in actuators if actuator.level is Level.ACTUATOR_NET]
-    first = {actuator.network: actuator for actuator in reversed(learned)}
-    read = {network: read_network(first[network], form, collector) for network in reversed(first)}
+    read = {
+        network: read_network(actuator, form, collector) for network, actuator in _first_of(actuators).items()
+    }
     return {network: found for network, found in read.items() if found is not None}
+
+
+def _first_of(actuators: Iterable[JointActuator]) -> dict[Network | None, JointActuator]:
+    """Each network of level actuator_net with the first joint that it drives."""
+    found: dict[Network | None, JointActuator] = {}
+    for actuator in actuators:
+        if actuator.level is Level.ACTUATOR_NET:
+            found.setdefault(actuator.network, actuator)
+    return found
 
 
 def onnx_of(actuator: JointActuator) -> JointActuator | None:
@@ -147,11 +184,12 @@ def read_network(
         collector: Takes the errors.
         place: Of what names it; None: the spec's.
     """
-    network, group = actuator.network, collector.at(f"actuators.{actuator.group}", actuator.span)
+    network = actuator.network
     if network is None:
+        group = collector.at(f"actuators.{actuator.group}", actuator.span)
         group.error("NET001", "level actuator_net has no network", "write network: {manifest: ...}")
         return None
-    place = place or replace(group, where=f"{group.where}.network", span=network.span or group.span)
+    place = place or _place(actuator, network, collector)
     if network.manifest is None:
         place.error(
             "NET002",
@@ -197,6 +235,11 @@ def read_network(
     if not _known(path, data, place) or not _fits(network, path, data, manifest, place):
         return None
     return NetworkWithManifest(os.path.basename(path), data, manifest, place)
+
+
+def _place(actuator: JointActuator, network: Network, collector: Collector) -> Place:
+    """Where a spec names a network."""
+    return collector.at(f"actuators.{actuator.group}.network", network.span or actuator.span)
 
 
 def _known(path: str, data: bytes, place: Place) -> bool:
