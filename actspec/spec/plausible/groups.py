@@ -132,6 +132,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
     """
     limits: dict[str, list[Limit]] = {}
     trains: dict[str, dict[Path, Train]] = {}
+    reductions: dict[str, list[float]] = {}
     cuts = {name: cut for name, motor in model.motors.items() if (cut := cut_gearbox(motor)) is not None}
     for path, fields, group in _layers(model):
         name = fields.motor or group.motor
@@ -161,15 +162,26 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             )
         elif reduction is not None and _is_geared_up(reduction):
             continue
+        if train is None:
+            reductions.setdefault(name, []).append((reduction and reduction.value) or 1.0)
         for field in ("effort_limit", "velocity_limit"):
             value = getattr(fields, field)
             if isinstance(value, SpecValue):
                 factor = None if reduction is None else reduction.value
                 limit = Limit(value, (*path, field), factor or 1.0, count, train, counted, reduced)
                 limits.setdefault(name, []).append(limit)
+    linked = {name for linkage in model.linkages.values() for name in linkage.motors}
     for name, motor in model.motors.items():
         motor = cuts[name][0] if name in cuts else motor
-        yield Drive(name, motor, tuple(limits.get(name, ())), trains=trains.get(name, {}))
+        # Of a motor that drives nothing yet its output is a joint's.
+        plain = reductions.get(name, [] if name in trains else [1.0])
+        yield Drive(
+            name,
+            motor,
+            tuple(limits.get(name, ())),
+            trains=trains.get(name, {}),
+            reductions=None if name in linked else tuple(plain),
+        )
 
 
 def _turns(motor: Motor) -> bool:

@@ -104,7 +104,7 @@ def relations(drive: Drive) -> Iterator[Relation]:
     yield from _gear(drive.name, motor)
     yield from _efficient(drive)
     yield from _beyond(drive.name, output)
-    yield from _speed(drive.name, motor, output)
+    yield from _speed(drive, output)
     yield from _rotor(drive.name, motor, output)
     yield from _stage_inertias(drive.name, motor)
     yield from train_relations(drive, output)
@@ -288,7 +288,8 @@ def _efficient(drive: Drive) -> Iterator[Relation]:
             )
 
 
-def _speed(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
+def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
+    name, motor, hinges = drive.name, drive.motor, drive.hinges
     value = motor.no_load_speed if motor.curve is None else motor.curve.no_load_speed
     fast = number(value)
     if not fast or value is None:
@@ -320,26 +321,31 @@ def _speed(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             beyond=(0.0, 10.0 * FASTEST_ROTOR),
             about="rotor",
         )
-    if output.speed:
+    if not output.speed:
+        return
+    # Where a screw is turned the rotor's speed is no joint's.
+    turns, torque = min(drive.hinges, default=(1.0, 1.0), key=lambda way: way[0] / math.sqrt(way[1]))
+    joint = output.speed / turns
+    then = "" if turns == 1.0 else f", {format_quantity(joint, 'rad/s', 4)} at the joint"
+    yield Relation(
+        "SPEC184",
+        joint,
+        (0.0, FASTEST_OUTPUT if behind and not at_rotor and drive.hinges else math.inf),
+        (1.0, 50.0 if behind else 1000.0),
+        f"{value.written} at the output of a gear of {format_quantity(gear, '', 4)}{then}: the fastest joints that are "
+        "published, grippers aside, have 110 rad/s",
+        output.speed_path,
+        help,
+        others,
+        about="output",
+    )
+    if output.torque and drive.hinges:
         yield Relation(
             "SPEC184",
-            output.speed,
-            (0.0, FASTEST_OUTPUT if behind and not at_rotor else math.inf),
-            (1.0, 50.0 if behind else 1000.0),
-            f"{value.written} at the output of a gear of {format_quantity(gear, '', 4)}: the fastest joints that are "
-            "published, grippers aside, have 110 rad/s",
-            output.speed_path,
-            help,
-            others,
-            about="output",
-        )
-    if output.speed and output.torque:
-        yield Relation(
-            "SPEC184",
-            output.speed * math.sqrt(output.torque),
+            joint * math.sqrt(output.torque * torque),
             (0.0, FASTEST_BY_TORQUE),
             (1.0, 500.0),
-            f"{format_quantity(output.speed, 'rad/s', 4)} at the output, of a motor of "
+            f"{format_quantity(output.speed, 'rad/s', 4)} at the output{then}, of a motor of "
             f"{format_quantity(output.torque, 'N*m', 3)}: no joint of such a torque is nearly as fast",
             output.speed_path,
             help,

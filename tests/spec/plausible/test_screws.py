@@ -119,3 +119,48 @@ def test_far_above_may_agree_less_well(tmp_path: Path) -> None:
 @pytest.mark.parametrize("effort", [0, 1, 10, 1000, 0.05])
 def test_placeholders_of_the_file(tmp_path: Path, effort: float) -> None:
     assert said(tmp_path, effort=effort) == []
+
+
+AXIS = """actspec: 1
+robot: {{name: r, model: none, joints: [{{name: j, kind: {kind}}}]}}
+motors: {{m: {{side: motor, peak_torque: {torque} N*m, no_load_speed: {speed} rpm, {gear}}}}}
+actuators: {{g: {{joints: [j], motor: m, level: ideal_pd, kp: {kp}, kd: {kd}, effort_limit: peak{more}}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "gear", "more", "found"),
+    [
+        # 5000 rpm are 523.6 rad/s: times the root of 3.8 N*m 1021, of a bound of 1000. 0.833 m/s and 2388 N.
+        ("slide", "gearbox: [{lead: 10 mm/rev}]", "", []),
+        ("slide", "gear_ratio: 1", ", transmission: [{lead: 10 mm/rev}]", []),
+        # 0.01 m at 523.6 rad/s, 5.2 m/s.
+        ("slide", "gear_ratio: 1", ", transmission: [{radius: 10 mm}]", []),
+        # 83.3 m/s.
+        ("slide", "gearbox: [{lead: 1 m/rev}]", "", ["motors.m.gearbox[0].lead"]),
+        # 523.6 / 50 = 10.5 rad/s of 190 N*m, 144.
+        ("hinge", "gear_ratio: 1", ", reduction: 50", []),
+        ("hinge", "gear_ratio: 1", ", transmission: [{ratio: 50}]", []),
+        ("hinge", "gear_ratio: 1", "", ["motors.m.no_load_speed"]),
+        # 1021 over the root of 1.05 is 996, of 1.04 1001.
+        ("hinge", "gear_ratio: 1", ", reduction: 1.05", []),
+        ("hinge", "gear_ratio: 1", ", reduction: 1.04", ["motors.m.no_load_speed"]),
+    ],
+)
+def test_the_speed_of_a_joint_is_judged_behind_all_that_slows_it(
+    tmp_path: Path, kind: str, gear: str, more: str, found: list[str]
+) -> None:
+    per = "m" if kind == "slide" else "N*m"
+    kp, kd = ("2e4 N/m", "1.5e3 N*s/m") if per == "m" else ("100 N*m/rad", "5 N*m*s/rad")
+    text = AXIS.format(kind=kind, torque=3.8, speed=5000, gear=gear, more=more, kp=kp, kd=kd)
+    spec = validate(document_from_text(text, str(tmp_path / "s.yaml")))
+    assert [item.where for item in spec.diagnostics if item.code in BY_CODE] == found
+
+
+def test_the_speed_behind_a_linkage_is_not_known(tmp_path: Path) -> None:
+    """A Jacobian of 60: what turns the knee is a screw."""
+    text = AXIS.format(kind="hinge", torque=3.8, speed=5000, gear="gear_ratio: 1", more="", kp=100, kd=5)
+    text = text.replace("motor: m, ", "")
+    linkage = "linkages: {l: {joints: [j], motors: [m], jacobian: [[60]]}}\n"
+    spec = validate(document_from_text(text + linkage, str(tmp_path / "s.yaml")))
+    assert [item.where for item in spec.diagnostics if item.code in BY_CODE] == []
