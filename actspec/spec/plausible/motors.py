@@ -289,7 +289,7 @@ def _efficient(drive: Drive) -> Iterator[Relation]:
 
 
 def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
-    name, motor, hinges = drive.name, drive.motor, drive.hinges
+    name, motor = drive.name, drive.motor
     value = motor.no_load_speed if motor.curve is None else motor.curve.no_load_speed
     fast = number(value)
     if not fast or value is None:

@@ -12,7 +12,8 @@ from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
 from actspec.spec.gears import Stage
 from actspec.spec.models import Motor
-from actspec.spec.plausible.drive import GEARED, Drive, efficiency_of, gear_of, number, stage_path
+from actspec.spec.plausible.drive import GEARED, Drive, Limit, efficiency_of, gear_of, number, stage_path
+from actspec.spec.plausible.driven import AGREES
 from actspec.spec.plausible.motors import GEAR_INVERSE, relations
 from actspec.spec.plausible.relations import (
     ALIKE,
@@ -53,6 +54,8 @@ REFUTED = 2.0
 """A torque is not what its current gives beyond this factor: amplitudes, phases and saturation make so much."""
 PROVED_NOW = 1.05
 """A torque that comes in the place of another by an exchange is what its current gives if they agree by this factor."""
+ODD = 0.4
+"""What it costs that a limit is the odd one beside motor and file, where no slip makes it theirs, as `RARE`."""
 BY_CURRENT = 0.25
 """What it costs that a torque is what its current gives, where no slip makes it so, as `RARE`."""
 REACHED = (0.4, 1.25)
@@ -149,11 +152,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     """Every correction of a drive, those before that are preferred where two are equally good."""
     motor, root = drive.motor, ("motors", drive.name)
     gear, broken = gear_of(motor), [relation for relation in relations(drive) if relation.broken]
-    for index, limit in enumerate(drive.limits):
-        for factor, help, rare in _slips(limit.value, limit.path[-1] == "velocity_limit"):
-            limits = list(drive.limits)
-            limits[index] = replace(limit, value=_times(limit.value, factor))
-            yield Repair(tuple(relations(replace(drive, limits=tuple(limits)))), (limit.path,), help, rare)
+    yield from _limits(drive)
 
     def changed(result: Motor, paths: Sequence[Path], help: str, rare: float = 0.0) -> Repair:
         rare += PROVED_COST * any(_is_refuted(result, path) for path in paths)
@@ -383,6 +382,40 @@ def _stages(drive: Drive) -> Iterator[Repair]:
                 }
                 after = tuple(relations(replace(drive, trains=trains)))
                 yield Repair(after, (train.place(index),), help, rare)
+
+
+def _limits(drive: Drive) -> Iterator[Repair]:
+    """Corrections of the limits of the joints.
+
+    Where the robot's file has what the motor gives, a limit that has neither is the odd one of three.
+    """
+    told = {
+        item.about for item in relations(drive) if item.witnessed and 1.0 / AGREES <= item.value <= AGREES
+    }
+    for index, limit in enumerate(drive.limits):
+
+        def changed(
+            value: SpecValue, help: str, rare: float, index: int = index, limit: Limit = limit
+        ) -> Repair:
+            limits = (*drive.limits[:index], replace(limit, value=value), *drive.limits[index + 1 :])
+            return Repair(tuple(relations(replace(drive, limits=limits))), (limit.path,), help, rare)
+
+        fast = limit.path[-1] == "velocity_limit"
+        fields = ("no_load_speed",) if fast else ("peak_torque", "stall_torque")
+        agreed = {
+            witness.value
+            for witness in drive.witnesses
+            if witness.limit == limit.path
+            and not told.isdisjoint(f"witness {witness.joint} {field}" for field in fields)
+        }
+        for factor, help, rare in _slips(limit.value, fast):
+            value = _times(limit.value, factor)
+            if not agreed or any(1.0 / AGREES <= (value.value or 0.0) / size <= AGREES for size in agreed):
+                yield changed(value, help, rare)
+        for size in sorted(agreed):
+            meant = replace(limit.value, value=size)
+            help = f"did you mean {_shown(meant)}? The motor and the robot's file agree on that"
+            yield changed(meant, help, ODD)
 
 
 def _counts(drive: Drive) -> Iterator[Repair]:

@@ -92,17 +92,17 @@ CHECKS = (
         "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity "
         "limit far above it, or beyond any joint where there is none; either of them far from the speed that the "
         "robot's file states; a transmission that is faster than any joint.",
-        "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed "
-        "of the output), an output above 120 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 "
-        "mN*m (micro motors are sold with 120000); behind a screw, a pinion or a lever "
-        "a slide above 30 m/s and a hinge above 120 rad/s (chosen: belts reach 10 m/s); a joint, behind reduction and"
-        " transmission, above 1000 rad/s divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint,"
-        " and where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s, unless the"
-        " robot's file has it too. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed "
-        "times root of torque to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the H2 100.7), velocity "
-        "limits to 1 times the speed. From 5 times above or below the file's limit on, where a slip in one figure "
-        "makes them agree to a quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any "
-        "case; 0 and powers of ten are placeholders.",
+        "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed of "
+        "the output), an output above 120 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 mN*m (micro motors "
+        "are sold with 120000); behind a screw, a pinion or a lever a slide above 30 m/s and a hinge above 120 rad/s "
+        "(chosen: belts reach 10 m/s); a joint, behind reduction and transmission, above 1000 rad/s divided by the "
+        "root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and where none is "
+        "known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s, unless the robot's file has it "
+        "too. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
+        "to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the H2 100.7), velocity limits to 1 times "
+        "the speed. From 5 times above or below the file's limit on, where a slip in one figure makes them agree to a "
+        "quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any case; 0 and powers "
+        "of ten are placeholders.",
     ),
     Check(
         "SPEC185",
