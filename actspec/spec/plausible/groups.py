@@ -63,7 +63,7 @@ def time_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
         if motor.bandwidth is not None:
             path = ("motors", name, "bandwidth")
             yield from _time(motor.bandwidth, path, BANDWIDTH, "the bandwidth of a drive", spans)
-    for group_path, fields, _ in _layers(model):
+    for group_path, fields, _ in layers(model):
         delay, cutoff = fields.delay, fields.command_filter
         if isinstance(delay, SpecDelay):
             path = (*group_path, "delay")
@@ -115,7 +115,7 @@ def _usual(bound: float, unit: str) -> str:
     return f"0 {unit}"
 
 
-def _layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
+def layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
     """Each group's own fields, then those of each override."""
     for name, group in model.actuators.items():
         path: Path = ("actuators", name)
@@ -134,7 +134,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
     trains: dict[str, dict[Path, Train]] = {}
     reductions: dict[str, list[float]] = {}
     cuts = {name: cut for name, motor in model.motors.items() if (cut := cut_gearbox(motor)) is not None}
-    for path, fields, group in _layers(model):
+    for path, fields, group in layers(model):
         name = fields.motor or group.motor
         if name is None:
             continue
@@ -202,7 +202,7 @@ def group_doubts(
         spans: Where it says it.
         doubted: Numbers that are doubted themselves, and tell nothing of others: where, and their spans.
     """
-    for path, fields, group in _layers(model):
+    for path, fields, group in layers(model):
         base: Path = path[:2]
 
         def stated(

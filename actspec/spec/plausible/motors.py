@@ -9,6 +9,7 @@ from actspec.diagnostics import Path
 from actspec.spec.models import Motor
 from actspec.spec.plausible.drive import Drive, Output, is_geared, number, output_of
 from actspec.spec.plausible.driven import (
+    CURRENT_RATIO,
     FASTEST_OUTPUT,
     NEVER_GEARED_UP,
     limit_relations,
@@ -24,8 +25,6 @@ from actspec.units import format_quantity
 ROUNDING = 1.02
 """Two figures of a datasheet may differ by this much and be the same."""
 FAR_ABOVE_STALL = 3.0
-CURRENT_RATIO = (0.4, 2.5)
-"""Torque constant times current, over the torque."""
 VOLTAGE_RATIO = (0.2, 3.0)
 """Torque constant times no-load speed, over the voltage."""
 LARGEST_TORQUE = 1000.0

@@ -15,6 +15,7 @@ from actspec.spec.plausible.drive import GEARED, Drive, Limit, efficiency_of, ge
 from actspec.spec.plausible.driven import AGREES
 from actspec.spec.plausible.motors import GEAR_INVERSE, relations
 from actspec.spec.plausible.relations import (
+    KGF_CM,
     POINT,
     RARE,
     Relation,
@@ -23,7 +24,6 @@ from actspec.spec.plausible.relations import (
     explanation,
 )
 from actspec.spec.plausible.slips import (
-    KGF_CM,
     in_unit,
     inertias,
     kgf_cm,

@@ -6,12 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from actspec.spec.gears import Stage
-from actspec.spec.plausible.relations import ALIKE, DEGREE, RARE, RPM
+from actspec.spec.plausible.relations import ALIKE, DEGREE, KGF_CM, RARE, RPM
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
-KGF_CM = 0.0980665
-"""[N*m]."""
 SERVO = 10.0
 """Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
 PER_AMPERE = 0.05

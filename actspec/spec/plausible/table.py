@@ -62,9 +62,10 @@ CHECKS = (
         "Torque constant times current far from the torque, or times no-load speed far from the voltage; a nominal "
         "current above the peak current.",
         "N*m/A and V*s/rad are one unit. A warning outside of 0.4 to 2.5 times the torque: amplitudes for effective "
-        "values, phases for lines, losses and saturation make up to 2. Outside of 0.2 to 3 times the voltage: field "
-        "weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. Of any motor 1 to 1000 V and "
-        "5 mA to 2000 A (chosen: from micro motors to those of vehicles).",
+        "values, phases for lines, losses and saturation make up to 2. A stall torque that stands alone is a "
+        "winding's, unless it is in kgf*cm, to 1 %, what constant, current and effort limit agree on. Outside of 0.2 "
+        "to 3 times the voltage: field weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. "
+        "Of any motor 1 to 1000 V and 5 mA to 2000 A (chosen: from micro motors to those of vehicles).",
     ),
     Check(
         "SPEC182",
@@ -130,12 +131,12 @@ CHECKS = (
         "file.",
         "A warning above 3 times its peak torque, or the largest of its torques where none is stated, an error above "
         "30 times; a warning below an eighth of the least of peak and continuous torque, or a fiftieth of a stall "
-        "torque that stands alone and of what it gives behind a transmission. "
-        "Published: 0.59 (STS3215) to 1.003 (Spot's hips). A torque against the robot's file as SPEC184. An effort "
-        "limit from 5 times above the file's on where it has no source and no motor's torque is known, from 30 times "
-        "on in any case; below it only what is a power of ten off or, by the gear ratio, the rotor's, to 2 %, or a "
-        "torque of the motor's sheet at the rotor: less is often right. 0, powers of ten and one figure for all joints "
-        "are placeholders of a file.",
+        "torque that stands alone and of what it gives behind a transmission. Published: 0.59 (STS3215) to 1.003 "
+        "(Spot's hips). A torque against the robot's file as SPEC184, or with a line of another motor exchanged where "
+        "both are more than 1.25 times off and agree to 1.05 then. An effort limit from 5 times above the file's on "
+        "where it has no source and no motor's torque is known, from 30 times on in any case; below it only what is a "
+        "power of ten off or, by the gear ratio, the rotor's, to 2 %, or a torque of the motor's sheet at the rotor: "
+        "less is often right. 0, powers of ten and one figure for all joints are placeholders of a file.",
     ),
     Check(
         "SPEC188",

@@ -376,3 +376,37 @@ def test_a_position_in_degrees_a_little_outside(tmp_path: Path) -> None:
     """-58.1 deg is -1.014 rad, 0.014 rad outside, which is nothing."""
     (found,) = said(tmp_path, "effort_limit: 30", model="arm.urdf, default_pose: {hip: -58.1 rad}")
     assert (found.code, found.help) == ("SPEC190", "is it in degrees? Then write -58.1 deg, -1.014 rad")
+
+
+SERVO = """actspec: 1
+robot: {{name: r, model: none, joints: [{{name: j}}]}}
+motors:
+  m:
+    {{side: joint, stall_torque: {stall}, no_load_speed: 46 rpm, torque_constant: 1.783, peak_current: 2.3 A{more}}}
+actuators: {{g: {{joints: [j], motor: m, level: dc_motor, kp: 20, kd: 0.5, effort_limit: {limit}}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("stall", "limit", "more", "told"),
+    [
+        # 1.783 x 2.3 = 4.101 N*m; 41.8 kgf*cm are 4.099 N*m.
+        ("41.8 N*m", "4.1 N*m", "", True),
+        ("4.1 N*m", "4.1 N*m", "", False),
+        # Of a winding it may be any other multiple of what the drive gives, whether ten times it or twelve.
+        ("41 N*m", "4.1 N*m", "", False),
+        ("50 N*m", "4.1 N*m", "", False),
+        # A limit that says something else, or a peak that says what the drive gives.
+        ("41.8 N*m", "3.9 N*m", "", False),
+        ("41.8 N*m", "4.1 N*m", ", peak_torque: 4.1 N*m", False),
+    ],
+)
+def test_a_stall_torque_in_kgf_cm_beside_current_and_limit(
+    tmp_path: Path, stall: str, limit: str, more: str, told: bool
+) -> None:
+    text = SERVO.format(stall=stall, limit=limit, more=more)
+    found = [
+        item for item in validate(document_from_text(text, "s.yaml")).diagnostics if item.code in BY_CODE
+    ]
+    expected = [("SPEC181", "motors.m.stall_torque", "is it in kgf*cm? 41.8 kgf*cm is 4.099 N*m")]
+    assert [(item.code, item.where, item.help) for item in found] == expected * told
