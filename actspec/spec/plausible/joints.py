@@ -38,6 +38,8 @@ from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
 """Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
+WHOLE = 1.0
+"""The same at a velocity limit, which may be above what is ever reached."""
 POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """A default position may be this far beyond the range [rad or m]."""
 SOFT = 6.0
@@ -345,26 +347,39 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator
 
 
 def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Found]:
-    """Viscous friction at the end of the torque-speed line; published: to 0.43 of the limit (ANYmal D)."""
-    viscous, limit = joint.friction_viscous, joint.effort_limit
-    speed = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
-    if not is_stated(viscous) or not viscous.value or not limit.value or speed is None or not speed.value:
+    """Viscous friction at the end of the torque-speed line, whatever the level; published: to 0.43 (ANYmal D).
+
+    Without a motor at the velocity limit that the spec states; what the robot's file has as well is not mistyped.
+    """
+    viscous, limit, speed = joint.friction_viscous, joint.effort_limit, _own_speed(joint)
+    if not is_stated(viscous) or not viscous.value or not limit.value:
         return
-    torque = viscous.value * speed.value
-    if torque < VISCOUS_SHARE * limit.value:
+    lined = speed is not None and bool(speed.value)
+    if speed is None or not lined:
+        speed = joint.velocity_limit
+        if (
+            not speed.value
+            or not is_stated(speed)
+            or math.log10(speed.value).is_integer()
+            or _is_files(viscous)
+        ):
+            return
+    torque, share = viscous.value * speed.require(), VISCOUS_SHARE if lined else WHOLE
+    if torque < share * limit.value:
         return
     message = (
         f"the viscous friction of {shown(viscous)} takes {format_quantity(torque, limit.unit, 3)} at the joint's "
-        f"{shown(speed)}, of an effort limit of {shown(limit)}"
+        f"{'' if lined else 'velocity limit of '}{shown(speed)}, of an effort limit of {shown(limit)}"
     )
     # Any of them may be: a figure would be a guess.
-    help = f"is it in m{viscous.unit}, times 57.3, or the point in the wrong place?"
+    times = "times 57.3, " if joint.kind is JointKind.HINGE else ""
+    help = f"is it in m{viscous.unit}, {times}or the point in the wrong place?"
     where, number, other = f"actuators.{joint.group}.friction.viscous", viscous, speed
     drive = drives.get(joint.motor or "")
     readings = [
         reading
-        for reading in (() if drive is None else misread_speeds(drive))
-        if torque * reading.factor < VISCOUS_SHARE * limit.value
+        for reading in (misread_speeds(drive) if drive is not None and lined else ())
+        if torque * reading.factor < share * limit.value
     ]
     if readings:
         fast = "; or ".join(reading.help for reading in readings)
@@ -377,9 +392,25 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Foun
         else:
             help = f"viscous: {help} Or no_load_speed ({speed.span}): {fast}"
         help = f"one of 2 numbers is wrong. {help}"
-    else:
+    elif lined:
         help += " The slope of the torque-speed line belongs to the motor, not to friction"
     yield found_at(joint, "FRC106", where, torque / limit.value, message, help, number, other, limit)
+
+
+def _is_files(quantity: Quantity) -> bool:
+    """Whether the robot's file says a number as well."""
+    said = in_file(*quantity.lost)
+    return (
+        said is not None
+        and said.value is not None
+        and math.isclose(said.value, quantity.require(), rel_tol=0.01)
+    )
+
+
+def _own_speed(joint: JointActuator) -> Quantity | None:
+    """Speed at the joint [rad/s or m/s] at which its motor has no torque left, at whichever level; None: unknown."""
+    line = joint.motor_line
+    return None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
 
 
 def _gains(joint: JointActuator) -> Iterator[Found]:
@@ -478,15 +509,13 @@ def _velocity(joint: JointActuator) -> Iterator[Found]:
 
     What the robot's file says as well is not mistyped, and powers of ten are placeholders.
     """
-    limit, force = joint.velocity_limit, joint.effort_limit
-    line, fast = joint.motor_line, limit.value
-    own = None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
+    limit, force, own = joint.velocity_limit, joint.effort_limit, _own_speed(joint)
+    fast = limit.value
     if own is not None and own.value:
         return
-    said = in_file(*limit.lost)
     if not fast or limit.origin is not Origin.AUTHORED or math.log10(fast).is_integer():
         return
-    if said is not None and said.value is not None and math.isclose(said.value, fast, rel_tol=0.01):
+    if _is_files(limit):
         return
     hinge = joint.kind is JointKind.HINGE
     strong = force.value if hinge and force.value and force.value < math.inf else 0.0

@@ -191,12 +191,19 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("effort_limit: 20, friction: {coulomb: 10}", ["FRC101"]),
         ("effort_limit: 20, friction: {coulomb: 40}", ["FRC101!"]),
         ("friction: {coulomb: 200}", []),
-        ("effort_limit: 20, friction: {viscous: 200}, velocity_limit: 20 rad/s", []),
+        # At a velocity limit, where no motor's speed is known, all of it: 1 x 20 of 20 N*m. 100 rad/s is a placeholder.
+        ("effort_limit: 20, friction: {viscous: 1}, velocity_limit: 20 rad/s", ["FRC106"]),
+        ("effort_limit: 20, friction: {viscous: 0.99}, velocity_limit: 20 rad/s", []),
+        ("effort_limit: 20, friction: {viscous: 200}, velocity_limit: 100 rad/s", []),
+        ("effort_limit: 20, friction: {viscous: 200}", []),
         # The motor's 20 N*m are the limit where none is stated.
         ("motor: m, friction: {coulomb: 10}", ["FRC101"]),
         # 1 x 10 rad/s of 20 N*m.
         ("motor: m, level: dc_motor, friction: {viscous: 1}", ["FRC106"]),
         ("motor: m, level: dc_motor, friction: {viscous: 0.99}", []),
+        # Friction is at the joint, whatever the level.
+        ("motor: m, friction: {viscous: 1}", ["FRC106"]),
+        ("motor: m, friction: {viscous: 0.99}", []),
         # 0.5 x 20 rad/s of 10 N*m, both by a reduction that is doubted itself.
         ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["SPEC182"]),
         # 20 N*m x 0.04 = 0.8 N*m.

@@ -284,6 +284,16 @@ def test_viscous_friction_that_the_robots_file_has(tmp_path: Path, viscous: str,
     assert "is it in rpm? 16 rpm is 1.68 rad/s" in (found.help or "")
 
 
+@pytest.mark.parametrize(("viscous", "found"), [("20", 0), ("21", 1)])
+def test_viscous_friction_of_the_file_beside_a_velocity_limit(
+    tmp_path: Path, viscous: str, found: int
+) -> None:
+    """20 x 3 rad/s of 30 N*m. What the file has as well, damping a simulator needs, is not mistyped."""
+    fields = f"velocity_limit: 3 rad/s, friction: {{viscous: {viscous}}}"
+    urdf = URDF.replace('damping="2"', 'damping="20"')
+    assert [item.code for item in said(tmp_path, fields, urdf=urdf)] == ["FRC106"] * found
+
+
 def test_a_speed_in_degrees() -> None:
     """429.7 deg/s is 7.5 rad/s, 429.7 rpm 45 rad/s: both are usual."""
     (found,) = told_of(
