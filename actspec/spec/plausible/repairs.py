@@ -47,6 +47,8 @@ ONE_SIDED = 0.25
 """What it costs that one of several torques is."""
 EXACT = 1.003
 """A torque in kgf*cm, 1.02 times one with a wrong point, is told from that if it agrees with a limit by this factor."""
+ONCE = 1.02
+"""A limit at the rotor is told if at the joint it is motor's or file's by this factor: else less may be meant."""
 PROVED = 1.25
 """A torque is what its current gives if they agree by this factor; then it was not exchanged for another."""
 PROVED_COST = 1.0
@@ -176,6 +178,14 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         other = "joint" if motor.side == "motor" else "motor"
         help = f"are the figures those of the {there}? Then write `side: {other}`"
         yield changed(motor.model_copy(update={"side": other}), [("side",)], help)
+        constant = motor.torque_constant
+        if number(constant):
+            # Of a sheet of the other side the constant is often the rotor's, as the current is.
+            moves = 1.0 / across * (passed if across < 1.0 else 1.0 / passed)
+            there_too = multiplied(constant, moves)
+            update = {"side": other, "torque_constant": there_too}
+            help += f", and torque_constant for that side, {about}{in_unit(there_too)}"
+            yield changed(motor.model_copy(update=update), [("side",)], help, SIDED)
 
     def sided(path: Path, factor: float, lossy: bool, rare: float = 0.0) -> Repair:
         factor *= (passed if factor > 1.0 else 1.0 / passed) if lossy else 1.0
@@ -209,7 +219,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         value: SpecValue | None = getattr(motor, field)
         if value is not None and number(value):
             slips = list(slips_of(value))
-            yield from (moved([(field,)], *slip) for slip in slips)
+            yield from _apart((slip[0], moved([(field,)], *slip)) for slip in slips)
             if field == "torque_constant" and across is not None:
                 # What the current proves is no matter of the side.
                 factor = across * (passed if across > 1.0 else 1.0 / passed)
@@ -233,15 +243,10 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if given.unit == "N*m" and "kgf" not in given.written:
             # A point in the wrong place is so near that only what agrees exactly tells.
             servo = moved([path], KGF_CM, kgf_cm(given), SWAPPED)
-            if any(
-                item.code in ("SPEC181", "SPEC187")
-                and (*root, *path) in (item.path, *item.others)
-                and 1.0 / EXACT < item.value < EXACT
-                for item in servo.after
-            ):
+            if _is_exact(servo):
                 yield servo
         slips = list(slips_of(given))
-        yield from (moved([path], *slip) for slip in slips)
+        yield from _apart((slip[0], moved([path], *slip)) for slip in slips)
         share = _proof(motor, str(path[-1]))
         # Else it may as well be constant or current.
         told = any(item.code != "SPEC181" and item.path == (*root, *path) for item in broken)
@@ -383,6 +388,23 @@ def _stages(drive: Drive) -> Iterator[Repair]:
                 yield Repair(after, (train.place(index),), help, rare)
 
 
+def _is_exact(repair: Repair) -> bool:
+    """Whether a torque, corrected, is just what a limit or its current says."""
+    return any(
+        item.code in ("SPEC181", "SPEC187")
+        and not {item.path, *item.others}.isdisjoint(repair.paths)
+        and 1.0 / EXACT < item.value < EXACT
+        for item in repair.after
+    )
+
+
+def _apart(made: Iterable[tuple[float, Repair]]) -> Iterator[Repair]:
+    """Corrections of one number by their factors; none in kgf*cm where a tenth, which is 2 % apart, agrees exactly."""
+    made = list(made)
+    tenth = any(factor == 0.1 and _is_exact(repair) for factor, repair in made)
+    yield from (repair for factor, repair in made if not tenth or factor != KGF_CM)
+
+
 def _limits(drive: Drive) -> Iterator[Repair]:
     """Corrections of the limits of the joints.
 
@@ -407,10 +429,19 @@ def _limits(drive: Drive) -> Iterator[Repair]:
             if witness.limit == limit.path
             and not told.isdisjoint(f"witness {witness.joint} {field}" for field in fields)
         }
+        made = []
         for factor, help, rare in slips_of(limit.value, fast):
             value = multiplied(limit.value, factor)
             if not agreed or any(1.0 / AGREES <= (value.value or 0.0) / size <= AGREES for size in agreed):
-                yield changed(value, help, rare)
+                made.append((factor, changed(value, help, rare)))
+        yield from _apart(made)
+        turns = (gear_of(drive.motor) or 0.0) * limit.reduction
+        if turns >= GEARED and limit.train is None:
+            value = multiplied(limit.value, 1.0 / turns if fast else turns * efficiency_of(drive.motor))
+            help = f"is it quoted at the rotor? At the joint it is {in_unit(value)}"
+            repair = changed(value, help, SIDED)
+            if any(item.path == limit.path and 1.0 / ONCE < item.value < ONCE for item in repair.after):
+                yield repair
         for size in sorted(agreed):
             meant = replace(limit.value, value=size)
             help = f"did you mean {in_unit(meant)}? The motor and the robot's file agree on that"

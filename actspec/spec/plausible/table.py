@@ -165,8 +165,8 @@ CHECKS = (
         "viscous-takes-the-limit",
         "Viscous friction that takes half of the effort limit at the motor's no-load speed, or all of it at a stated "
         "velocity limit.",
-        "A warning from 0.5 times the limit on, at every level. Published: to 0.43 (ANYmal D, PACE). A velocity limit is "
-        "taken where the spec states it and no motor's speed is known, from 1 times the limit on (chosen), but for "
+        "A warning from 0.5 times the limit on, at every level. Published: to 0.43 (ANYmal D, PACE). A velocity limit "
+        "is taken where the spec states it and no motor's speed is known, from 1 times the limit on (chosen), but for "
         "powers of ten and for friction that the robot's file has as well: limits of published URDFs are often "
         "placeholders, of 100 or 1e4 rad/s, and make up to 3333 times.",
     ),
