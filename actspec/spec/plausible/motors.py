@@ -9,6 +9,7 @@ from actspec.diagnostics import Path
 from actspec.spec.models import Motor
 from actspec.spec.plausible.drive import Drive, Output, is_geared, number, output_of
 from actspec.spec.plausible.driven import (
+    AGREES,
     CURRENT_RATIO,
     FASTEST_OUTPUT,
     NEVER_GEARED_UP,
@@ -98,17 +99,26 @@ def relations(drive: Drive) -> Iterator[Relation]:
     """Everything that the figures of a drive imply, sound or not."""
     motor = drive.motor
     output = output_of(drive.name, motor)
+    witnesses = list(witness_relations(drive, output))
     yield from _torques(drive.name, motor)
     yield from _constant(drive.name, motor)
     yield from _gear(drive.name, motor)
     yield from _efficient(drive)
-    yield from _beyond(drive.name, output)
+    said = any(_is_said(relation) for relation in witnesses)
+    yield from _beyond(drive.name, output, HOPELESS_TORQUE if said else LARGEST_TORQUE)
     yield from _speed(drive, output)
     yield from _rotor(drive.name, motor, output)
     yield from _stage_inertias(drive.name, motor)
     yield from train_relations(drive, output)
     yield from limit_relations(drive, output)
-    yield from witness_relations(drive, output)
+    yield from witnesses
+
+
+def _is_said(relation: Relation) -> bool:
+    """Whether the robot's file has about the torque that the motor gives."""
+    return (
+        relation.code == "SPEC187" and relation.path[0] == "motors" and 1.0 / AGREES < relation.value < AGREES
+    )
 
 
 def _torques(name: str, motor: Motor) -> Iterator[Relation]:
@@ -352,7 +362,7 @@ def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
         )
 
 
-def _beyond(name: str, output: Output) -> Iterator[Relation]:
+def _beyond(name: str, output: Output, largest: float) -> Iterator[Relation]:
     torque, speed = output.torque, output.speed
     if not torque:
         return
@@ -362,7 +372,7 @@ def _beyond(name: str, output: Output) -> Iterator[Relation]:
     yield Relation(
         "SPEC183",
         torque,
-        (0.0, LARGEST_TORQUE),
+        (0.0, largest),
         (0.1, 500.0),
         f"this is {format_quantity(torque, 'N*m', 3)} at the gearbox output, {said} (494 N*m is the most that is "
         "published)",

@@ -89,6 +89,9 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     if witnessed:
         limits = {limit.path for limit in drive.limits}
         repairs = (item for item in repairs if not item.rare or limits.isdisjoint(item.paths))
+    if all(relation.code == "SPEC183" and not relation.error for relation in broken):
+        # It is a large machine's, or a figure with which it is a robot's of a usual size.
+        repairs = (item for item in repairs if not any(_is_large(relation) for relation in item.after))
     best = explained(before, repairs)
     if best:
         yield explanation(best, broken, spans)
@@ -101,6 +104,10 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     elif not witnessed:
         for relation in _first(broken):
             yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
+
+
+def _is_large(relation: Relation) -> bool:
+    return relation.code == "SPEC183" and relation.excess > 0.0
 
 
 class MisreadSpeed(NamedTuple):

@@ -80,12 +80,13 @@ CHECKS = (
         "beyond-any-motor",
         "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot, or of the robot's size; "
         "force behind a transmission.",
-        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed): joints of large industrial arms have "
-        "8 kN*m, slews of excavators 400. An error above 1e6 N*m or 1 MW (chosen). "
-        "Largest published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). "
-        "A stall torque beside a peak torque is a winding's, and may be ten times that. Chosen: 300 kN and 3000 "
-        "N*m behind a transmission. Of robots with six hinges or more also the effort limit of a joint with a "
-        "motor that would hold the whole robot on a lever of more than 4 m, an error from 40 m (1.55 m, arm Z1).",
+        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed): joints of large industrial arms have 8 "
+        "kN*m, slews of excavators 400; a torque that the robot's file agrees with, to a quarter, is none too large. "
+        "An error above 1e6 N*m or 1 MW (chosen). Largest published: 494 N*m (Apollo's hip, playground) and 360 N*m "
+        "at 20 rad/s, 7.2 kW (H2, unitree_ros). A stall torque beside a peak torque is a winding's, and may be ten "
+        "times that. Chosen: 300 kN and 3000 N*m behind a transmission. Of robots with six hinges or more also the "
+        "effort limit of a joint with a motor that would hold the whole robot on a lever of more than 4 m, an error "
+        "from 40 m (1.55 m, arm Z1).",
     ),
     Check(
         "SPEC184",
