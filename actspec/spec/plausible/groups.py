@@ -161,6 +161,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
                 gearbox[first:], count, ("motors", name, "gearbox"), first
             )
         elif reduction is not None and _is_geared_up(reduction):
+            reductions.setdefault(name, [])
             continue
         if train is None:
             reductions.setdefault(name, []).append((reduction and reduction.value) or 1.0)

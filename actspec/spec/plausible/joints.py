@@ -104,8 +104,10 @@ def check_joints(
     tell(doubts, document, model.accept, collector)
     # What follows from a number is not told when the author is sure of that: else each `sure` brings the next.
     found = {doubt.diagnostic for doubt in doubts}
+    # Where dry friction contradicts a limit, either may be wrong: what else is judged by it says no more.
+    rubbed = {span for doubt in doubts if doubt.code == "FRC101" for span in doubt.judged}
     drives = {drive.name: drive for drive in witnessed(joints, model, document.spans)}
-    told = _joint_doubts_of(joints, model, drives, found, levers, document.spans)
+    told = _joint_doubts_of(joints, model, drives, found, rubbed, levers, document.spans)
     tell(by_number(told), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
@@ -174,6 +176,7 @@ def _joint_doubts_of(
     model: SpecModel,
     drives: Mapping[str, Drive],
     told: Collection[Diagnostic],
+    rubbed: Collection[Span | None],
     levers: Mapping[str, Sequence[Found]],
     spans: SourceMap,
 ) -> Iterator[Found]:
@@ -182,7 +185,7 @@ def _joint_doubts_of(
     gained = _sections(item for item in told if item.code == "SPEC192")
     parts = (re.split(r"[.\[]", item.where) for item in told)
     reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
-    places = {item.span for item in told}
+    places = {item.span for item in told}.union(rubbed)
     linked = _linked(model)
     # A motor's torque that is none too large at other joints is not what is wrong, but what reduces it here.
     sound = {joint.effort_limit.span for joint in joints if not levers[joint.joint]}

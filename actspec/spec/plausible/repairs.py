@@ -206,7 +206,9 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if ratio < 1.0:
             help = GEAR_INVERSE.format(format_quantity(1 / ratio, "", 3))
             yield moved([("gear_ratio",)], 1.0 / ratio / ratio, help)
-        yield from (moved([("gear_ratio",)], *slip) for slip in tens(motor.gear_ratio))
+        if ratio != 1.0:
+            # A direct drive is no gear with its point in the wrong place.
+            yield from (moved([("gear_ratio",)], *slip) for slip in tens(motor.gear_ratio))
     if number(motor.efficiency) and motor.efficiency is not None:
         yield from (moved([("efficiency",)], *slip) for slip in tens(motor.efficiency))
     for path in SPEEDS:
@@ -436,19 +438,22 @@ def _limits(drive: Drive) -> Iterator[Repair]:
             if witness.limit == limit.path
             and not told.isdisjoint(f"witness {witness.joint} {field}" for field in fields)
         }
+        turns = (gear_of(drive.motor) or 0.0) * limit.reduction
+        if turns >= GEARED and limit.train is None:
+            value = multiplied(limit.value, 1.0 / turns if fast else turns * efficiency_of(drive.motor))
+            help = f"is it quoted at the rotor? At the joint it is {in_unit(value)}"
+            if 1.0 / EXACT < turns / 10.0 ** round(math.log10(turns)) < EXACT:
+                help += f"; or {POINT}"
+            repair = changed(value, help, SIDED)
+            if any(item.path == limit.path and 1.0 / ONCE < item.value < ONCE for item in repair.after):
+                yield repair
+                continue
         made = []
         for factor, help, rare in slips_of(limit.value, fast):
             value = multiplied(limit.value, factor)
             if not agreed or any(1.0 / AGREES <= (value.value or 0.0) / size <= AGREES for size in agreed):
                 made.append((factor, changed(value, help, rare)))
         yield from _apart(made)
-        turns = (gear_of(drive.motor) or 0.0) * limit.reduction
-        if turns >= GEARED and limit.train is None:
-            value = multiplied(limit.value, 1.0 / turns if fast else turns * efficiency_of(drive.motor))
-            help = f"is it quoted at the rotor? At the joint it is {in_unit(value)}"
-            repair = changed(value, help, SIDED)
-            if any(item.path == limit.path and 1.0 / ONCE < item.value < ONCE for item in repair.after):
-                yield repair
         for size in sorted(agreed):
             meant = replace(limit.value, value=size)
             help = f"did you mean {in_unit(meant)}? The motor and the robot's file agree on that"

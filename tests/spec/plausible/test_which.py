@@ -426,7 +426,21 @@ SIDED = "level: ideal_pd, kp: 60, kd: 1.5"
             "side: joint, peak_torque: 28, no_load_speed: 3.8 rad/s, gear_ratio: 101",
             "28, velocity_limit: 384 rad/s",
             "actuators.legs.velocity_limit",
-            "is it quoted at the rotor? At the joint it is 3.802 rad/s; or is it in deg/s? 384 deg/s is 6.7 rad/s",
+            "is it quoted at the rotor? At the joint it is 3.802 rad/s",
+        ),
+        # 0.28 x 100 is a hundred times, too. 0.444 x 100 x 0.7 is the continuous torque there.
+        (
+            "side: joint, peak_torque: 28, gear_ratio: 100",
+            "0.28",
+            "actuators.legs.effort_limit",
+            "is it quoted at the rotor? At the joint it is 28 N*m; or is the point in the wrong place?",
+        ),
+        (
+            "side: motor, stall_torque: 4.67, continuous_torque: 0.444, no_load_speed: 3190 rpm, gear_ratio: 80, "
+            "efficiency: 0.7, rotor_inertia: 3.06e-4",
+            "0.444",
+            "actuators.legs.effort_limit",
+            "is it quoted at the rotor? At the joint it is 24.864 N*m",
         ),
     ],
 )
