@@ -38,8 +38,10 @@ from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
 """Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
+UNREACHED = 3.0
+"""The same where no torque-speed line acts: a belt takes 1.24 at a speed that it never comes near."""
 WHOLE = 1.0
-"""The same at a velocity limit, which may be above what is ever reached."""
+"""The same at a velocity limit."""
 POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """A default position may be this far beyond the range [rad or m]."""
 SOFT = 6.0
@@ -352,24 +354,21 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator
 def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Found]:
     """Viscous friction at the end of the torque-speed line, whatever the level; published: to 0.43 (ANYmal D).
 
-    Without a motor at the velocity limit that the spec states; what the robot's file has as well is not mistyped.
+    Where no line acts also at a stated velocity limit; what the robot's file has as well is not mistyped.
     """
-    viscous, limit, speed = joint.friction_viscous, joint.effort_limit, _own_speed(joint)
+    viscous, limit = joint.friction_viscous, joint.effort_limit
     if not is_stated(viscous) or not viscous.value or not limit.value:
         return
-    lined = speed is not None and bool(speed.value)
-    if speed is None or not lined:
-        speed = joint.velocity_limit
-        if (
-            not speed.value
-            or not is_stated(speed)
-            or math.log10(speed.value).is_integer()
-            or _is_files(viscous)
-        ):
-            return
-    torque, share = viscous.value * speed.require(), VISCOUS_SHARE if lined else WHOLE
-    if torque < share * limit.value:
+    line = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
+    clamp, motors = joint.velocity_limit, _own_speed(joint) if line is None else line
+    asked = [] if motors is None else [(motors, UNREACHED if line is None else VISCOUS_SHARE)]
+    if line is None and clamp.value and is_stated(clamp) and not math.log10(clamp.value).is_integer():
+        asked += [] if _is_files(viscous) else [(clamp, WHOLE)]
+    takes = ((speed, viscous.value * (speed.value or 0.0), share * limit.value) for speed, share in asked)
+    speed, torque, most = next((item for item in takes if item[1] >= item[2]), (clamp, 0.0, math.inf))
+    if not torque:
         return
+    lined = speed is not clamp
     message = (
         f"the viscous friction of {shown(viscous)} takes {format_quantity(torque, limit.unit, 3)} at the joint's "
         f"{'' if lined else 'velocity limit of '}{shown(speed)}, of an effort limit of {shown(limit)}"
@@ -382,7 +381,7 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Foun
     readings = [
         reading
         for reading in (misread_speeds(drive) if drive is not None and lined else ())
-        if torque * reading.factor < share * limit.value
+        if torque * reading.factor < most
     ]
     if readings:
         fast = "; or ".join(reading.help for reading in readings)

@@ -164,12 +164,13 @@ CHECKS = (
     Check(
         "FRC106",
         "viscous-takes-the-limit",
-        "Viscous friction that takes half of the effort limit at the motor's no-load speed, or all of it at a stated "
-        "velocity limit.",
-        "A warning from 0.5 times the limit on, at every level. Published: to 0.43 (ANYmal D, PACE). A velocity limit "
-        "is taken where the spec states it and no motor's speed is known, from 1 times the limit on (chosen), but for "
-        "powers of ten and for friction that the robot's file has as well: limits of published URDFs are often "
-        "placeholders, of 100 or 1e4 rad/s, and make up to 3333 times.",
+        "Viscous friction that takes half of the effort limit at the motor's no-load speed, or, at another level than "
+        "`dc_motor`, three times the limit there or all of it at a stated velocity limit.",
+        "A warning from 0.5 times the limit on where the torque-speed line acts. Published: to 0.43 (ANYmal D, PACE). "
+        "Elsewhere from 3 times on, as a joint may never come near that speed (a sound belt takes 1.24), and from 1 "
+        "times on at a velocity limit that the spec states, but for powers of ten and for friction that the robot's "
+        "file has as well: limits of published URDFs are often placeholders, of 100 or 1e4 rad/s, and make up to 3333 "
+        "times.",
     ),
     Check(
         "SPEC190",

@@ -201,9 +201,11 @@ def test_motors(motor: str, expected: list[str]) -> None:
         # 1 x 10 rad/s of 20 N*m.
         ("motor: m, level: dc_motor, friction: {viscous: 1}", ["FRC106"]),
         ("motor: m, level: dc_motor, friction: {viscous: 0.99}", []),
-        # Friction is at the joint, whatever the level.
-        ("motor: m, friction: {viscous: 1}", ["FRC106"]),
-        ("motor: m, friction: {viscous: 0.99}", []),
+        # Where no line acts three times the limit, 6 x 10 of 20 N*m; at a velocity limit all of it, 4 x 5.
+        ("motor: m, friction: {viscous: 6}", ["FRC106"]),
+        ("motor: m, friction: {viscous: 5.9}", []),
+        ("motor: m, friction: {viscous: 4}, velocity_limit: 5 rad/s", ["FRC106"]),
+        ("motor: m, friction: {viscous: 3.9}, velocity_limit: 5 rad/s", []),
         # 0.5 x 20 rad/s of 10 N*m, both by a reduction that is doubted itself.
         ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["SPEC182"]),
         # 20 N*m x 0.04 = 0.8 N*m.
