@@ -275,6 +275,8 @@ ANGLE = "angle is a dimension of its own: write `{}` if that is meant"
             "a lead is the travel in one turn: write `10 mm/rev`",
         ),
         ("20", Kind.LENGTH, "20 has no unit, and a length needs one", "write `20 mm` or `20 m`"),
+        (800, Kind.POSITION, "800 has no unit, and a position needs one", "write `800 deg` or `800 mm`"),
+        (-25, Kind.POSITION, "-25 has no unit, and a position needs one", "write `-25 deg`, `-25 rad` or `-25 m`"),
         # Unknown units: the nearest that is of the kind asked for.
         (
             "5 Nmm", Kind.TORQUE, "5 Nmm is not a torque: unknown unit `Nmm`",

@@ -28,6 +28,8 @@ _EXAMPLES = {
     Kind.LEAD: ("mm/rev",),
     Kind.TIME: ("ms", "s"),
 }
+_LARGE = 25.0
+"""A position of more is no joint's in rad, four turns, nor in m."""
 
 
 def parse_quantity(given: str | int | float, kind: Kind) -> Parsed:
@@ -128,6 +130,8 @@ def _possible(number: float) -> bool:
 def _bare(number: float, shown: str, kind: Kind) -> Parsed:
     if not kind.bare and number != 0:
         units = _EXAMPLES.get(kind, (kind.rotary_unit,))
+        if kind is Kind.POSITION and abs(number) > _LARGE:
+            units = ("deg", "mm")
         examples = [f"`{shortened(shown)} {unit}`" for unit in units]
         text = " or ".join([", ".join(examples[:-1]), examples[-1]] if len(examples) > 1 else examples)
         raise UnitError(f"{shortened(shown)} has no unit, and {an(kind.noun)} needs one", f"write {text}")

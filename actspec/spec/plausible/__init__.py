@@ -15,6 +15,7 @@ from actspec.ir import JointActuator
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.clamps import range_doubts
+from actspec.spec.plausible.exchanges import exchanges
 from actspec.spec.plausible.groups import group_doubts, time_doubts
 from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
@@ -64,7 +65,13 @@ def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointAc
         joints: The resolved spec, with what the robot's file says; none: whatever the robot is.
     """
     spans = document.spans
-    doubts = [doubt for drive in witnessed(joints, model, spans) for doubt in motor_doubts(drive, spans)]
+    drives = list(witnessed(joints, model, spans))
+    exchanged = list(exchanges(drives, model, spans))
+    together = {name for pair in exchanged for name in pair.motors}
+    doubts = [pair.doubt for pair in exchanged]
+    doubts += (
+        doubt for drive in drives if drive.name not in together for doubt in motor_doubts(drive, spans)
+    )
     places = {doubt.span for doubt in doubts}
     doubts += (doubt for doubt in by_number(file_doubts(joints, model)) if doubt.span not in places)
     doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}

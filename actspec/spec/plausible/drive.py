@@ -128,6 +128,7 @@ class Drive:
         limits: Limits that the spec states.
         witnesses: Limits that the robot's file states.
         trains: Transmissions to its joints, and the end of a gearbox whose output travels, each by a key of its own.
+        reductions: To its joints without a transmission; None: nothing is known of its joints, as behind a linkage.
     """
 
     name: str
@@ -135,6 +136,16 @@ class Drive:
     limits: tuple[Limit, ...] = ()
     witnesses: tuple[Witness, ...] = ()
     trains: Mapping[Path, Train] = field(default_factory=dict)
+    reductions: tuple[float, ...] | None = (1.0,)
+
+    @property
+    def hinges(self) -> list[tuple[float, float]]:
+        """Of each way to a joint that turns: the output's turns in one of its own, and its torque over the output's."""
+        if self.reductions is None:
+            return []
+        ways = [(train.speed, train.torque) for train in self.trains.values() if not train.slide]
+        ways += [(reduction, reduction) for reduction in self.reductions]
+        return [way for way in ways if all(0.0 < part < math.inf for part in way)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from actspec.diagnostics import Path
 from actspec.spec.gears import Stage
 from actspec.spec.plausible.drive import Drive, Output, number, scaled, stage_path
-from actspec.spec.plausible.relations import Relation
+from actspec.spec.plausible.relations import KGF_CM, Relation
 from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -37,6 +37,10 @@ AGREES = 1.25
 SPEED_LIMIT = 3.0
 """Velocity limit over the motor's speed without load, at the joint. Published: to 1 (Go1, STS3215)."""
 NEVER_GEARED_UP = 0.05
+ROUNDED = 1.01
+"""Two figures of a sheet that are one torque in two units differ by no more than this."""
+CURRENT_RATIO = (0.4, 2.5)
+"""Torque constant times current, over the torque."""
 
 
 def stage_relations(stages: Sequence[Stage], path: Path, what: str) -> Iterator[Relation]:
@@ -163,6 +167,32 @@ def limit_relations(drive: Drive, output: Output) -> Iterator[Relation]:
                     about=f"{limit.path}",
                 )
             continue
+        given = (number(motor.torque_constant) or 0.0) * (number(motor.peak_current) or 0.0)
+        stall = motor.stall_torque
+        if (
+            given
+            and stall is not None
+            and motor.peak_torque is None
+            and 1.0 / ROUNDED < given * gear * passed / (stated or math.inf) < ROUNDED
+            and 1.0 / ROUNDED < (number(stall) or 0.0) * KGF_CM / given < ROUNDED
+        ):
+            # Of a winding it may be many times as much, but hardly just that.
+            yield Relation(
+                "SPEC181",
+                given / (number(stall) or math.inf),
+                CURRENT_RATIO,
+                (0.5, 2.0),
+                f"torque_constant and peak_current give {format_quantity(given, 'N*m', 3)}, on which the effort limit "
+                f"of {limit.value.written} agrees; and stall_torque is {stall.written}",
+                ("motors", drive.name, "stall_torque"),
+                None,
+                (
+                    ("motors", drive.name, "torque_constant"),
+                    ("motors", drive.name, "peak_current"),
+                    limit.path,
+                ),
+                about=f"servo {limit.path}",
+            )
         for about, most, bounds, usual, beyond in (
             ("above", output.torque, (0.0, LIMIT_ABOVE), (0.0, 1.1), LIMIT_FAR_ABOVE),
             # A gripper may be held far below what its drive gives.

@@ -63,7 +63,7 @@ def time_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
         if motor.bandwidth is not None:
             path = ("motors", name, "bandwidth")
             yield from _time(motor.bandwidth, path, BANDWIDTH, "the bandwidth of a drive", spans)
-    for group_path, fields, _ in _layers(model):
+    for group_path, fields, _ in layers(model):
         delay, cutoff = fields.delay, fields.command_filter
         if isinstance(delay, SpecDelay):
             path = (*group_path, "delay")
@@ -115,7 +115,7 @@ def _usual(bound: float, unit: str) -> str:
     return f"0 {unit}"
 
 
-def _layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
+def layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
     """Each group's own fields, then those of each override."""
     for name, group in model.actuators.items():
         path: Path = ("actuators", name)
@@ -132,8 +132,9 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
     """
     limits: dict[str, list[Limit]] = {}
     trains: dict[str, dict[Path, Train]] = {}
+    reductions: dict[str, list[float]] = {}
     cuts = {name: cut for name, motor in model.motors.items() if (cut := cut_gearbox(motor)) is not None}
-    for path, fields, group in _layers(model):
+    for path, fields, group in layers(model):
         name = fields.motor or group.motor
         if name is None:
             continue
@@ -160,16 +161,28 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
                 gearbox[first:], count, ("motors", name, "gearbox"), first
             )
         elif reduction is not None and _is_geared_up(reduction):
+            reductions.setdefault(name, [])
             continue
+        if train is None:
+            reductions.setdefault(name, []).append((reduction and reduction.value) or 1.0)
         for field in ("effort_limit", "velocity_limit"):
             value = getattr(fields, field)
             if isinstance(value, SpecValue):
                 factor = None if reduction is None else reduction.value
                 limit = Limit(value, (*path, field), factor or 1.0, count, train, counted, reduced)
                 limits.setdefault(name, []).append(limit)
+    linked = {name for linkage in model.linkages.values() for name in linkage.motors}
     for name, motor in model.motors.items():
         motor = cuts[name][0] if name in cuts else motor
-        yield Drive(name, motor, tuple(limits.get(name, ())), trains=trains.get(name, {}))
+        # Of a motor that drives nothing yet its output is a joint's.
+        plain = reductions.get(name, [] if name in trains else [1.0])
+        yield Drive(
+            name,
+            motor,
+            tuple(limits.get(name, ())),
+            trains=trains.get(name, {}),
+            reductions=None if name in linked else tuple(plain),
+        )
 
 
 def _turns(motor: Motor) -> bool:
@@ -190,7 +203,7 @@ def group_doubts(
         spans: Where it says it.
         doubted: Numbers that are doubted themselves, and tell nothing of others: where, and their spans.
     """
-    for path, fields, group in _layers(model):
+    for path, fields, group in layers(model):
         base: Path = path[:2]
 
         def stated(

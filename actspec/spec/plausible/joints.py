@@ -38,6 +38,10 @@ from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
 """Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
+UNREACHED = 3.0
+"""The same where no torque-speed line acts: a belt takes 1.24 at a speed that it never comes near."""
+WHOLE = 1.0
+"""The same at a velocity limit."""
 POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """A default position may be this far beyond the range [rad or m]."""
 SOFT = 6.0
@@ -102,8 +106,10 @@ def check_joints(
     tell(doubts, document, model.accept, collector)
     # What follows from a number is not told when the author is sure of that: else each `sure` brings the next.
     found = {doubt.diagnostic for doubt in doubts}
+    # Where dry friction contradicts a limit, either may be wrong: what else is judged by it says no more.
+    rubbed = {span for doubt in doubts if doubt.code == "FRC101" for span in doubt.judged}
     drives = {drive.name: drive for drive in witnessed(joints, model, document.spans)}
-    told = _joint_doubts_of(joints, model, drives, found, levers, document.spans)
+    told = _joint_doubts_of(joints, model, drives, found, rubbed, levers, document.spans)
     tell(by_number(told), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
@@ -172,6 +178,7 @@ def _joint_doubts_of(
     model: SpecModel,
     drives: Mapping[str, Drive],
     told: Collection[Diagnostic],
+    rubbed: Collection[Span | None],
     levers: Mapping[str, Sequence[Found]],
     spans: SourceMap,
 ) -> Iterator[Found]:
@@ -180,7 +187,7 @@ def _joint_doubts_of(
     gained = _sections(item for item in told if item.code == "SPEC192")
     parts = (re.split(r"[.\[]", item.where) for item in told)
     reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
-    places = {item.span for item in told}
+    places = {item.span for item in told}.union(rubbed)
     linked = _linked(model)
     # A motor's torque that is none too large at other joints is not what is wrong, but what reduces it here.
     sound = {joint.effort_limit.span for joint in joints if not levers[joint.joint]}
@@ -345,26 +352,36 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator
 
 
 def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Found]:
-    """Viscous friction at the end of the torque-speed line; published: to 0.43 of the limit (ANYmal D)."""
+    """Viscous friction at the end of the torque-speed line, whatever the level; published: to 0.43 (ANYmal D).
+
+    Where no line acts also at a stated velocity limit; what the robot's file has as well is not mistyped.
+    """
     viscous, limit = joint.friction_viscous, joint.effort_limit
-    speed = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
-    if not is_stated(viscous) or not viscous.value or not limit.value or speed is None or not speed.value:
+    if not is_stated(viscous) or not viscous.value or not limit.value:
         return
-    torque = viscous.value * speed.value
-    if torque < VISCOUS_SHARE * limit.value:
+    line = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
+    clamp, motors = joint.velocity_limit, _own_speed(joint) if line is None else line
+    asked = [] if motors is None else [(motors, UNREACHED if line is None else VISCOUS_SHARE)]
+    if line is None and clamp.value and is_stated(clamp) and not math.log10(clamp.value).is_integer():
+        asked += [] if _is_files(viscous) else [(clamp, WHOLE)]
+    takes = ((speed, viscous.value * (speed.value or 0.0), share * limit.value) for speed, share in asked)
+    speed, torque, most = next((item for item in takes if item[1] >= item[2]), (clamp, 0.0, math.inf))
+    if not torque:
         return
+    lined = speed is not clamp
     message = (
         f"the viscous friction of {shown(viscous)} takes {format_quantity(torque, limit.unit, 3)} at the joint's "
-        f"{shown(speed)}, of an effort limit of {shown(limit)}"
+        f"{'' if lined else 'velocity limit of '}{shown(speed)}, of an effort limit of {shown(limit)}"
     )
     # Any of them may be: a figure would be a guess.
-    help = f"is it in m{viscous.unit}, times 57.3, or the point in the wrong place?"
+    times = "times 57.3, " if joint.kind is JointKind.HINGE else ""
+    help = f"is it in m{viscous.unit}, {times}or the point in the wrong place?"
     where, number, other = f"actuators.{joint.group}.friction.viscous", viscous, speed
     drive = drives.get(joint.motor or "")
     readings = [
         reading
-        for reading in (() if drive is None else misread_speeds(drive))
-        if torque * reading.factor < VISCOUS_SHARE * limit.value
+        for reading in (misread_speeds(drive) if drive is not None and lined else ())
+        if torque * reading.factor < most
     ]
     if readings:
         fast = "; or ".join(reading.help for reading in readings)
@@ -377,9 +394,25 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Foun
         else:
             help = f"viscous: {help} Or no_load_speed ({speed.span}): {fast}"
         help = f"one of 2 numbers is wrong. {help}"
-    else:
+    elif lined:
         help += " The slope of the torque-speed line belongs to the motor, not to friction"
     yield found_at(joint, "FRC106", where, torque / limit.value, message, help, number, other, limit)
+
+
+def _is_files(quantity: Quantity) -> bool:
+    """Whether the robot's file says a number as well."""
+    said = in_file(*quantity.lost)
+    return (
+        said is not None
+        and said.value is not None
+        and math.isclose(said.value, quantity.require(), rel_tol=0.01)
+    )
+
+
+def _own_speed(joint: JointActuator) -> Quantity | None:
+    """Speed at the joint [rad/s or m/s] at which its motor has no torque left, at whichever level; None: unknown."""
+    line = joint.motor_line
+    return None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
 
 
 def _gains(joint: JointActuator) -> Iterator[Found]:
@@ -478,15 +511,13 @@ def _velocity(joint: JointActuator) -> Iterator[Found]:
 
     What the robot's file says as well is not mistyped, and powers of ten are placeholders.
     """
-    limit, force = joint.velocity_limit, joint.effort_limit
-    line, fast = joint.motor_line, limit.value
-    own = None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
+    limit, force, own = joint.velocity_limit, joint.effort_limit, _own_speed(joint)
+    fast = limit.value
     if own is not None and own.value:
         return
-    said = in_file(*limit.lost)
     if not fast or limit.origin is not Origin.AUTHORED or math.log10(fast).is_integer():
         return
-    if said is not None and said.value is not None and math.isclose(said.value, fast, rel_tol=0.01):
+    if _is_files(limit):
         return
     hinge = joint.kind is JointKind.HINGE
     strong = force.value if hinge and force.value and force.value < math.inf else 0.0

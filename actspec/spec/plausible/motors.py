@@ -9,6 +9,8 @@ from actspec.diagnostics import Path
 from actspec.spec.models import Motor
 from actspec.spec.plausible.drive import Drive, Output, is_geared, number, output_of
 from actspec.spec.plausible.driven import (
+    AGREES,
+    CURRENT_RATIO,
     FASTEST_OUTPUT,
     NEVER_GEARED_UP,
     limit_relations,
@@ -24,8 +26,6 @@ from actspec.units import format_quantity
 ROUNDING = 1.02
 """Two figures of a datasheet may differ by this much and be the same."""
 FAR_ABOVE_STALL = 3.0
-CURRENT_RATIO = (0.4, 2.5)
-"""Torque constant times current, over the torque."""
 VOLTAGE_RATIO = (0.2, 3.0)
 """Torque constant times no-load speed, over the voltage."""
 LARGEST_TORQUE = 1000.0
@@ -99,17 +99,26 @@ def relations(drive: Drive) -> Iterator[Relation]:
     """Everything that the figures of a drive imply, sound or not."""
     motor = drive.motor
     output = output_of(drive.name, motor)
+    witnesses = list(witness_relations(drive, output))
     yield from _torques(drive.name, motor)
     yield from _constant(drive.name, motor)
     yield from _gear(drive.name, motor)
     yield from _efficient(drive)
-    yield from _beyond(drive.name, output)
-    yield from _speed(drive.name, motor, output)
+    said = any(_is_said(relation) for relation in witnesses)
+    yield from _beyond(drive.name, output, HOPELESS_TORQUE if said else LARGEST_TORQUE)
+    yield from _speed(drive, output)
     yield from _rotor(drive.name, motor, output)
     yield from _stage_inertias(drive.name, motor)
     yield from train_relations(drive, output)
     yield from limit_relations(drive, output)
-    yield from witness_relations(drive, output)
+    yield from witnesses
+
+
+def _is_said(relation: Relation) -> bool:
+    """Whether the robot's file has about the torque that the motor gives."""
+    return (
+        relation.code == "SPEC187" and relation.path[0] == "motors" and 1.0 / AGREES < relation.value < AGREES
+    )
 
 
 def _torques(name: str, motor: Motor) -> Iterator[Relation]:
@@ -288,7 +297,8 @@ def _efficient(drive: Drive) -> Iterator[Relation]:
             )
 
 
-def _speed(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
+def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
+    name, motor = drive.name, drive.motor
     value = motor.no_load_speed if motor.curve is None else motor.curve.no_load_speed
     fast = number(value)
     if not fast or value is None:
@@ -320,26 +330,31 @@ def _speed(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             beyond=(0.0, 10.0 * FASTEST_ROTOR),
             about="rotor",
         )
-    if output.speed:
+    if not output.speed:
+        return
+    # Where a screw is turned the rotor's speed is no joint's.
+    turns, torque = min(drive.hinges, default=(1.0, 1.0), key=lambda way: way[0] / math.sqrt(way[1]))
+    joint = output.speed / turns
+    then = "" if turns == 1.0 else f", {format_quantity(joint, 'rad/s', 4)} at the joint"
+    yield Relation(
+        "SPEC184",
+        joint,
+        (0.0, FASTEST_OUTPUT if behind and not at_rotor and drive.hinges else math.inf),
+        (1.0, 50.0 if behind else 1000.0),
+        f"{value.written} at the output of a gear of {format_quantity(gear, '', 4)}{then}: the fastest joints that are "
+        "published, grippers aside, have 110 rad/s",
+        output.speed_path,
+        help,
+        others,
+        about="output",
+    )
+    if output.torque and drive.hinges:
         yield Relation(
             "SPEC184",
-            output.speed,
-            (0.0, FASTEST_OUTPUT if behind and not at_rotor else math.inf),
-            (1.0, 50.0 if behind else 1000.0),
-            f"{value.written} at the output of a gear of {format_quantity(gear, '', 4)}: the fastest joints that are "
-            "published, grippers aside, have 110 rad/s",
-            output.speed_path,
-            help,
-            others,
-            about="output",
-        )
-    if output.speed and output.torque:
-        yield Relation(
-            "SPEC184",
-            output.speed * math.sqrt(output.torque),
+            joint * math.sqrt(output.torque * torque),
             (0.0, FASTEST_BY_TORQUE),
             (1.0, 500.0),
-            f"{format_quantity(output.speed, 'rad/s', 4)} at the output, of a motor of "
+            f"{format_quantity(output.speed, 'rad/s', 4)} at the output{then}, of a motor of "
             f"{format_quantity(output.torque, 'N*m', 3)}: no joint of such a torque is nearly as fast",
             output.speed_path,
             help,
@@ -347,7 +362,7 @@ def _speed(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
         )
 
 
-def _beyond(name: str, output: Output) -> Iterator[Relation]:
+def _beyond(name: str, output: Output, largest: float) -> Iterator[Relation]:
     torque, speed = output.torque, output.speed
     if not torque:
         return
@@ -357,7 +372,7 @@ def _beyond(name: str, output: Output) -> Iterator[Relation]:
     yield Relation(
         "SPEC183",
         torque,
-        (0.0, LARGEST_TORQUE),
+        (0.0, largest),
         (0.1, 500.0),
         f"this is {format_quantity(torque, 'N*m', 3)} at the gearbox output, {said} (494 N*m is the most that is "
         "published)",

@@ -19,6 +19,8 @@ DEGREE = math.pi / 180.0
 """[rad]"""
 RPM = math.pi / 30.0
 """[rad/s]"""
+KGF_CM = 0.0980665
+"""[N*m]."""
 RARE = 0.3
 """What a power of ten costs beside a slip that has a reason, as a distance from usual figures in powers of ten."""
 NEAR = 1.0

@@ -10,29 +10,33 @@ from typing import NamedTuple
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
-from actspec.spec.gears import Stage
 from actspec.spec.models import Motor
-from actspec.spec.plausible.drive import GEARED, Drive, efficiency_of, gear_of, number, stage_path
+from actspec.spec.plausible.drive import GEARED, Drive, Limit, efficiency_of, gear_of, number, stage_path
+from actspec.spec.plausible.driven import AGREES
 from actspec.spec.plausible.motors import GEAR_INVERSE, relations
 from actspec.spec.plausible.relations import (
-    ALIKE,
-    DEGREE,
+    KGF_CM,
     POINT,
     RARE,
-    RPM,
     Relation,
     Repair,
     explained,
     explanation,
 )
+from actspec.spec.plausible.slips import (
+    in_unit,
+    inertias,
+    kgf_cm,
+    milli,
+    multiplied,
+    slips_of,
+    stage_slips,
+    tens,
+)
 from actspec.spec.plausible.table import Doubt
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
-KGF_CM = 0.0980665
-"""[N*m]."""
-SERVO = 10.0
-"""Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
 LARGEST_GEAR = 350.0
 """Of published gears, about."""
 SWAPPED = 0.2
@@ -41,10 +45,10 @@ SIDED = 0.15
 """What it costs that all torques are those of the other side, and the speed is not, as `RARE`."""
 ONE_SIDED = 0.25
 """What it costs that one of several torques is."""
-PER_AMPERE = 0.05
-"""So much likelier than a torque a torque constant is in kgf*cm: sheets of servos have kgf*cm/A."""
 EXACT = 1.003
 """A torque in kgf*cm, 1.02 times one with a wrong point, is told from that if it agrees with a limit by this factor."""
+ONCE = 1.02
+"""A limit at the rotor is told if at the joint it is motor's or file's by this factor: else less may be meant."""
 PROVED = 1.25
 """A torque is what its current gives if they agree by this factor; then it was not exchanged for another."""
 PROVED_COST = 1.0
@@ -53,6 +57,8 @@ REFUTED = 2.0
 """A torque is not what its current gives beyond this factor: amplitudes, phases and saturation make so much."""
 PROVED_NOW = 1.05
 """A torque that comes in the place of another by an exchange is what its current gives if they agree by this factor."""
+ODD = 0.4
+"""What it costs that a limit is the odd one beside motor and file, where no slip makes it theirs, as `RARE`."""
 BY_CURRENT = 0.25
 """What it costs that a torque is what its current gives, where no slip makes it so, as `RARE`."""
 REACHED = (0.4, 1.25)
@@ -66,8 +72,6 @@ TORQUES: tuple[Path, ...] = (
     ("curve", "brake_torque"),
 )
 SPEEDS: tuple[Path, ...] = (("no_load_speed",), ("curve", "no_load_speed"))
-INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"), (1e-3, "g*m^2"))
-"""Units of datasheets [kg*m^2]."""
 
 
 def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
@@ -85,6 +89,9 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     if witnessed:
         limits = {limit.path for limit in drive.limits}
         repairs = (item for item in repairs if not item.rare or limits.isdisjoint(item.paths))
+    if all(relation.code == "SPEC183" and not relation.error for relation in broken):
+        # It is a large machine's, or a figure with which it is a robot's of a usual size.
+        repairs = (item for item in repairs if not any(_is_large(relation) for relation in item.after))
     best = explained(before, repairs)
     if best:
         yield explanation(best, broken, spans)
@@ -97,6 +104,10 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     elif not witnessed:
         for relation in _first(broken):
             yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
+
+
+def _is_large(relation: Relation) -> bool:
+    return relation.code == "SPEC183" and relation.excess > 0.0
 
 
 class MisreadSpeed(NamedTuple):
@@ -126,8 +137,8 @@ def misread_speeds(drive: Drive) -> Iterator[MisreadSpeed]:
         speed = _at(drive.motor, path)
         if speed is None or not number(speed):
             continue
-        for factor, help, rare in _slips(speed, speed=True):
-            after = list(relations(replace(drive, motor=_with(drive.motor, path, _times(speed, factor)))))
+        for factor, help, rare in slips_of(speed, speed=True):
+            after = list(relations(replace(drive, motor=_with(drive.motor, path, multiplied(speed, factor)))))
             excess = sum(relation.excess for relation in after)
             if rare < RARE and excess <= now and not any(relation.broken for relation in after):
                 yield MisreadSpeed(("motors", drive.name, *path), factor, help, excess < now)
@@ -149,11 +160,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     """Every correction of a drive, those before that are preferred where two are equally good."""
     motor, root = drive.motor, ("motors", drive.name)
     gear, broken = gear_of(motor), [relation for relation in relations(drive) if relation.broken]
-    for index, limit in enumerate(drive.limits):
-        for factor, help, rare in _slips(limit.value, limit.path[-1] == "velocity_limit"):
-            limits = list(drive.limits)
-            limits[index] = replace(limit, value=_times(limit.value, factor))
-            yield Repair(tuple(relations(replace(drive, limits=tuple(limits)))), (limit.path,), help, rare)
+    yield from _limits(drive)
 
     def changed(result: Motor, paths: Sequence[Path], help: str, rare: float = 0.0) -> Repair:
         rare += PROVED_COST * any(_is_refuted(result, path) for path in paths)
@@ -163,7 +170,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     def moved(paths: Sequence[Path], factor: float, help: str, rare: float = 0.0) -> Repair:
         result = motor
         for path in paths:
-            result = _with(result, path, _times(_at(motor, path), factor))
+            result = _with(result, path, multiplied(_at(motor, path), factor))
         return changed(result, paths, help, rare)
 
     torques = [path for path in TORQUES if number(_at(motor, path))]
@@ -178,10 +185,18 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         other = "joint" if motor.side == "motor" else "motor"
         help = f"are the figures those of the {there}? Then write `side: {other}`"
         yield changed(motor.model_copy(update={"side": other}), [("side",)], help)
+        constant = motor.torque_constant
+        if number(constant):
+            # Of a sheet of the other side the constant is often the rotor's, as the current is.
+            moves = 1.0 / across * (passed if across < 1.0 else 1.0 / passed)
+            there_too = multiplied(constant, moves)
+            update = {"side": other, "torque_constant": there_too}
+            help += f", and torque_constant for that side, {about}{in_unit(there_too)}"
+            yield changed(motor.model_copy(update=update), [("side",)], help, SIDED)
 
     def sided(path: Path, factor: float, lossy: bool, rare: float = 0.0) -> Repair:
         factor *= (passed if factor > 1.0 else 1.0 / passed) if lossy else 1.0
-        meant = _shown(_times(_at(motor, path), factor))
+        meant = in_unit(multiplied(_at(motor, path), factor))
         help = f"is it quoted at the {there}? At the {here} it is {about if lossy else ''}{meant}"
         return moved([path], factor, help, rare)
 
@@ -191,13 +206,15 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if ratio < 1.0:
             help = GEAR_INVERSE.format(format_quantity(1 / ratio, "", 3))
             yield moved([("gear_ratio",)], 1.0 / ratio / ratio, help)
-        yield from (moved([("gear_ratio",)], *slip) for slip in _tens(motor.gear_ratio))
+        if ratio != 1.0:
+            # A direct drive is no gear with its point in the wrong place.
+            yield from (moved([("gear_ratio",)], *slip) for slip in tens(motor.gear_ratio))
     if number(motor.efficiency) and motor.efficiency is not None:
-        yield from (moved([("efficiency",)], *slip) for slip in _tens(motor.efficiency))
+        yield from (moved([("efficiency",)], *slip) for slip in tens(motor.efficiency))
     for path in SPEEDS:
         speed = _at(motor, path)
         if speed is not None and number(speed):
-            yield from (moved([path], *slip) for slip in _slips(speed, speed=True))
+            yield from (moved([path], *slip) for slip in slips_of(speed, speed=True))
             if across is not None:
                 yield sided(path, 1.0 / across, lossy=False)
     yield from _stages(drive)
@@ -210,8 +227,8 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     for field in ("torque_constant", "peak_current", "nominal_current", "nominal_voltage"):
         value: SpecValue | None = getattr(motor, field)
         if value is not None and number(value):
-            slips = list(_slips(value))
-            yield from (moved([(field,)], *slip) for slip in slips)
+            slips = list(slips_of(value))
+            yield from _apart((slip[0], moved([(field,)], *slip)) for slip in slips)
             if field == "torque_constant" and across is not None:
                 # What the current proves is no matter of the side.
                 factor = across * (passed if across > 1.0 else 1.0 / passed)
@@ -234,23 +251,18 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         given = _given(motor, path)
         if given.unit == "N*m" and "kgf" not in given.written:
             # A point in the wrong place is so near that only what agrees exactly tells.
-            servo = moved([path], KGF_CM, _kgf_cm(given), SWAPPED)
-            if any(
-                item.code in ("SPEC181", "SPEC187")
-                and (*root, *path) in (item.path, *item.others)
-                and 1.0 / EXACT < item.value < EXACT
-                for item in servo.after
-            ):
+            servo = moved([path], KGF_CM, kgf_cm(given), SWAPPED)
+            if _is_exact(servo):
                 yield servo
-        slips = list(_slips(given))
-        yield from (moved([path], *slip) for slip in slips)
+        slips = list(slips_of(given))
+        yield from _apart((slip[0], moved([path], *slip)) for slip in slips)
         share = _proof(motor, str(path[-1]))
         # Else it may as well be constant or current.
         told = any(item.code != "SPEC181" and item.path == (*root, *path) for item in broken)
         factors = [across or 1.0, *(slip[0] for slip in slips)]
         if share and told and not any(1.0 / REFUTED <= share / factor <= REFUTED for factor in factors):
             current = "peak_current" if path[-1] == "peak_torque" else "nominal_current"
-            help = f"torque_constant and {current} give {_shown(_times(given, share))}"
+            help = f"torque_constant and {current} give {in_unit(multiplied(given, share))}"
             yield moved([path], share, help, BY_CURRENT)
         if across is not None and len(plain) > 1 and path in plain:
             yield sided(path, across, lossy=True, rare=ONE_SIDED)
@@ -259,23 +271,23 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         names = listed([str(path[-1]) for path in torques], 5)
         if across is not None:
             factor = across * (passed if across > 1.0 else 1.0 / passed)
-            meant = about + _shown(_times(first, factor))
+            meant = about + in_unit(multiplied(first, factor))
             which = f" ({names})" if len(torques) > 1 else ""
-            help = f"is it quoted at the {there}{which}? At the {here} {_shown(first)} is {meant}"
+            help = f"is it quoted at the {there}{which}? At the {here} {in_unit(first)} is {meant}"
             # Without a speed all figures of the side are torques: `side` is no likelier.
             alone = not any(number(_at(motor, path)) for path in SPEEDS)
             yield moved(torques, factor, help, 0.0 if alone else SIDED)
         if len(torques) > 1:
-            yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
+            yield moved(torques, 1e-3, f"are {names} in mN*m? {milli(first)}")
         if len(torques) > 1 and all("kgf" not in _given(motor, path).written for path in torques):
             # A torque constant is in N*m/A on every sheet.
             rare = RARE if motor.torque_constant is None else RARE - 0.05
-            yield moved(torques, KGF_CM, _kgf_cm(first).replace("is it", f"are {names}"), rare)
+            yield moved(torques, KGF_CM, kgf_cm(first).replace("is it", f"are {names}"), rare)
     for field in ("rotor_inertia", "reflected_inertia"):
         inertia: SpecValue | None = getattr(motor, field)
         if inertia is None or not number(inertia):
             continue
-        yield from (moved([(field,)], *slip) for slip in _inertias(inertia))
+        yield from (moved([(field,)], *slip) for slip in inertias(inertia))
         if field == "rotor_inertia" and across is not None:
             help = "is it the inertia at the output? Then write `reflected_inertia`; or a wrong unit, g*cm^2"
             yield changed(
@@ -352,7 +364,7 @@ def _is_refuted(motor: Motor, path: Path) -> bool:
 
 def _is_proved_by(motor: Motor, factor: float) -> bool:
     """Whether a torque is what the motor's constant, so many times as large, gives of its current."""
-    constant = _times(motor.torque_constant, factor)
+    constant = multiplied(motor.torque_constant, factor)
     other = motor.model_copy(update={"torque_constant": constant})
     return any(_is_proved(other, field) for field in ("peak_torque", "continuous_torque"))
 
@@ -361,21 +373,21 @@ def _stages(drive: Drive) -> Iterator[Repair]:
     """Corrections of the stages of the gearbox, and of the transmissions to the joints."""
     gearbox = drive.motor.gearbox or ()
     for index, stage in enumerate(gearbox):
-        for other, help, rare in _stage_slips(stage):
+        for other, help, rare in stage_slips(stage):
             stages = (*gearbox[:index], other, *gearbox[index + 1 :])
             motor = drive.motor.model_copy(update={"gearbox": stages})
             place = stage_path(stage, ("motors", drive.name, "gearbox", index))
             yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
         if number(stage.inertia) and stage.inertia is not None:
-            for factor, help, rare in _inertias(stage.inertia):
-                other = stage.model_copy(update={"inertia": _times(stage.inertia, factor)})
+            for factor, help, rare in inertias(stage.inertia):
+                other = stage.model_copy(update={"inertia": multiplied(stage.inertia, factor)})
                 stages = (*gearbox[:index], other, *gearbox[index + 1 :])
                 motor = drive.motor.model_copy(update={"gearbox": stages})
                 place = ("motors", drive.name, "gearbox", index, "inertia")
                 yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
     for train in {train.root: train for train in drive.trains.values()}.values():
         for index, stage in enumerate(train.stages):
-            for other, help, rare in _stage_slips(stage):
+            for other, help, rare in stage_slips(stage):
                 stages = (*train.stages[:index], other, *train.stages[index + 1 :])
                 trains = {
                     key: replace(same, stages=stages) if same.root == train.root else same
@@ -383,6 +395,69 @@ def _stages(drive: Drive) -> Iterator[Repair]:
                 }
                 after = tuple(relations(replace(drive, trains=trains)))
                 yield Repair(after, (train.place(index),), help, rare)
+
+
+def _is_exact(repair: Repair) -> bool:
+    """Whether a torque, corrected, is just what a limit or its current says."""
+    return any(
+        item.code in ("SPEC181", "SPEC187")
+        and not {item.path, *item.others}.isdisjoint(repair.paths)
+        and 1.0 / EXACT < item.value < EXACT
+        for item in repair.after
+    )
+
+
+def _apart(made: Iterable[tuple[float, Repair]]) -> Iterator[Repair]:
+    """Corrections of one number by their factors; none in kgf*cm where a tenth, which is 2 % apart, agrees exactly."""
+    made = list(made)
+    tenth = any(factor == 0.1 and _is_exact(repair) for factor, repair in made)
+    yield from (repair for factor, repair in made if not tenth or factor != KGF_CM)
+
+
+def _limits(drive: Drive) -> Iterator[Repair]:
+    """Corrections of the limits of the joints.
+
+    Where the robot's file has what the motor gives, a limit that has neither is the odd one of three.
+    """
+    told = {
+        item.about for item in relations(drive) if item.witnessed and 1.0 / AGREES <= item.value <= AGREES
+    }
+    for index, limit in enumerate(drive.limits):
+
+        def changed(
+            value: SpecValue, help: str, rare: float, index: int = index, limit: Limit = limit
+        ) -> Repair:
+            limits = (*drive.limits[:index], replace(limit, value=value), *drive.limits[index + 1 :])
+            return Repair(tuple(relations(replace(drive, limits=limits))), (limit.path,), help, rare)
+
+        fast = limit.path[-1] == "velocity_limit"
+        fields = ("no_load_speed",) if fast else ("peak_torque", "stall_torque")
+        agreed = {
+            witness.value
+            for witness in drive.witnesses
+            if witness.limit == limit.path
+            and not told.isdisjoint(f"witness {witness.joint} {field}" for field in fields)
+        }
+        turns = (gear_of(drive.motor) or 0.0) * limit.reduction
+        if turns >= GEARED and limit.train is None:
+            value = multiplied(limit.value, 1.0 / turns if fast else turns * efficiency_of(drive.motor))
+            help = f"is it quoted at the rotor? At the joint it is {in_unit(value)}"
+            if 1.0 / EXACT < turns / 10.0 ** round(math.log10(turns)) < EXACT:
+                help += f"; or {POINT}"
+            repair = changed(value, help, SIDED)
+            if any(item.path == limit.path and 1.0 / ONCE < item.value < ONCE for item in repair.after):
+                yield repair
+                continue
+        made = []
+        for factor, help, rare in slips_of(limit.value, fast):
+            value = multiplied(limit.value, factor)
+            if not agreed or any(1.0 / AGREES <= (value.value or 0.0) / size <= AGREES for size in agreed):
+                made.append((factor, changed(value, help, rare)))
+        yield from _apart(made)
+        for size in sorted(agreed):
+            meant = replace(limit.value, value=size)
+            help = f"did you mean {in_unit(meant)}? The motor and the robot's file agree on that"
+            yield changed(meant, help, ODD)
 
 
 def _counts(drive: Drive) -> Iterator[Repair]:
@@ -433,110 +508,6 @@ def _reductions(drive: Drive) -> Iterator[Repair]:
             yield Repair(after, (place,), help, RARE)
 
 
-def _stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
-    """A stage the wrong way round, or with its number in another unit."""
-    if stage.teeth is not None:
-        driving, driven = stage.teeth.driving, stage.teeth.driven
-        teeth = stage.teeth.model_copy(update={"driving": driven, "driven": driving})
-        yield stage.model_copy(update={"teeth": teeth}), "are driving and driven swapped?", 0.0
-    for key in ("ratio", "lead", "radius", "lever_arm"):
-        value: SpecValue | None = getattr(stage, key)
-        if value is None or not value.value:
-            continue
-        if key == "ratio" and value.value < 1.0:
-            inverse = replace(value, value=1.0 / value.value)
-            help = f"did you mean {format_quantity(inverse.value, '', 3)}? A stage has turns at its input in one turn "
-            yield stage.model_copy(update={key: inverse}), f"{help}at its output", 0.0
-        for factor, help, rare in _tens(value) if key == "ratio" else _lengths(value):
-            yield stage.model_copy(update={key: _times(value, factor)}), help, rare
-
-
-def _lengths(value: SpecValue) -> Iterator[tuple[float, str, float]]:
-    """A length, or a length per turn, in another unit."""
-    amount, _, unit = value.written.partition(" ")
-    if unit.startswith("m"):
-        yield (
-            (1e-3, f"did you mean {amount} m{unit}?", 0.0)
-            if unit[:2] in ("m", "m/")
-            else (
-                1e3,
-                f"did you mean {amount} {unit[1:]}?",
-                0.0,
-            )
-        )
-    for factor, help, rare in _tens(value):
-        # In the unit that it is written in: m/rad is nobody's.
-        own = f"did you mean {float(amount) * factor:.4g} {unit}?" if unit else help
-        yield factor, own, rare
-
-
-def _inertias(value: SpecValue) -> Iterator[tuple[float, str, float]]:
-    """An inertia in another unit: one with g in place of kg, or one of datasheets."""
-    size = value.value or 0.0
-    amount, _, unit = value.written.partition(" ")
-    units = [(amount, *pair) for pair in ((1e-3, unit.removeprefix("k")), (1e3, f"k{unit}"))]
-    if unit in ("", "kg*m^2"):
-        units = [(f"{size:g}", *pair) for pair in INERTIAS]
-    for shown, factor, other in units:
-        if other != unit and other.startswith(("g*", "kg*")):
-            meant = format_quantity(size * factor, "kg*m^2", 4)
-            yield factor, f"is it in {other}? {shown} {other} is {meant}", 0.0
-    yield from _tens(value)
-
-
-def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, float]]:
-    """Factor, help and cost of the slips in one number."""
-    size = value.value or 0.0
-    if speed and not value.linear:
-        if "rpm" not in value.written:
-            yield RPM, f"is it in rpm? {size:g} rpm is {format_quantity(size * RPM, 'rad/s', 3)}", 0.0
-        else:
-            yield 1.0 / RPM, f"did you mean {format_quantity(size / RPM, 'rad/s')}?", 0.0
-        if not any(unit in value.written for unit in ("deg", "rpm")):
-            meant = format_quantity(size * DEGREE, "rad/s", 3)
-            yield DEGREE, f"is it in deg/s? {size:g} deg/s is {meant}", ALIKE
-    else:
-        yield 1e-3, _of_milli(value), 0.0
-        yield 1e3, f"did you mean {_shown(_times(value, 1e3))}?", 0.0
-    servo = value.unit in ("N*m", "N*m/A") and "kgf" not in value.written and size * KGF_CM < SERVO
-    if servo:
-        # A point in the wrong place is so near that nobody can tell.
-        tenth = f"or did you mean {_shown(_times(value, 0.1))}?"
-        yield KGF_CM, f"{_kgf_cm(value)}; {tenth}", RARE if value.unit == "N*m" else RARE - PER_AMPERE
-    yield from _tens(value)
-
-
-def _kgf_cm(value: SpecValue) -> str:
-    """A torque of a servo's sheet."""
-    size = value.value or 0.0
-    unit = value.unit.replace("N*m", "kgf*cm")
-    return f"is it in {unit}? {size:g} {unit} is {format_quantity(size * KGF_CM, value.unit, 4)}"
-
-
-def _tens(value: SpecValue) -> Iterator[tuple[float, str, float]]:
-    """A number whose point is in the wrong place."""
-    for power in (-1, 1, -2, 2, -3, 3, -4, 4):
-        factor = 10.0**power
-        yield factor, f"did you mean {_shown(_times(value, factor))}?", RARE
-
-
-def _of_milli(value: SpecValue) -> str:
-    """A number in thousandths, or one whose thousands are too many."""
-    amount, _, unit = value.written.partition(" ")
-    if unit.startswith("k") and not unit.startswith("kg"):
-        return f"did you mean {amount} {unit[1:]}?"
-    return f"is it in m{value.unit}? {_milli(value)}"
-
-
-def _milli(value: SpecValue) -> str:
-    size = value.value or 0.0
-    return f"{size:g} m{value.unit} is {format_quantity(size / 1000, value.unit, 3)}"
-
-
-def _shown(value: SpecValue) -> str:
-    return format_quantity(value.value, value.unit, 4)
-
-
 def _at(motor: Motor, path: Path) -> SpecValue | None:
     """A figure of a motor or of its curve."""
     node: object = motor
@@ -559,10 +530,3 @@ def _with(motor: Motor, path: Path, value: SpecValue | None) -> Motor:
         return motor.model_copy(update={str(path[0]): value})
     part = getattr(motor, str(path[0]))
     return motor.model_copy(update={str(path[0]): part.model_copy(update={str(path[1]): value})})
-
-
-def _times(value: SpecValue | None, factor: float) -> SpecValue:
-    """A number as it would be with another factor, as one would write it."""
-    assert value is not None and value.value is not None
-    size = value.value * factor
-    return replace(value, value=size, written=format_quantity(size, value.unit, 4))

@@ -62,9 +62,10 @@ CHECKS = (
         "Torque constant times current far from the torque, or times no-load speed far from the voltage; a nominal "
         "current above the peak current.",
         "N*m/A and V*s/rad are one unit. A warning outside of 0.4 to 2.5 times the torque: amplitudes for effective "
-        "values, phases for lines, losses and saturation make up to 2. Outside of 0.2 to 3 times the voltage: field "
-        "weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. Of any motor 1 to 1000 V and "
-        "5 mA to 2000 A (chosen: from micro motors to those of vehicles).",
+        "values, phases for lines, losses and saturation make up to 2. A stall torque that stands alone is a "
+        "winding's, unless it is in kgf*cm, to 1 %, what constant, current and effort limit agree on. Outside of 0.2 "
+        "to 3 times the voltage: field weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. "
+        "Of any motor 1 to 1000 V and 5 mA to 2000 A (chosen: from micro motors to those of vehicles).",
     ),
     Check(
         "SPEC182",
@@ -79,12 +80,13 @@ CHECKS = (
         "beyond-any-motor",
         "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot, or of the robot's size; "
         "force behind a transmission.",
-        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed): joints of large industrial arms have "
-        "8 kN*m, slews of excavators 400. An error above 1e6 N*m or 1 MW (chosen). "
-        "Largest published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). "
-        "A stall torque beside a peak torque is a winding's, and may be ten times that. Chosen: 300 kN and 3000 "
-        "N*m behind a transmission. Of robots with six hinges or more also the effort limit of a joint with a "
-        "motor that would hold the whole robot on a lever of more than 4 m, an error from 40 m (1.55 m, arm Z1).",
+        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed): joints of large industrial arms have 8 "
+        "kN*m, slews of excavators 400; a torque that the robot's file agrees with, to a quarter, is none too large. "
+        "An error above 1e6 N*m or 1 MW (chosen). Largest published: 494 N*m (Apollo's hip, playground) and 360 N*m "
+        "at 20 rad/s, 7.2 kW (H2, unitree_ros). A stall torque beside a peak torque is a winding's, and may be ten "
+        "times that. Chosen: 300 kN and 3000 N*m behind a transmission. Of robots with six hinges or more also the "
+        "effort limit of a joint with a motor that would hold the whole robot on a lever of more than 4 m, an error "
+        "from 40 m (1.55 m, arm Z1).",
     ),
     Check(
         "SPEC184",
@@ -92,17 +94,17 @@ CHECKS = (
         "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity "
         "limit far above it, or beyond any joint where there is none; either of them far from the speed that the "
         "robot's file states; a transmission that is faster than any joint.",
-        "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed "
-        "of the output), an output above 120 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 "
-        "mN*m (micro motors are sold with 120000); behind a screw, a pinion or a lever "
-        "a slide above 30 m/s and a hinge above 120 rad/s (chosen: belts reach 10 m/s); an output above 1000 rad/s"
-        " divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint,"
-        " and where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s, unless the"
-        " robot's file has it too. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed "
-        "times root of torque to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the H2 100.7), velocity "
-        "limits to 1 times the speed. From 5 times above or below the file's limit on, where a slip in one figure "
-        "makes them agree to a quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any "
-        "case; 0 and powers of ten are placeholders.",
+        "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed of "
+        "the output), an output above 120 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 mN*m (micro motors "
+        "are sold with 120000); behind a screw, a pinion or a lever a slide above 30 m/s and a hinge above 120 rad/s "
+        "(chosen: belts reach 10 m/s); a joint, behind reduction and transmission, above 1000 rad/s divided by the "
+        "root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and where none is "
+        "known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s, unless the robot's file has it "
+        "too. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
+        "to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the H2 100.7), velocity limits to 1 times "
+        "the speed. From 5 times above or below the file's limit on, where a slip in one figure makes them agree to a "
+        "quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any case; 0 and powers "
+        "of ten are placeholders.",
     ),
     Check(
         "SPEC185",
@@ -130,12 +132,12 @@ CHECKS = (
         "file.",
         "A warning above 3 times its peak torque, or the largest of its torques where none is stated, an error above "
         "30 times; a warning below an eighth of the least of peak and continuous torque, or a fiftieth of a stall "
-        "torque that stands alone and of what it gives behind a transmission. "
-        "Published: 0.59 (STS3215) to 1.003 (Spot's hips). A torque against the robot's file as SPEC184. An effort "
-        "limit from 5 times above the file's on where it has no source and no motor's torque is known, from 30 times "
-        "on in any case; below it only what is a power of ten off or, by the gear ratio, the rotor's, to 2 %, or a "
-        "torque of the motor's sheet at the rotor: less is often right. 0, powers of ten and one figure for all joints "
-        "are placeholders of a file.",
+        "torque that stands alone and of what it gives behind a transmission. Published: 0.59 (STS3215) to 1.003 "
+        "(Spot's hips). A torque against the robot's file as SPEC184, or with a line of another motor exchanged where "
+        "both are more than 1.25 times off and agree to 1.05 then. An effort limit from 5 times above the file's on "
+        "where it has no source and no motor's torque is known, from 30 times on in any case; below it only what is a "
+        "power of ten off or, by the gear ratio, the rotor's, to 2 %, or a torque of the motor's sheet at the rotor: "
+        "less is often right. 0, powers of ten and one figure for all joints are placeholders of a file.",
     ),
     Check(
         "SPEC188",
@@ -162,9 +164,13 @@ CHECKS = (
     Check(
         "FRC106",
         "viscous-takes-the-limit",
-        "Viscous friction that takes half of the effort limit at the motor's no-load speed.",
-        "A warning from 0.5 times the limit on. Published: to 0.43 (ANYmal D, PACE). Speed limits are not "
-        "taken: those of published URDFs are often placeholders, of 100 or 1e4 rad/s, and make up to 3333 times.",
+        "Viscous friction that takes half of the effort limit at the motor's no-load speed, or, at another level than "
+        "`dc_motor`, three times the limit there or all of it at a stated velocity limit.",
+        "A warning from 0.5 times the limit on where the torque-speed line acts. Published: to 0.43 (ANYmal D, PACE). "
+        "Elsewhere from 3 times on, as a joint may never come near that speed (a sound belt takes 1.24), and from 1 "
+        "times on at a velocity limit that the spec states, but for powers of ten and for friction that the robot's "
+        "file has as well: limits of published URDFs are often placeholders, of 100 or 1e4 rad/s, and make up to 3333 "
+        "times.",
     ),
     Check(
         "SPEC190",

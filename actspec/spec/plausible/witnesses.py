@@ -24,8 +24,7 @@ from actspec.spec.plausible.drive import (
 )
 from actspec.spec.plausible.driven import AGREES, WITNESS
 from actspec.spec.plausible.groups import FRICTION_SHARE, drives_of, reduction_of
-from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE, RPM
-from actspec.spec.plausible.repairs import KGF_CM
+from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE, KGF_CM, RPM
 from actspec.spec.plausible.table import Doubt, Found, in_file
 from actspec.units import format_quantity
 

@@ -191,12 +191,21 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("effort_limit: 20, friction: {coulomb: 10}", ["FRC101"]),
         ("effort_limit: 20, friction: {coulomb: 40}", ["FRC101!"]),
         ("friction: {coulomb: 200}", []),
-        ("effort_limit: 20, friction: {viscous: 200}, velocity_limit: 20 rad/s", []),
+        # At a velocity limit, where no motor's speed is known, all of it: 1 x 20 of 20 N*m. 100 rad/s is a placeholder.
+        ("effort_limit: 20, friction: {viscous: 1}, velocity_limit: 20 rad/s", ["FRC106"]),
+        ("effort_limit: 20, friction: {viscous: 0.99}, velocity_limit: 20 rad/s", []),
+        ("effort_limit: 20, friction: {viscous: 200}, velocity_limit: 100 rad/s", []),
+        ("effort_limit: 20, friction: {viscous: 200}", []),
         # The motor's 20 N*m are the limit where none is stated.
         ("motor: m, friction: {coulomb: 10}", ["FRC101"]),
         # 1 x 10 rad/s of 20 N*m.
         ("motor: m, level: dc_motor, friction: {viscous: 1}", ["FRC106"]),
         ("motor: m, level: dc_motor, friction: {viscous: 0.99}", []),
+        # Where no line acts three times the limit, 6 x 10 of 20 N*m; at a velocity limit all of it, 4 x 5.
+        ("motor: m, friction: {viscous: 6}", ["FRC106"]),
+        ("motor: m, friction: {viscous: 5.9}", []),
+        ("motor: m, friction: {viscous: 4}, velocity_limit: 5 rad/s", ["FRC106"]),
+        ("motor: m, friction: {viscous: 3.9}, velocity_limit: 5 rad/s", []),
         # 0.5 x 20 rad/s of 10 N*m, both by a reduction that is doubted itself.
         ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["SPEC182"]),
         # 20 N*m x 0.04 = 0.8 N*m.

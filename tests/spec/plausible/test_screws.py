@@ -8,7 +8,7 @@ import pytest
 
 from actspec.diagnostics import ActspecError, Diagnostic
 from actspec.resolution import resolve
-from actspec.robot.load import joints_of_text
+from actspec.robot.load import joints_of_text, listed_robot
 from actspec.spec.document import document_from_text
 from actspec.spec.plausible import BY_CODE
 from actspec.spec.validate import validate
@@ -119,3 +119,79 @@ def test_far_above_may_agree_less_well(tmp_path: Path) -> None:
 @pytest.mark.parametrize("effort", [0, 1, 10, 1000, 0.05])
 def test_placeholders_of_the_file(tmp_path: Path, effort: float) -> None:
     assert said(tmp_path, effort=effort) == []
+
+
+AXIS = """actspec: 1
+robot: {{name: r, model: none, joints: [{{name: j, kind: {kind}}}]}}
+motors: {{m: {{side: motor, peak_torque: {torque} N*m, no_load_speed: {speed} rpm, {gear}}}}}
+actuators: {{g: {{joints: [j], motor: m, level: ideal_pd, kp: {kp}, kd: {kd}, effort_limit: peak{more}}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "gear", "more", "found"),
+    [
+        # 5000 rpm are 523.6 rad/s: times the root of 3.8 N*m 1021, of a bound of 1000. 0.833 m/s and 2388 N.
+        ("slide", "gearbox: [{lead: 10 mm/rev}]", "", []),
+        ("slide", "gear_ratio: 1", ", transmission: [{lead: 10 mm/rev}]", []),
+        # 0.01 m at 523.6 rad/s, 5.2 m/s.
+        ("slide", "gear_ratio: 1", ", transmission: [{radius: 10 mm}]", []),
+        # 83.3 m/s.
+        ("slide", "gearbox: [{lead: 1 m/rev}]", "", ["motors.m.gearbox[0].lead"]),
+        # 523.6 / 50 = 10.5 rad/s of 190 N*m, 144.
+        ("hinge", "gear_ratio: 1", ", reduction: 50", []),
+        ("hinge", "gear_ratio: 1", ", transmission: [{ratio: 50}]", []),
+        ("hinge", "gear_ratio: 1", "", ["motors.m.no_load_speed"]),
+        # 1021 over the root of 1.05 is 996, of 1.04 1001.
+        ("hinge", "gear_ratio: 1", ", reduction: 1.05", []),
+        ("hinge", "gear_ratio: 1", ", reduction: 1.04", ["motors.m.no_load_speed"]),
+        # By a reduction that is doubted itself nothing is judged.
+        ("hinge", "gear_ratio: 1", ", reduction: 0.02", ["actuators.g.reduction"]),
+    ],
+)
+def test_the_speed_of_a_joint_is_judged_behind_all_that_slows_it(
+    tmp_path: Path, kind: str, gear: str, more: str, found: list[str]
+) -> None:
+    per = "m" if kind == "slide" else "N*m"
+    kp, kd = ("2e4 N/m", "1.5e3 N*s/m") if per == "m" else ("100 N*m/rad", "5 N*m*s/rad")
+    text = AXIS.format(kind=kind, torque=3.8, speed=5000, gear=gear, more=more, kp=kp, kd=kd)
+    try:
+        told = validate(document_from_text(text, str(tmp_path / "s.yaml"))).diagnostics
+    except ActspecError as err:
+        told = err.diagnostics
+    assert [item.where for item in told if item.code in BY_CODE] == found
+
+
+def test_the_speed_behind_a_linkage_is_not_known(tmp_path: Path) -> None:
+    """A Jacobian of 60: what turns the knee is a screw."""
+    text = AXIS.format(kind="hinge", torque=3.8, speed=5000, gear="gear_ratio: 1", more="", kp=100, kd=5)
+    text = text.replace("motor: m, ", "")
+    linkage = "linkages: {l: {joints: [j], motors: [m], jacobian: [[60]]}}\n"
+    spec = validate(document_from_text(text + linkage, str(tmp_path / "s.yaml")))
+    assert [item.where for item in spec.diagnostics if item.code in BY_CODE] == []
+
+
+def test_a_direct_drive_is_no_gear_with_a_wrong_point(tmp_path: Path) -> None:
+    """1.5 N*m x 4 / 0.15 m = 40 N, of a limit of 380: 1.5 cm make 400 N, and so would a gear of 10."""
+    text = AXIS.format(
+        kind="slide", torque=1.5, speed=4000, gear="gear_ratio: 1", more="", kp="8e3 N/m", kd="400 N*s/m"
+    )
+    train = "transmission: [{teeth: {driving: 16, driven: 64}}, {radius: 15 cm}]"
+    text = text.replace("effort_limit: peak", f"effort_limit: 380 N, {train}")
+    (found,) = validate(document_from_text(text, str(tmp_path / "s.yaml"))).diagnostics
+    assert (found.where, found.help) == ("actuators.g.transmission[1].radius", "did you mean 1.5 cm?")
+
+
+def test_one_limit_that_is_a_hundredth(tmp_path: Path) -> None:
+    """40 N and 50 N*s/m x 2 m/s of 23 N, of 2300: dry friction tells the limit's place, the rest says no more."""
+    text = AXIS.format(
+        kind="slide", torque=8.36, speed=6000, gear="gear_ratio: 1", more="", kp="2e5 N/m", kd="6e3 N*s/m"
+    )
+    more = "transmission: [{lead: 20 mm/rev}], friction: {coulomb: 40 N, viscous: 50 N*s/m}"
+    text = text.replace("effort_limit: peak", f"effort_limit: 23 N, {more}").replace(
+        "gear_ratio: 1", "gear_ratio: 1, continuous_torque: 2.39 N*m, rotor_inertia: 0.775e-4"
+    )
+    spec = validate(document_from_text(text, str(tmp_path / "s.yaml")))
+    (found,) = (item for item in resolve(spec, listed_robot(spec)).diagnostics if item.code in BY_CODE)
+    assert (found.code, found.where) == ("FRC101", "actuators.g.friction.coulomb")
+    assert "Or is the limit wrong (" in (found.help or "")

@@ -156,14 +156,17 @@ def told_of(groups: str, motor: str) -> list[Diagnostic]:
 
 
 def test_two_numbers_of_which_one_is_wrong() -> None:
-    """0.88 x 5.1 = 4.488 N*m of 45: a gear of 51, a torque of 8.8 and a limit of 4.5 would all do."""
+    """0.88 x 5.1 = 4.488 N*m of 45: a gear of 51, a torque of 8.8 and a limit of 4.5 would all do.
+
+    45 kgf*cm are 4.413 N*m, 2 % off.
+    """
     (found,) = told_of(
         "legs: {joints: [hip], motor: m, level: ideal_pd, kp: 60, kd: 1.5, effort_limit: 45 N*m}",
         "side: motor, peak_torque: 0.88 N*m, gear_ratio: 5.1",
     )
     assert found.code == "SPEC187"
     help = found.help or ""
-    assert help.startswith("one of 3 numbers is wrong. effort_limit: is it in kgf*cm? 45 kgf*cm is 4.413 N*m")
+    assert help.startswith("one of 3 numbers is wrong. effort_limit: did you mean 4.5 N*m? Or")
     assert "Or gear_ratio (s.yaml:3:" in help and "): did you mean 51?" in help
     assert "Or peak_torque (s.yaml:3:" in help and "): did you mean 8.8 N*m?" in help
 
@@ -284,6 +287,16 @@ def test_viscous_friction_that_the_robots_file_has(tmp_path: Path, viscous: str,
     assert "is it in rpm? 16 rpm is 1.68 rad/s" in (found.help or "")
 
 
+@pytest.mark.parametrize(("viscous", "found"), [("20", 0), ("21", 1)])
+def test_viscous_friction_of_the_file_beside_a_velocity_limit(
+    tmp_path: Path, viscous: str, found: int
+) -> None:
+    """20 x 3 rad/s of 30 N*m. What the file has as well, damping a simulator needs, is not mistyped."""
+    fields = f"velocity_limit: 3 rad/s, friction: {{viscous: {viscous}}}"
+    urdf = URDF.replace('damping="2"', 'damping="20"')
+    assert [item.code for item in said(tmp_path, fields, urdf=urdf)] == ["FRC106"] * found
+
+
 def test_a_speed_in_degrees() -> None:
     """429.7 deg/s is 7.5 rad/s, 429.7 rpm 45 rad/s: both are usual."""
     (found,) = told_of(
@@ -376,3 +389,109 @@ def test_a_position_in_degrees_a_little_outside(tmp_path: Path) -> None:
     """-58.1 deg is -1.014 rad, 0.014 rad outside, which is nothing."""
     (found,) = said(tmp_path, "effort_limit: 30", model="arm.urdf, default_pose: {hip: -58.1 rad}")
     assert (found.code, found.help) == ("SPEC190", "is it in degrees? Then write -58.1 deg, -1.014 rad")
+
+
+SIDED = "level: ideal_pd, kp: 60, kd: 1.5"
+
+
+@pytest.mark.parametrize(
+    ("motor", "limit", "where", "help"),
+    [
+        # 18 N*m and 40 rad/s are the joint's, 0.095 N*m/A x 32 A = 3.04 N*m the rotor's: times 6, 0.57 N*m/A.
+        (
+            "side: motor, peak_torque: 18, no_load_speed: 40 rad/s, torque_constant: 0.095, peak_current: 32 A, "
+            "gear_ratio: 6",
+            "peak",
+            "motors.m.side",
+            "are the figures those of the gearbox output? Then write `side: joint`, and torque_constant for that side, "
+            "about 0.57 N*m/A",
+        ),
+        # 0.277 x 101 = 27.98 N*m; a hundred times are 27.7.
+        (
+            "side: joint, peak_torque: 28, gear_ratio: 101",
+            "0.277",
+            "actuators.legs.effort_limit",
+            "is it quoted at the rotor? At the joint it is 27.977 N*m",
+        ),
+        # 0.25 x 101 = 25.25: neither is what the motor gives.
+        (
+            "side: joint, peak_torque: 28, gear_ratio: 101",
+            "0.25",
+            "actuators.legs.effort_limit",
+            "one of 2 numbers is wrong. effort_limit: did you mean 25 N*m? Or peak_torque (s.yaml:3:40): did you mean "
+            "0.28 N*m?",
+        ),
+        # 3.8 x 101 = 383.8 rad/s.
+        (
+            "side: joint, peak_torque: 28, no_load_speed: 3.8 rad/s, gear_ratio: 101",
+            "28, velocity_limit: 384 rad/s",
+            "actuators.legs.velocity_limit",
+            "is it quoted at the rotor? At the joint it is 3.802 rad/s",
+        ),
+        # 0.28 x 100 is a hundred times, too. 0.444 x 100 x 0.7 is the continuous torque there.
+        (
+            "side: joint, peak_torque: 28, gear_ratio: 100",
+            "0.28",
+            "actuators.legs.effort_limit",
+            "is it quoted at the rotor? At the joint it is 28 N*m; or is the point in the wrong place?",
+        ),
+        (
+            "side: motor, stall_torque: 4.67, continuous_torque: 0.444, no_load_speed: 3190 rpm, gear_ratio: 80, "
+            "efficiency: 0.7, rotor_inertia: 3.06e-4",
+            "0.444",
+            "actuators.legs.effort_limit",
+            "is it quoted at the rotor? At the joint it is 24.864 N*m",
+        ),
+    ],
+)
+def test_the_other_side_of_the_gear(motor: str, limit: str, where: str, help: str) -> None:
+    (found,) = told_of(f"legs: {{joints: [hip], motor: m, {SIDED}, effort_limit: {limit}}}", motor)
+    assert (found.where, found.help) == (where, help)
+
+
+@pytest.mark.parametrize(
+    ("peak", "help"),
+    [
+        # 0.9 x 50 = 45 N*m of 45; 9 kgf*cm are 44.1 N*m there.
+        ("9", "did you mean 0.9 N*m?"),
+        ("9.18", "is it in kgf*cm? 9.18 kgf*cm is 0.9003 N*m"),
+    ],
+)
+def test_kgf_cm_is_told_from_a_wrong_point(tmp_path: Path, peak: str, help: str) -> None:
+    motor = f"motors: {{m: {{side: motor, peak_torque: {peak}, no_load_speed: 180 rad/s, gear_ratio: 50}}}}\n"
+    (found,) = said(tmp_path, "motor: m", motor, urdf=URDF.replace('effort="30"', 'effort="45"'))
+    assert (found.where, found.help) == ("motors.m.peak_torque", help)
+
+
+SERVO = """actspec: 1
+robot: {{name: r, model: none, joints: [{{name: j}}]}}
+motors:
+  m:
+    {{side: joint, stall_torque: {stall}, no_load_speed: 46 rpm, torque_constant: 1.783, peak_current: 2.3 A{more}}}
+actuators: {{g: {{joints: [j], motor: m, level: dc_motor, kp: 20, kd: 0.5, effort_limit: {limit}}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("stall", "limit", "more", "told"),
+    [
+        # 1.783 x 2.3 = 4.101 N*m; 41.8 kgf*cm are 4.099 N*m.
+        ("41.8 N*m", "4.1 N*m", "", True),
+        ("4.1 N*m", "4.1 N*m", "", False),
+        # Of a winding it may be any other multiple of what the drive gives, whether ten times it or twelve.
+        ("41 N*m", "4.1 N*m", "", False),
+        ("50 N*m", "4.1 N*m", "", False),
+        # A limit that says something else, or a peak that says what the drive gives.
+        ("41.8 N*m", "3.9 N*m", "", False),
+        ("41.8 N*m", "4.1 N*m", ", peak_torque: 4.1 N*m", False),
+    ],
+)
+def test_a_stall_torque_in_kgf_cm_beside_current_and_limit(
+    tmp_path: Path, stall: str, limit: str, more: str, told: bool
+) -> None:
+    text = SERVO.format(stall=stall, limit=limit, more=more)
+    found = [
+        item for item in validate(document_from_text(text, "s.yaml")).diagnostics if item.code in BY_CODE
+    ]
+    expected = [("SPEC181", "motors.m.stall_torque", "is it in kgf*cm? 41.8 kgf*cm is 4.099 N*m")]
+    assert [(item.code, item.where, item.help) for item in found] == expected * told

@@ -186,9 +186,68 @@ def test_a_placeholder_is_no_witness(
     assert said_of == []
 
 
-def test_a_limit_that_no_figure_brings_to_the_file(tmp_path: Path) -> None:
+def test_a_limit_that_no_slip_brings_to_the_file(tmp_path: Path) -> None:
     """Of 3200 N*m 320 are 1.6 times the file's 200, and 32 a sixth of them; the motor gives 30 x 6.6 = 198."""
+    agreed = "did you mean 200 N*m? The motor and the robot's file agree on that"
     sheet = {"side": "motor", "gear_ratio": "6.6", "peak_torque": "30", "continuous_torque": "11"}
-    for limit, help in (("3200", "is the point in the wrong place?"), ("1980", "did you mean 198 N*m?")):
+    for limit, help in (("3200", agreed), ("1980", "did you mean 198 N*m?")):
         (found,) = said(tmp_path, sheet, effort=200, speed=23, limits=f", effort_limit: {limit}")
         assert (found.code, found.where, found.help) == ("SPEC187", "actuators.arm.effort_limit", help)
+
+
+@pytest.mark.parametrize(
+    ("limits", "field", "help"),
+    [
+        # 5.36 and 3.57 times what motor and file have: a tenth, 15 and 10 N*m, is neither's.
+        (
+            "effort_limit: 150",
+            "effort_limit",
+            "did you mean 28 N*m? The motor and the robot's file agree on that",
+        ),
+        (
+            "effort_limit: 100",
+            "effort_limit",
+            "did you mean 28 N*m? The motor and the robot's file agree on that",
+        ),
+        # Where a slip makes it theirs, that is told.
+        ("effort_limit: 280", "effort_limit", "did you mean 28 N*m?"),
+        (
+            "velocity_limit: 15 rad/s",
+            "velocity_limit",
+            "did you mean 3.2 rad/s? The motor and the robot's file agree on that",
+        ),
+    ],
+)
+def test_a_limit_beside_motor_and_file(tmp_path: Path, limits: str, field: str, help: str) -> None:
+    sheet = {"side": "joint", "peak_torque": "28", "no_load_speed": "3.8 rad/s"}
+    (found,) = said(tmp_path, sheet, effort=28, speed=3.2, limits=f", {limits}")
+    assert (found.where, found.help) == (f"actuators.arm.{field}", help)
+
+
+def test_of_motor_and_limit_the_file_tells_the_motor(tmp_path: Path) -> None:
+    """A torque of 2.8 N*m beside a limit and a file of 28."""
+    sheet = {"side": "joint", "peak_torque": "2.8"}
+    (found,) = said(tmp_path, sheet, effort=28, speed=3.2, limits=", effort_limit: 28")
+    assert (found.where, found.help) == ("motors.m.peak_torque", "did you mean 28 N*m?")
+
+
+def test_a_large_arm(tmp_path: Path) -> None:
+    """40 N*m x 183 x 0.8 = 5856 N*m and 12 kW: of no gear is it a robot of a usual size; the file may say it, too."""
+    sheet = {
+        "side": "motor",
+        "peak_torque": "40",
+        "no_load_speed": "3600 rpm",
+        "gear_ratio": "183",
+        "efficiency": "0.8",
+        "rotor_inertia": "3.8e-3",
+    }
+    (found,) = said(tmp_path, sheet, effort=0, speed=2)
+    assert (found.code, found.where) == ("SPEC183", "motors.m.peak_torque")
+    assert (found.help or "").startswith("look for a wrong unit: mN*m as N*m, rpm as rad/s; `sure: true`")
+    # Beside a sound limit the kp of 4 N*m/rad is told.
+    assert [item.code for item in said(tmp_path, sheet, effort=5800, speed=2)] == ["SPEC192"]
+    # 1220 N*m and 2.4 kW; a tenth is a robot's.
+    motor = {"peak_torque": "9", "no_load_speed": "2400 rpm", "gear_ratio": "170", "rotor_inertia": "2e-4"}
+    small = {**sheet, **motor}
+    (found,) = said(tmp_path, small, effort=0, speed=2)
+    assert (found.help or "").startswith("did you mean 0.9 N*m?")

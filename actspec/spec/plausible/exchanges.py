@@ -1,0 +1,111 @@
+"""Two motors whose lines are exchanged: neither gives what its joints have, and each what those of the other have."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from actspec.diagnostics import Path
+from actspec.spec.document import SourceMap
+from actspec.spec.models import Motor, SpecModel
+from actspec.spec.plausible.drive import Drive
+from actspec.spec.plausible.driven import AGREES
+from actspec.spec.plausible.groups import layers
+from actspec.spec.plausible.motors import relations
+from actspec.spec.plausible.relations import Relation
+from actspec.spec.plausible.table import Doubt, at
+
+MATCHES = 1.05
+"""With the lines exchanged each limit is what its motor gives, by this factor: two of them are no accident."""
+_LINES = ("gear_ratio", "peak_torque", "stall_torque")
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """Two motors that are told together.
+
+    Attributes:
+        motors: Their names.
+        doubt: What is told of them.
+    """
+
+    motors: frozenset[str]
+    doubt: Doubt
+
+
+def exchanges(drives: Sequence[Drive], model: SpecModel, spans: SourceMap) -> Iterator[Exchange]:
+    """Pairs of motors with one line exchanged, or whose groups name each other's motor.
+
+    Args:
+        drives: The motors, with the limits of their joints that spec and robot's file state.
+        model: The spec.
+        spans: Where it says what it says.
+    """
+    off = {
+        drive.name: drive
+        for drive in drives
+        if (efforts := _efforts(drive)) and not any(_is_within(item, AGREES) for item in efforts)
+    }
+    for first, second in itertools.combinations(tuple(off), 2):
+        if first not in off or second not in off:
+            continue
+        one, two = off[first], off[second]
+        found = list(_exchanged(one, two, model))
+        if not found:
+            continue
+        del off[first], off[second]
+        told = [_efforts(drive)[0] for drive in (one, two)]
+        help = "; or ".join(
+            f"are {line} of '{ours[-2]}' and of '{theirs[-2]}' ({spans.value(theirs)}) exchanged?"
+            for line, ours, theirs in found
+        )
+        where, *others = (path for _, *pair in found for path in pair)
+        judged = (path for item in told for path in (item.path, *item.others))
+        message = "; and ".join(item.message for item in told)
+        yield Exchange(
+            frozenset((first, second)), at(spans, "SPEC187", message, where, help, *others, *judged)
+        )
+
+
+def _exchanged(one: Drive, two: Drive, model: SpecModel) -> Iterator[tuple[str, Path, Path]]:
+    """What may be exchanged: the field, and where the two stand."""
+    for field in _LINES:
+        ours, theirs = getattr(one.motor, field), getattr(two.motor, field)
+        if ours is None or theirs is None or one.motor.side != two.motor.side:
+            continue
+        motors = (one.motor.model_copy(update={field: theirs}), two.motor.model_copy(update={field: ours}))
+        if _fits(one, two, *motors):
+            yield field, ("motors", one.name, field), ("motors", two.name, field)
+    places = [
+        [path for path, fields, _ in layers(model) if fields.motor == drive.name] for drive in (one, two)
+    ]
+    if all(len(paths) == 1 for paths in places) and _fits(one, two, two.motor, one.motor):
+        (mine,), (other,) = places
+        yield "motor", (*mine, "motor"), (*other, "motor")
+
+
+def _fits(one: Drive, two: Drive, *motors: Motor) -> bool:
+    """Whether with these motors all is sound, and every limit what its motor gives."""
+    for drive, motor in zip((one, two), motors, strict=True):
+        changed = replace(drive, motor=motor)
+        efforts = _efforts(changed)
+        if not efforts or not all(_is_within(item, MATCHES) for item in efforts):
+            return False
+        if any(item.broken for item in relations(changed)):
+            return False
+    return True
+
+
+def _efforts(drive: Drive) -> list[Relation]:
+    """What its torque makes of every limit of its joints."""
+    return [
+        item
+        for item in relations(drive)
+        if item.code == "SPEC187"
+        and (item.about.startswith("above ") or (item.witnessed and item.path[0] == "motors"))
+    ]
+
+
+def _is_within(relation: Relation, factor: float) -> bool:
+    return 1.0 / factor <= relation.value <= factor

@@ -1,0 +1,129 @@
+"""What people mistype: a number in another unit, with another power of ten or the wrong way round; what it would be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from actspec.spec.gears import Stage
+from actspec.spec.plausible.relations import ALIKE, DEGREE, KGF_CM, RARE, RPM
+from actspec.spec.values import SpecValue
+from actspec.units import format_quantity
+
+SERVO = 10.0
+"""Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
+PER_AMPERE = 0.05
+"""So much likelier than a torque a torque constant is in kgf*cm: sheets of servos have kgf*cm/A."""
+INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"), (1e-3, "g*m^2"))
+"""Units of datasheets [kg*m^2]."""
+
+
+def stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
+    """A stage the wrong way round, or with its number in another unit."""
+    if stage.teeth is not None:
+        driving, driven = stage.teeth.driving, stage.teeth.driven
+        teeth = stage.teeth.model_copy(update={"driving": driven, "driven": driving})
+        yield stage.model_copy(update={"teeth": teeth}), "are driving and driven swapped?", 0.0
+    for key in ("ratio", "lead", "radius", "lever_arm"):
+        value: SpecValue | None = getattr(stage, key)
+        if value is None or not value.value:
+            continue
+        if key == "ratio" and value.value < 1.0:
+            inverse = replace(value, value=1.0 / value.value)
+            help = f"did you mean {format_quantity(inverse.value, '', 3)}? A stage has turns at its input in one turn "
+            yield stage.model_copy(update={key: inverse}), f"{help}at its output", 0.0
+        for factor, help, rare in tens(value) if key == "ratio" else _lengths(value):
+            yield stage.model_copy(update={key: multiplied(value, factor)}), help, rare
+
+
+def _lengths(value: SpecValue) -> Iterator[tuple[float, str, float]]:
+    """A length, or a length per turn, in another unit."""
+    amount, _, unit = value.written.partition(" ")
+    if unit.startswith("m"):
+        yield (
+            (1e-3, f"did you mean {amount} m{unit}?", 0.0)
+            if unit[:2] in ("m", "m/")
+            else (
+                1e3,
+                f"did you mean {amount} {unit[1:]}?",
+                0.0,
+            )
+        )
+    for factor, help, rare in tens(value):
+        # In the unit that it is written in: m/rad is nobody's.
+        own = f"did you mean {float(amount) * factor:.4g} {unit}?" if unit else help
+        yield factor, own, rare
+
+
+def inertias(value: SpecValue) -> Iterator[tuple[float, str, float]]:
+    """An inertia in another unit: one with g in place of kg, or one of datasheets."""
+    size = value.value or 0.0
+    amount, _, unit = value.written.partition(" ")
+    units = [(amount, *pair) for pair in ((1e-3, unit.removeprefix("k")), (1e3, f"k{unit}"))]
+    if unit in ("", "kg*m^2"):
+        units = [(f"{size:g}", *pair) for pair in INERTIAS]
+    for shown, factor, other in units:
+        if other != unit and other.startswith(("g*", "kg*")):
+            meant = format_quantity(size * factor, "kg*m^2", 4)
+            yield factor, f"is it in {other}? {shown} {other} is {meant}", 0.0
+    yield from tens(value)
+
+
+def slips_of(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, float]]:
+    """Factor, help and cost of the slips in one number."""
+    size = value.value or 0.0
+    if speed and not value.linear:
+        if "rpm" not in value.written:
+            yield RPM, f"is it in rpm? {size:g} rpm is {format_quantity(size * RPM, 'rad/s', 3)}", 0.0
+        else:
+            yield 1.0 / RPM, f"did you mean {format_quantity(size / RPM, 'rad/s')}?", 0.0
+        if not any(unit in value.written for unit in ("deg", "rpm")):
+            meant = format_quantity(size * DEGREE, "rad/s", 3)
+            yield DEGREE, f"is it in deg/s? {size:g} deg/s is {meant}", ALIKE
+    else:
+        yield 1e-3, _of_milli(value), 0.0
+        yield 1e3, f"did you mean {in_unit(multiplied(value, 1e3))}?", 0.0
+    servo = value.unit in ("N*m", "N*m/A") and "kgf" not in value.written and size * KGF_CM < SERVO
+    if servo:
+        # A point in the wrong place is so near that nobody can tell.
+        tenth = f"or did you mean {in_unit(multiplied(value, 0.1))}?"
+        yield KGF_CM, f"{kgf_cm(value)}; {tenth}", RARE if value.unit == "N*m" else RARE - PER_AMPERE
+    yield from tens(value)
+
+
+def kgf_cm(value: SpecValue) -> str:
+    """A torque of a servo's sheet."""
+    size = value.value or 0.0
+    unit = value.unit.replace("N*m", "kgf*cm")
+    return f"is it in {unit}? {size:g} {unit} is {format_quantity(size * KGF_CM, value.unit, 4)}"
+
+
+def tens(value: SpecValue) -> Iterator[tuple[float, str, float]]:
+    """A number whose point is in the wrong place."""
+    for power in (-1, 1, -2, 2, -3, 3, -4, 4):
+        factor = 10.0**power
+        yield factor, f"did you mean {in_unit(multiplied(value, factor))}?", RARE
+
+
+def _of_milli(value: SpecValue) -> str:
+    """A number in thousandths, or one whose thousands are too many."""
+    amount, _, unit = value.written.partition(" ")
+    if unit.startswith("k") and not unit.startswith("kg"):
+        return f"did you mean {amount} {unit[1:]}?"
+    return f"is it in m{value.unit}? {milli(value)}"
+
+
+def milli(value: SpecValue) -> str:
+    size = value.value or 0.0
+    return f"{size:g} m{value.unit} is {format_quantity(size / 1000, value.unit, 3)}"
+
+
+def in_unit(value: SpecValue) -> str:
+    return format_quantity(value.value, value.unit, 4)
+
+
+def multiplied(value: SpecValue | None, factor: float) -> SpecValue:
+    """A number as it would be with another factor, as one would write it."""
+    assert value is not None and value.value is not None
+    size = value.value * factor
+    return replace(value, value=size, written=format_quantity(size, value.unit, 4))

@@ -1,0 +1,91 @@
+"""Two motors with a line exchanged: each gives what the robot's file has of the other's joints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.diagnostics import Diagnostic
+from actspec.resolution import resolve
+from actspec.robot.load import joints_of_text
+from actspec.spec.document import document_from_text
+from actspec.spec.plausible import BY_CODE
+from actspec.spec.validate import validate
+
+JOINT = """<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{name}_"/>
+    <limit lower="-1" upper="1" effort="{effort}" velocity="{speed}"/></joint>
+"""
+SPEC = """actspec: 1
+robot: {{name: leg, model: leg.urdf}}
+motors:
+  abd: {{side: motor, peak_torque: {peaks[0]} N*m, no_load_speed: 304 rad/s, gear_ratio: {gears[0]}}}
+  flex: {{side: motor, peak_torque: {peaks[1]} N*m, no_load_speed: 136 rad/s, gear_ratio: {gears[1]}}}
+actuators:
+  hip: {{joints: [hip], motor: {motors[0]}, level: ideal_pd, kp: 100, kd: 3, effort_limit: {limit}}}
+  leg: {{joints: [knee], motor: {motors[1]}, level: ideal_pd, kp: 200, kd: 6, effort_limit: peak}}
+"""
+"""4.5 N*m x 25 = 112.5 N*m and 12.2 x 16 = 195.2."""
+
+
+def said(
+    folder: Path,
+    *,
+    gears: tuple[float, float] = (25, 16),
+    peaks: tuple[float, float] = (4.5, 12.2),
+    motors: tuple[str, str] = ("abd", "flex"),
+    efforts: tuple[float, float] = (112, 195),
+    limit: str = "peak",
+) -> list[Diagnostic]:
+    """What is said of the two motors beside a file with these efforts."""
+    path = folder / "leg.urdf"
+    links = "".join(f'<link name="{name}"/>' for name in ("base", "hip_", "knee_"))
+    hip = JOINT.format(name="hip", parent="base", effort=efforts[0], speed=12)
+    knee = JOINT.format(name="knee", parent="hip_", effort=efforts[1], speed=8)
+    path.write_text(f'<robot name="leg">{links}{hip}{knee}</robot>', encoding="utf-8")
+    text = SPEC.format(gears=gears, peaks=peaks, motors=motors, limit=limit)
+    spec = validate(document_from_text(text, str(folder / "s.yaml")))
+    return [item for item in resolve(spec, joints_of_text(str(path))).diagnostics if item.code in BY_CODE]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "where", "help"),
+    [
+        # 72 and 305 N*m.
+        ({"gears": (16, 25)}, "motors.abd.gear_ratio", "are gear_ratio of 'abd' and of 'flex' ("),
+        ({"peaks": (12.2, 4.5)}, "motors.abd.peak_torque", "are peak_torque of 'abd' and of 'flex' ("),
+        # 195.2 N*m at the hip.
+        ({"motors": ("flex", "abd")}, "actuators.leg.motor", "are motor of 'leg' and of 'hip' ("),
+    ],
+)
+def test_two_lines_exchanged(
+    tmp_path: Path, wrong: dict[str, tuple[float, float]], where: str, help: str
+) -> None:
+    assert said(tmp_path) == []
+    (found,) = said(tmp_path, **wrong)
+    assert (found.code, found.where) == ("SPEC187", where)
+    assert (found.help or "").startswith(help)
+    assert (found.help or "").endswith(") exchanged?")
+    assert "'hip'" in found.message and "'knee'" in found.message
+
+
+def test_no_exchange_where_the_other_does_not_fit(tmp_path: Path) -> None:
+    """72 and 305 N*m of 112 and 250: exchanged, the second would be 1.28 times off. 112.5 of 106 is 1.06."""
+    assert said(tmp_path, gears=(16, 25), efforts=(112, 250)) == []
+    assert said(tmp_path, gears=(16, 25), efforts=(106, 195)) == []
+    # 135 of 112.5 N*m is 1.2, which may be meant: 30 and 25 are no exchange.
+    assert said(tmp_path, gears=(30, 25), efforts=(112.5, 366)) == []
+
+
+def test_a_limit_of_the_spec_is_a_witness_too(tmp_path: Path) -> None:
+    """A limit of 112 N*m of a motor that gives 305; one of 90 N*m is nobody's."""
+    (found,) = said(tmp_path, peaks=(12.2, 4.5), limit="112 N*m")
+    assert found.where == "motors.abd.peak_torque"
+    assert said(tmp_path, peaks=(12.2, 4.5), limit="90 N*m") == []
+
+
+def test_one_message_of_two_that_are_ten_times_off(tmp_path: Path) -> None:
+    """Gears of 8 and 80: 36 and 400 N*m. Exchanged, each by itself would be told as one with a wrong point."""
+    assert said(tmp_path, gears=(8, 80), peaks=(4.5, 5), efforts=(36, 400)) == []
+    (found,) = said(tmp_path, gears=(80, 8), peaks=(4.5, 5), efforts=(36, 400))
+    assert (found.where, "exchanged" in (found.help or "")) == ("motors.abd.gear_ratio", True)
