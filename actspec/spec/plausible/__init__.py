@@ -15,6 +15,7 @@ from actspec.ir import JointActuator
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.clamps import range_doubts
+from actspec.spec.plausible.contradicted import contradictions
 from actspec.spec.plausible.exchanges import exchanges
 from actspec.spec.plausible.groups import group_doubts, time_doubts
 from actspec.spec.plausible.linkages import linkage_doubts
@@ -23,6 +24,7 @@ from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, by_numbe
 from actspec.spec.plausible.witnesses import file_doubts, witnessed
 from actspec.spec.rules.robot import SPEC_ITSELF
 
+_BY_FILE = frozenset(("FRC101", "SPEC135", "SPEC180"))
 _CODE = re.compile("[A-Za-z]{2,}[0-9]+")
 
 __all__ = ["BY_CODE", "CHECKS", "Check", "check_numbers"]
@@ -51,8 +53,9 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
                 "SPEC162", f"no check of a spec's numbers is called {code}", help
             )
     doubts = number_doubts(model, document)
-    # Which of friction and limit is wrong, the robot's file tells: that is no reason not to read it.
-    told = (replace(doubt, error=False) if doubt.code == "FRC101" else doubt for doubt in doubts)
+    # Which of friction and limit, or of two torques, is wrong, the robot's file tells: no reason not to read it.
+    read = not collector.failed
+    told = (replace(doubt, error=False) if read and doubt.code in _BY_FILE else doubt for doubt in doubts)
     tell(told, document, model.accept, collector)
 
 
@@ -69,9 +72,10 @@ def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointAc
     exchanged = list(exchanges(drives, model, spans))
     together = {name for pair in exchanged for name in pair.motors}
     doubts = [pair.doubt for pair in exchanged]
-    doubts += (
-        doubt for drive in drives if drive.name not in together for doubt in motor_doubts(drive, spans)
-    )
+    for drive in drives:
+        if drive.name not in together:
+            own = list(motor_doubts(drive, spans))
+            doubts += own or contradictions(drive, joints, model, spans)
     places = {doubt.span for doubt in doubts}
     doubts += (doubt for doubt in by_number(file_doubts(joints, model)) if doubt.span not in places)
     doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}

@@ -34,6 +34,8 @@ WITNESS = 5.0
 """A figure over what the robot's file says of it. Chosen: limits of files are up to 3 times other than the motor's."""
 AGREES = 1.25
 """The same of a corrected figure."""
+SLOWED = 0.5
+"""A velocity limit in another unit is explained from so much of motor and file on: it is often below them."""
 SPEED_LIMIT = 3.0
 """Velocity limit over the motor's speed without load, at the joint. Published: to 1 (Go1, STS3215)."""
 NEVER_GEARED_UP = 0.05
@@ -256,7 +258,7 @@ def witness_relations(drive: Drive, output: Output) -> Iterator[Relation]:
                 "SPEC184" if witness.speed else "SPEC187",
                 ratio,
                 (1.0 / WITNESS, WITNESS),
-                (1.0 / AGREES, AGREES),
+                (SLOWED if witness.speed and place[0] == "actuators" else 1.0 / AGREES, AGREES),
                 f"the robot's file gives the joint '{witness.joint}' {what} of "
                 f"{format_quantity(witness.value, unit, 4)}, {far} {field} {value.written}{there}",
                 place,

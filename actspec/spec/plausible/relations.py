@@ -40,6 +40,11 @@ ABOUT = 0.2
 MET = 1.1
 """Where the robot's file contradicts a number, a figure in its place is offered if they agree by this factor."""
 
+TO_THE_DIGIT = 1.005
+"""It is just the file's figure if it is that by this factor."""
+EXACTLY = 0.35
+"""What that is worth before others, as `RARE`: a little more than that."""
+
 POINT = "is the point in the wrong place?"
 KEEP = "`sure: true` beside it keeps a number that is right"
 
@@ -104,12 +109,14 @@ class Repair:
         paths: What is corrected.
         help: What was probably meant.
         rare: What it costs before others.
+        fitted: Its figure is made from the file's, so that it agrees whatever was meant.
     """
 
     after: Sequence[Relation]
     paths: tuple[Path, ...]
     help: str | None
     rare: float = 0.0
+    fitted: bool = False
 
     @property
     def is_point(self) -> bool:
@@ -139,7 +146,11 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
             continue
         further = sum(max(0.0, relation.excess - was.get(_about(relation), 0.0)) for relation in repair.after)
         if further <= NEAR:
-            found.append((sum(relation.excess for relation in repair.after) + repair.rare, repair))
+            cost = sum(relation.excess for relation in repair.after) + repair.rare
+            # A slip that makes it the figure of the file, to the digit, is no accident.
+            just = [relation.value for relation in repair.after if _about(relation) in refuted]
+            exact = bool(just) and all(1.0 / TO_THE_DIGIT < value < TO_THE_DIGIT for value in just)
+            found.append((cost - EXACTLY * (exact and not repair.fitted), repair))
     if not found:
         return []
     seen = {relation.path for relation in before if relation.broken and not relation.witnessed}

@@ -12,7 +12,7 @@ from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
 from actspec.spec.models import Motor
 from actspec.spec.plausible.drive import GEARED, Drive, Limit, efficiency_of, gear_of, number, stage_path
-from actspec.spec.plausible.driven import AGREES
+from actspec.spec.plausible.driven import AGREES, SLOWED
 from actspec.spec.plausible.motors import GEAR_INVERSE, relations
 from actspec.spec.plausible.relations import (
     KGF_CM,
@@ -98,9 +98,14 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     elif not witnessed and drive.witnesses:
         # A limit that meets the robot's file with no figure is offered none.
         known = {spans.value(witness.limit) for witness in drive.witnesses if witness.limit is not None}
+        refuted = {spans.value(relation.path): relation.message for relation in broken if relation.witnessed}
         for doubt in motor_doubts(replace(drive, witnesses=()), spans):
-            vague = doubt.span in known and (doubt.help or "").startswith("did you mean")
-            yield replace(doubt, help=POINT) if vague else doubt
+            vague = doubt.span is not None and (doubt.help or "").startswith("did you mean")
+            if vague and doubt.span in known:
+                doubt = replace(doubt, help=POINT)
+            elif vague and doubt.span in refuted:
+                doubt = replace(doubt, help=refuted[doubt.span])
+            yield doubt
     elif not witnessed:
         for relation in _first(broken):
             yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
@@ -308,7 +313,8 @@ def _is_efficient(motor: Motor) -> bool:
 
 def _forgotten(drive: Drive, moved: Callable[[Sequence[Path], float, str], Repair]) -> Iterator[Repair]:
     """A gear where the motor has none, if effort and speed of the robot's file both ask for one."""
-    if number(drive.motor.gear_ratio) != 1.0:
+    if number(drive.motor.gear_ratio) != 1.0 or drive.trains:
+        # Behind a direct drive it is the transmission's.
         return
     asked = [
         (relation.code, relation.value)
@@ -319,7 +325,7 @@ def _forgotten(drive: Drive, moved: Callable[[Sequence[Path], float, str], Repai
     if weak and any(code == "SPEC184" and value > 1.0 for code, value in asked):
         gear = min(weak)
         help = "is a gear forgotten? gear_ratio is rotor turns in one output turn"
-        yield moved([("gear_ratio",)], gear, help)
+        yield replace(moved([("gear_ratio",)], gear, help), fitted=True)
 
 
 def _unknown_gear(drive: Drive, moved: Callable[..., Repair]) -> Iterator[Repair]:
@@ -451,13 +457,15 @@ def _limits(drive: Drive) -> Iterator[Repair]:
         made = []
         for factor, help, rare in slips_of(limit.value, fast):
             value = multiplied(limit.value, factor)
-            if not agreed or any(1.0 / AGREES <= (value.value or 0.0) / size <= AGREES for size in agreed):
+            # A speed is often limited below the motor's.
+            least = SLOWED if fast and rare < RARE else 1.0 / AGREES
+            if not agreed or any(least <= (value.value or 0.0) / size <= AGREES for size in agreed):
                 made.append((factor, changed(value, help, rare)))
         yield from _apart(made)
         for size in sorted(agreed):
             meant = replace(limit.value, value=size)
             help = f"did you mean {in_unit(meant)}? The motor and the robot's file agree on that"
-            yield changed(meant, help, ODD)
+            yield replace(changed(meant, help, ODD), fitted=True)
 
 
 def _counts(drive: Drive) -> Iterator[Repair]:

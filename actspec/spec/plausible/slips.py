@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -16,6 +18,10 @@ PER_AMPERE = 0.05
 """So much likelier than a torque a torque constant is in kgf*cm: sheets of servos have kgf*cm/A."""
 INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"), (1e-3, "g*m^2"))
 """Units of datasheets [kg*m^2]."""
+SPEEDS = {"rpm": RPM, "rad/s": 1.0, "deg/s": DEGREE}
+"""Units of speeds [rad/s]."""
+
+_WRITTEN = re.compile(r"([-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?) *([a-z].*)")
 
 
 def stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
@@ -32,6 +38,11 @@ def stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
             inverse = replace(value, value=1.0 / value.value)
             help = f"did you mean {format_quantity(inverse.value, '', 3)}? A stage has turns at its input in one turn "
             yield stage.model_copy(update={key: inverse}), f"{help}at its output", 0.0
+        if key == "lead" and not value.written.endswith("/rev"):
+            # Sheets have it per turn.
+            meant = multiplied(value, 0.5 / math.pi)
+            help = f"is it per turn? Then write {format_quantity((value.value or 0.0) * 1e3, 'mm/rev', 4)}"
+            yield stage.model_copy(update={key: meant}), help, 0.0
         for factor, help, rare in tens(value) if key == "ratio" else _lengths(value):
             yield stage.model_copy(update={key: multiplied(value, factor)}), help, rare
 
@@ -73,22 +84,45 @@ def slips_of(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str
     """Factor, help and cost of the slips in one number."""
     size = value.value or 0.0
     if speed and not value.linear:
-        if "rpm" not in value.written:
-            yield RPM, f"is it in rpm? {size:g} rpm is {format_quantity(size * RPM, 'rad/s', 3)}", 0.0
-        else:
-            yield 1.0 / RPM, f"did you mean {format_quantity(size / RPM, 'rad/s')}?", 0.0
-        if not any(unit in value.written for unit in ("deg", "rpm")):
-            meant = format_quantity(size * DEGREE, "rad/s", 3)
-            yield DEGREE, f"is it in deg/s? {size:g} deg/s is {meant}", ALIKE
+        yield from _speeds(value)
     else:
         yield 1e-3, _of_milli(value), 0.0
         yield 1e3, f"did you mean {in_unit(multiplied(value, 1e3))}?", 0.0
+    amount, unit = amount_of(value)
+    if unit.startswith("kgf*"):
+        meant = replace(value, value=amount)
+        yield amount / (size or 1.0), f"did you mean {in_unit(meant)}?", 0.0
     servo = value.unit in ("N*m", "N*m/A") and "kgf" not in value.written and size * KGF_CM < SERVO
     if servo:
         # A point in the wrong place is so near that nobody can tell.
         tenth = f"or did you mean {in_unit(multiplied(value, 0.1))}?"
         yield KGF_CM, f"{kgf_cm(value)}; {tenth}", RARE if value.unit == "N*m" else RARE - PER_AMPERE
     yield from tens(value)
+
+
+def amount_of(value: SpecValue) -> tuple[float, str]:
+    """Number and unit as written; without a unit the number in SI."""
+    written = _WRITTEN.fullmatch(value.written)
+    return (value.value or 0.0, "") if written is None else (float(written[1]), written[2])
+
+
+def _speeds(value: SpecValue) -> Iterator[tuple[float, str, float]]:
+    """A speed whose amount is right and whose unit is another."""
+    amount, unit = amount_of(value)
+    own = SPEEDS.get(unit or "rad/s")
+    if own is None:
+        return
+    for other, size in SPEEDS.items():
+        if size == own:
+            continue
+        meant = (value.value or 0.0) * size / own
+        if other == "rad/s":
+            yield size / own, f"did you mean {format_quantity(meant, 'rad/s')}?", 0.0
+        else:
+            # Sheets that have rpm hardly have degrees.
+            rare = 0.0 if other == "rpm" else ALIKE if own == 1.0 else 2.0 * RARE
+            shown = f"{amount:g} {other} is {format_quantity(meant, 'rad/s', 3)}"
+            yield size / own, f"is it in {other}? {shown}", rare
 
 
 def kgf_cm(value: SpecValue) -> str:

@@ -103,8 +103,9 @@ CHECKS = (
         "too. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
         "to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the H2 100.7), velocity limits to 1 times "
         "the speed. From 5 times above or below the file's limit on, where a slip in one figure makes them agree to a "
-        "quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any case; 0 and powers "
-        "of ten are placeholders.",
+        "quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any case; where no slip "
+        "does, a motor that is 5 times slower than every joint of a group has it, as a slower joint is often chosen; "
+        "0, powers of ten and figures of one digit are placeholders.",
     ),
     Check(
         "SPEC185",
@@ -137,7 +138,10 @@ CHECKS = (
         "both are more than 1.25 times off and agree to 1.05 then. An effort limit from 5 times above the file's on "
         "where it has no source and no motor's torque is known, from 30 times on in any case; below it only what is a "
         "power of ten off or, by the gear ratio, the rotor's, to 2 %, or a torque of the motor's sheet at the rotor: "
-        "less is often right. 0, powers of ten and one figure for all joints are placeholders of a file.",
+        "less is often right. Where no slip explains a motor's torque, it is told if it is 5 times off for every joint "
+        "of a group, and those are given it. Behind a lead or radius, force and speed that are both off by the same "
+        "factor of 1.5 or more, one above and one below, are the length's. 0, powers of ten and one figure for all "
+        "joints are placeholders of a file.",
     ),
     Check(
         "SPEC188",
