@@ -224,10 +224,18 @@ def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> 
 def _is_base(part: Artifact, other: Artifact) -> bool:
     """Whether a configuration is only what another one of its file was made of: private, or without an asset."""
     one, two = part.config, other.config
-    if one is None or two is None or part.path != other.path or not _written_once(one, two):
+    if one is None or two is None or part.path != other.path:
         return False
-    private = part.name.startswith("_") and not other.name.startswith("_")
-    return private or ("model" not in one.settings and "model" in two.settings)
+    if part.name.startswith("_") and not other.name.startswith("_") and _written(one) & _written(two):
+        # The copy may get entries, or lose some.
+        return True
+    return _written_once(one, two) and "model" not in one.settings and "model" in two.settings
+
+
+def _written(config: RobotConfig) -> set[tuple[str, Span]]:
+    """Groups and asset of a configuration, with where they are written."""
+    model = config.settings.get("model")
+    return {(g.name, g.span) for g in config.groups} | ({("", model.span)} if model is not None else set())
 
 
 def _written_once(one: RobotConfig, two: RobotConfig) -> bool:
@@ -306,9 +314,38 @@ def _lifted(
                 lost += _misspelt(config, names_of(joints))
             more = (*part.actuators.diagnostics, *lost)
             part = replace(part, actuators=replace(part.actuators, diagnostics=more))
-        if model is not None and artifact is not model:
+        if config is not None and _is_left_alone(config, part, names_of(joints)):
+            _check_classes(artifact, config, part, out)
+        elif model is not None and artifact is not model:
             _check_joints(artifact, part, model, joints, out)
         yield part
+
+
+def _is_left_alone(config: RobotConfig, part: Lifted, names: Sequence[str]) -> bool:
+    """Whether a configuration selects joints of the robot, and none of them can go into a group."""
+    return not part.actuators.joints and any(
+        matching(config.framework, pattern, names) for pattern in _patterns(config)
+    )
+
+
+def _check_classes(artifact: Artifact, config: RobotConfig, part: Lifted, out: Collector) -> None:
+    """A configuration without a joint for a group: beside it the robot file alone would speak."""
+    if all("xml" in group.cls.lower() for group in config.groups):
+        # mjlab: the robot file is to speak.
+        return
+    why = dict.fromkeys(item.why for item in part.left_alone)
+    modules = dict.fromkeys(group.unread for group in config.groups if group.unread)
+    files = listed(one_line(module.replace(".", "/")) + ".py" for module in modules)
+    folder = os.path.dirname(artifact.path)
+    here = f"below {one_line(folder)}" if folder else f"in the folder of {one_line(artifact.path)}"
+    out.error(
+        "DRF002",
+        f"none of the joints of {one_line(artifact.name)} can go into a group: {listed(why)}",
+        span=Span(artifact.path),
+        help=f"put {files} {here}, or import {one_line(artifact.path)} where its package is"
+        if files
+        else None,
+    )
 
 
 def _check_joints(

@@ -141,6 +141,9 @@ def _unsupported(
         return f"{cls} leaves it to the model's own actuator"
     if control == "dcmotor":
         return f"the gains of {cls} are in volts"
+    if control not in _DRIVES and group.unread is not None:
+        file = one_line(group.unread.replace(".", "/"))
+        return f"{cls} is a class of {one_line(group.unread)}, whose file, {file}.py, is not there"
     if control not in _DRIVES:
         return f"an actuator of another kind ({cls})"
     return None

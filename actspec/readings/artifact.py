@@ -131,6 +131,7 @@ class ActuatorGroup:
             is not written is not here.
         bases: Classes that `cls` derives from, as far as they could be read, nearest first.
         network: The network that it names; None without one.
+        unread: Module of `cls`, or of what it derives from, whose file is not there; None: all is known.
     """
 
     name: str
@@ -140,6 +141,7 @@ class ActuatorGroup:
     settings: Mapping[str, Setting]
     bases: tuple[str, ...] = ()
     network: NetworkReading | None = None
+    unread: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -426,6 +426,64 @@ def test_a_base_without_an_asset_is_no_robot(tmp_path: Path) -> None:
     assert [item.help for item in caught.value.diagnostics] == ["name one with --robot: A_CFG, B_CFG"]
 
 
+@pytest.mark.parametrize(
+    "changed",
+    [
+        'A_CFG.actuators["feet"] = A_CFG.actuators["all"].replace(joint_names_expr=["knee"])',
+        'A_CFG.actuators.pop("legs")',
+        'A_CFG.actuators = {"hip": A_CFG.actuators["all"].replace(joint_names_expr=["hip"])}',
+    ],
+)
+def test_a_private_base_of_a_copy_with_other_entries(tmp_path: Path, changed: str) -> None:
+    """It is none, though the copy has an entry more or less; with another's name it is a robot of its own."""
+    spawn = "spawn=sim_utils.UsdFileCfg(usd_path='/leg.usd'), actuators={"
+    more = '"legs": IdealPDActuatorCfg(joint_names_expr=["knee"], effort_limit=24.0, stiffness=1.0, damping=1.0),'
+    text = ISAACLAB.replace("actuators={", spawn).replace("    },\n)", f"    {more}}},\n)")
+    text = f"import isaaclab.sim as sim_utils\n{text}A_CFG = LEG_CFG.copy()\n{changed}\n"
+    for base, names in (("_LEG_CFG", ["A_CFG"]), ("LEG_CFG", ["LEG_CFG", "A_CFG"])):
+        paths = write(tmp_path, robots_py=text.replace("LEG_CFG", base), leg_xml=MOTORS)
+        try:
+            (one, _), _ = read_robot_files([str(path) for path in paths], None, Versions())
+            assert [one.artifact.name] == names
+        except AuditError as err:
+            (item,) = err.diagnostics
+            assert item.help == f"name one with --robot: {', '.join(names)}"
+
+
+@pytest.mark.parametrize("beside", ["mjcf", "--joints"])
+def test_a_class_whose_file_is_not_there(tmp_path: Path, beside: str) -> None:
+    """The configuration selects hip and knee: it is no other robot's, and the file of its class is what is missing."""
+    text = ISAACLAB.replace("IdealPDActuatorCfg", "OwnActuatorCfg")
+    text = text.replace("isaaclab.actuators", "pack.motors.own")
+    paths = write(tmp_path, leg_cfg_py=text, leg_xml=MOTORS)
+    files = [str(path) for path in paths]
+    with pytest.raises(AuditError) as caught:
+        if beside == "mjcf":
+            imported(paths, tmp_path)
+        else:
+            read_robot_files(files[:1], None, Versions(), "hip,knee")
+    (item,) = caught.value.diagnostics
+    assert (item.code, item.message) == (
+        "DRF002",
+        "none of the joints of LEG_CFG can go into a group: OwnActuatorCfg is a class of pack.motors.own, whose file, "
+        "pack/motors/own.py, is not there",
+    )
+    assert str(item.help).startswith("put pack/motors/own.py below ")
+    own = "from isaaclab.actuators import IdealPDActuatorCfg\nclass OwnActuatorCfg(IdealPDActuatorCfg):\n    pass\n"
+    (tmp_path / "pack" / "motors").mkdir(parents=True)
+    (tmp_path / "pack" / "motors" / "own.py").write_text(own, encoding="utf-8")
+    assert joint(imported(paths, tmp_path), "hip")["kp"] == "40 N*m/rad"
+
+
+def test_a_configuration_that_leaves_all_to_the_model(tmp_path: Path) -> None:
+    """mjlab's XmlMotorActuatorCfg: the model's torque motors have 30 N*m."""
+    text = MJLAB.replace("BuiltinPosition", "XmlMotor").replace(
+        ", stiffness=60.0, damping=2.0, effort_limit=24.0, armature=0.01", ""
+    )
+    found = imported(write(tmp_path, leg_cfg_py=text, leg_xml=MOTORS), tmp_path)
+    assert joint(found, "hip")["effort_limit"] == "30 N*m"
+
+
 def test_other_robot(tmp_path: Path) -> None:
     """Files that share no joint are not put together."""
     other = URDF.replace("hip", "elbow").replace("knee", "wrist")

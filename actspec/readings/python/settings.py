@@ -24,6 +24,7 @@ from actspec.readings.python.values import (
     class_names,
     class_roots,
     reason_of,
+    unread_module,
 )
 
 UNFOLDED = "CFG001"
@@ -201,7 +202,10 @@ class Draft:
                 self._patterns(f"{name}.{key}", one.value, one.span)
         self._patterns(f"{name}.joints", patterns or (), obj.span)
         bases = tuple(class_names(obj.cls)[1:])
-        self.groups.append(ActuatorGroup(name, obj.cls.name, obj.span, patterns, settings, bases))
+        unread = unread_module(obj.cls)
+        self.groups.append(
+            ActuatorGroup(name, obj.cls.name, obj.span, patterns, settings, bases, unread=unread)
+        )
 
     def _patterns(self, where: str, patterns: Iterable[object], span: Span) -> None:
         """Say which patterns are not matched, and so select nothing."""

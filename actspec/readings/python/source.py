@@ -32,6 +32,8 @@ MAX_LEVELS = 32
 MAX_GAP = 2
 """Folders without `__init__.py` between a file and the package that it belongs to. Chosen: unitree_rl_lab has two."""
 
+OUTSIDE = "is not beside this file"
+"""Why a module is not read whose file is not there."""
 FRAMEWORKS = {"mjlab": ("asset_zoo", "tasks"), "isaaclab": (), "omni": ()}
 """Frameworks' own packages, and what of them describes robots: the rest is known here by its names alone."""
 
@@ -127,18 +129,17 @@ class Library:
             level: Dots before the module's name.
             module: Its name; "" for `from . import x`.
         """
-        outside = "is not beside this file"
         asked = tuple(module.split(".")) if module else ()
         if not all(part.isidentifier() for part in asked):
-            return outside
+            return OUTSIDE
         top, parts = self.top, asked
         if level:
             if level - 1 > max(len(importer.package) - 1, 0):
-                return outside
+                return OUTSIDE
             parts = importer.package[: len(importer.package) - (level - 1)] + asked
         elif asked[:1] != self.package[:1] or not asked:
             if self.beside is None:
-                return outside
+                return OUTSIDE
             top = self.beside
         if len(parts) > 1 and parts[0] in FRAMEWORKS and parts[1] not in FRAMEWORKS[parts[0]]:
             return "is the framework's own"
@@ -147,7 +148,7 @@ class Library:
             if path and os.path.isfile(path):
                 package = parts if path.endswith("__init__.py") else parts[:-1]
                 return self._read(path, package if top == self.top else (), f"{'.' * level}{module}")
-        return outside
+        return OUTSIDE
 
     def _read(self, path: str, package: tuple[str, ...], include: str) -> Source | str:
         if path not in self.sources:

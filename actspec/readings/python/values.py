@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from actspec.diagnostics import Span
+from actspec.readings.python.source import FRAMEWORKS, OUTSIDE
 
 if TYPE_CHECKING:
     from actspec.readings.python.source import Source
@@ -61,7 +62,7 @@ class External:
     """A name of a module that is not read: `isaaclab.actuators.DCMotorCfg`."""
 
     dotted: str
-    why: str = "is not beside this file"
+    why: str = OUTSIDE
 
     @property
     def name(self) -> str:
@@ -283,6 +284,17 @@ def class_roots(cls: Cls | External) -> set[str]:
     if isinstance(cls, External):
         return {cls.root}
     return {one.root for one in ancestors(cls) if isinstance(one, External)}
+
+
+def unread_module(cls: Cls | External) -> str | None:
+    """Module of the class, or of the base, whose file is not there; None: all are read or a framework's."""
+    chain = [cls] if isinstance(cls, External) else ancestors(cls)
+    for one in chain:
+        if not isinstance(one, External) or one.why != OUTSIDE or not one.root.isidentifier():
+            continue
+        if one.root.partition("_")[0] not in FRAMEWORKS:
+            return one.dotted.rpartition(".")[0] or None
+    return None
 
 
 def is_configclass(cls: Cls | External) -> bool:
