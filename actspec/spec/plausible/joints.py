@@ -260,7 +260,7 @@ def _outside(
     elif kind is JointKind.HINGE and low - tolerance <= pose * DEGREE <= high + tolerance:
         help = f"is it in degrees? Then write {pose:g} deg, {format_quantity(pose * DEGREE, unit, 4)}"
     elif kind is JointKind.SLIDE and low - tolerance <= pose * 1e-3 <= high + tolerance:
-        help = f"is it in mm? Then write {pose:g} mm"
+        help = f"is {'the point wrong, or is ' * (low <= 0.1 * pose <= high)}it in mm? Then write {pose:g} mm"
     message = (
         f"the default position {format_quantity(pose, unit, 4)} is outside of the joint's range, "
         f"{format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)}"

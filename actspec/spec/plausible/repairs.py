@@ -18,6 +18,7 @@ from actspec.spec.plausible.relations import (
     KGF_CM,
     POINT,
     RARE,
+    RPM,
     Relation,
     Repair,
     explained,
@@ -207,12 +208,14 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
 
     yield from _forgotten(drive, moved)
     if number(motor.gear_ratio) and motor.gear_ratio is not None:
-        ratio = motor.gear_ratio.value or 1.0
+        ratio, turned = motor.gear_ratio.value or 1.0, False
         if ratio < 1.0:
             help = GEAR_INVERSE.format(format_quantity(1 / ratio, "", 3))
-            yield moved([("gear_ratio",)], 1.0 / ratio / ratio, help)
-        if ratio != 1.0:
-            # A direct drive is no gear with its point in the wrong place.
+            inverse = moved([("gear_ratio",)], 1.0 / ratio / ratio, help)
+            yield inverse
+            turned = not any(relation.broken for relation in inverse.after)
+        if ratio != 1.0 and not turned:
+            # A direct drive, or what is sound the other way round, is no gear with its point in the wrong place.
             yield from (moved([("gear_ratio",)], *slip) for slip in tens(motor.gear_ratio))
     if number(motor.efficiency) and motor.efficiency is not None:
         yield from (moved([("efficiency",)], *slip) for slip in tens(motor.efficiency))
@@ -233,6 +236,11 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         value: SpecValue | None = getattr(motor, field)
         if value is not None and number(value):
             slips = list(slips_of(value))
+            if field == "torque_constant" and motor.side == "motor" and (by_kv := _of_kv(motor)):
+                help = "is it Kv, in rpm/V? Then the constant is 60 / (2 pi Kv), "
+                help += format_quantity(by_kv, value.unit, 3)
+                yield moved([(field,)], by_kv / (value.value or 1.0), help)
+                slips = [slip for slip in slips if slip[0] != 1e-3]
             yield from _apart((slip[0], moved([(field,)], *slip)) for slip in slips)
             if field == "torque_constant" and across is not None:
                 # What the current proves is no matter of the side.
@@ -373,6 +381,17 @@ def _is_proved_by(motor: Motor, factor: float) -> bool:
     constant = multiplied(motor.torque_constant, factor)
     other = motor.model_copy(update={"torque_constant": constant})
     return any(_is_proved(other, field) for field in ("peak_torque", "continuous_torque"))
+
+
+def _of_kv(motor: Motor) -> float | None:
+    """The constant [N*m/A] of a Kv in its place, if by it the currents give the torques, and less so in mN*m/A."""
+    kv = number(motor.torque_constant)
+    shares = [share for field in ("peak_torque", "continuous_torque") if (share := _proof(motor, field))]
+    if not kv or not shares:
+        return None
+    meant = 1.0 / RPM / kv
+    off = [max(abs(math.log(share * factor)) for share in shares) for factor in (meant / kv, 1e-3)]
+    return meant if off[0] < min(off[1], math.log(PROVED)) else None
 
 
 def _stages(drive: Drive) -> Iterator[Repair]:

@@ -22,7 +22,11 @@ DRIVEN = "level: ideal_pd, kp: 4, kd: 0.1"
 
 
 def said(
-    folder: Path, joints: dict[str, tuple[str, float, float]], motors: str, groups: dict[str, str]
+    folder: Path,
+    joints: dict[str, tuple[str, float, float]],
+    motors: str,
+    groups: dict[str, str],
+    robot: str = "",
 ) -> list[Diagnostic]:
     """What is said of motors and groups beside a file with these joints: kind, effort, velocity."""
     path = folder / "arm.urdf"
@@ -34,7 +38,8 @@ def said(
     path.write_text(f'<robot name="arm">{links}\n{written}</robot>', encoding="utf-8")
     actuators = "".join(f"  {name}: {{{group}}}\n" for name, group in groups.items())
     text = (
-        f"actspec: 1\nrobot: {{name: arm, model: {path.name}}}\nmotors: {{{motors}}}\nactuators:\n{actuators}"
+        f"actspec: 1\nrobot: {{name: arm, model: {path.name}{robot}}}\nmotors: {{{motors}}}\n"
+        f"actuators:\n{actuators}"
     )
     try:
         spec = validate(document_from_text(text, str(folder / "s.yaml")))
@@ -193,3 +198,49 @@ def test_a_speed_that_the_file_refutes_is_not_offered(tmp_path: Path) -> None:
     assert found.where == "motors.m.no_load_speed"
     assert "did you mean" not in str(found.help)
     assert "velocity limit of 7.5 rad/s" in str(found.help)
+
+
+@pytest.mark.parametrize(
+    ("constant", "torque", "help"),
+    [
+        # 60 / (2 pi 115) = 0.08304, by which 29.5 A are 2.45 N*m; 0.115 would make 3.39.
+        ("115", "2.45", "is it Kv, in rpm/V? Then the constant is 60 / (2 pi Kv), 0.083 N*m/A"),
+        # 83 mN*m/A.
+        ("83", "2.45", "is it in mN*m/A? 83 mN*m/A is 0.083 N*m/A"),
+        # 29.5 A are 2.95 N*m by 0.1, and 2.82 by a Kv of 100.
+        ("100", "2.95", "is it in mN*m/A? 100 mN*m/A is 0.1 N*m/A"),
+    ],
+)
+def test_a_kv_for_the_constant(tmp_path: Path, constant: str, torque: str, help: str) -> None:
+    figures = f"peak_torque: {torque}, torque_constant: {constant}, peak_current: 29.5 A, gear_ratio: 6"
+    group = {"legs": f"joints: [hip], motor: m, {DRIVEN}"}
+    (found,) = said(tmp_path, {"hip": ("revolute", 14, 21)}, f"m: {{side: motor, {figures}}}", group)
+    assert (found.code, found.where, found.help) == ("SPEC181", "motors.m.torque_constant", help)
+
+
+def test_a_gear_the_other_way_round(tmp_path: Path) -> None:
+    """50, which is sound, though 200 would make the inertia at the rotor a more usual one."""
+    motor = (
+        "m: {side: joint, peak_torque: 150, continuous_torque: 62, no_load_speed: 90 rpm, reflected_inertia: 0.86, "
+        "gear_ratio: 0.02}"
+    )
+    group = {"legs": f"joints: [hip], motor: m, {DRIVEN}"}
+    (found,) = said(tmp_path, {"hip": ("revolute", 151, 9.42)}, motor, group)
+    help = "did you mean 50? gear_ratio is rotor turns in one output turn"
+    assert (found.where, found.help) == ("motors.m.gear_ratio", help)
+
+
+@pytest.mark.parametrize(
+    ("pose", "help"),
+    [
+        # The range is -0.5 to 0.5 m: 0.25 m is inside, and 25 m by 1e-3 alone.
+        ("2.5 m", "is the point wrong, or is it in mm? Then write 2.5 mm"),
+        ("25 m", "is it in mm? Then write 25 mm"),
+    ],
+)
+def test_a_pose_of_a_slide(tmp_path: Path, pose: str, help: str) -> None:
+    """A range of half a metre either way."""
+    group = "joints: [lift], level: ideal_pd, kp: 4e3 N/m, kd: 100 N*s/m"
+    joints: dict[str, tuple[str, float, float]] = {"lift": ("prismatic", 40, 1.8)}
+    (found,) = said(tmp_path, joints, "", {"lift": group}, f", default_pose: {{lift: {pose}}}")
+    assert (found.code, found.help) == ("SPEC190", help)
