@@ -33,8 +33,8 @@ def by_cause(
     """Findings, those that another one explains as notes that name it. None is left out.
 
     One explains another where its rule stands before the other's in `ORDER`, and both are about the same figure of a
-    joint in the file that departs from the others. It takes the worst severity of what it explains. Of findings that say the same of a
-    file, the rest is explained where most are.
+    joint in the file that departs from the others. It takes the worst severity of what it explains. Of findings that
+    say the same of a file, the rest is explained where most are.
 
     Args:
         found: Findings of all rules.
@@ -142,7 +142,7 @@ def _keys(finding: Finding) -> set[_Key]:
 def _is_of_its_file(one: Finding, other: Finding) -> bool:
     """Whether the file that departs by one finding is one that the other is about.
 
-    Of two files that differ nobody knows which departs. The file that a gear, or the other side, is taken from is right.
+    Of two files that differ nobody knows which departs. A gear, or the other side, is taken from a file that is right.
     """
     return one.code not in (_GEAR, _SIDES) or one.span.path in _files(other)
 

@@ -102,7 +102,16 @@ def test_a_servo_that_lost_its_gains_explains_the_damping_that_is_too_much_for_i
         (_of("LIM101", fields=("velocity_limit",)), DIFFER),
         (_of("SYM101", line=7, related=(Span("a.xml", 8, 1),)), _of("LIM101", "hip")),
     ],
-    ids=["joint", "right file", "file beside it", "figure", "third file", "sides", "torque of a speed", "other sides"],
+    ids=[
+        "joint",
+        "right file",
+        "file beside it",
+        "figure",
+        "third file",
+        "sides",
+        "torque of a speed",
+        "other sides",
+    ],
 )
 def test_another_fault_stands_for_itself(one: Finding, other: Finding) -> None:
     assert all(cause == "" for _, _, cause in _after(one, other))
