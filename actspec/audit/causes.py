@@ -33,8 +33,8 @@ def by_cause(
     """Findings, those that another one explains as notes that name it. None is left out.
 
     One explains another where its rule stands before the other's in `ORDER`, and both are about the same figure of a
-    joint in a file that both name. It takes the worst severity of what it explains. Of findings that say the same of a
-    file, the rest is explained where most are.
+    joint in the file that departs from the others. It takes the worst severity of what it explains. Of findings that
+    say the same of a file, the rest is explained where most are.
 
     Args:
         found: Findings of all rules.
@@ -59,7 +59,7 @@ def by_cause(
     )
 
 
-_Key = tuple[str, str] | Span | frozenset[str]
+_Key = tuple[str, str] | Span
 
 
 class _Findings:
@@ -94,6 +94,7 @@ class _Findings:
                 if self._rank(other) < self._rank(at)
                 and counts(self._found[other])
                 and self._explains(self._found[other].finding, self._found[at].finding)
+                and _is_of_its_file(self._found[causes.get(other, other)].finding, self._found[at].finding)
             ]
             if able:
                 first = min(able, key=lambda other: (self._rank(other), other))
@@ -114,35 +115,36 @@ class _Findings:
             figures |= LIMITS
         if not figures.issuperset(other.fields):
             return False
-        if one.code == _GEAR and _files(other) <= _files(one) - {one.span.path}:
-            # The file that the gear is taken from is right.
-            return False
         if one.code == _FRICTION:
             # Beside the friction stands the limit, which may be another file's.
             return one.joint == other.joint and one.span.path in _files(other)
         if one.code == _SIDES:
-            # Where both sides differ from another file, that is another fault; so is that of a file with the other side
-            # of this one.
+            # Where both sides differ from another file, that is another fault.
             both = (one.span, *one.related)
-            if one.span.path not in _files(other):
-                return False
             if len(set(both)) == 1:
                 # One setting states both sides: what is said at its place may be of either.
                 return one.joint == other.joint
             return not all(other.code in self._codes[span] for span in both)
-        if one.code.startswith("SRC") and other.code.startswith("SRC"):
-            # Two files that differ from each other, at whatever joint, say nothing of a third.
-            return _files(one) == _files(other)
+        if one.code.startswith("SRC") and other.code.startswith("SRC") and _files(one) != _files(other):
+            # Two files that differ from each other say nothing of a third.
+            return False
         return one.joint == other.joint
 
 
 def _keys(finding: Finding) -> set[_Key]:
-    """What findings of one fault have in common: joint and file, a place of which nobody knows if it is the wrong side,
-    or the two files that differ.
+    """What findings of one fault have in common: joint and file, or a place of which nobody knows if it is the wrong
+    side.
     """
     places = (finding.span, *finding.related)
-    pair = {_files(finding)} if finding.code.startswith("SRC") else ()
-    return {*((finding.joint, span.path) for span in places), *places, *pair}
+    return {*((finding.joint, span.path) for span in places), *places}
+
+
+def _is_of_its_file(one: Finding, other: Finding) -> bool:
+    """Whether the file that departs by one finding is one that the other is about.
+
+    Of two files that differ nobody knows which departs. A gear, or the other side, is taken from a file that is right.
+    """
+    return one.code not in (_GEAR, _SIDES) or one.span.path in _files(other)
 
 
 def _files(finding: Finding) -> frozenset[str]:

@@ -83,10 +83,11 @@ def unfit(
         able = [bare, *_deeper(bare, base)]
         if fits is not None:
             able += [below, *_deeper(below, base)]
+        everything = any(base.startswith(path) for path in whole)
+        mended = _mended(glob, base, own, everything=everything)
+        if mended:
+            able += [mended, f"{mended}/**"]
         near = next((one for one in able if any(fit(one, folder, path) for path in own)), None)
-        if near is None:
-            everything = any(base.startswith(path) for path in whole)
-            near = _near(glob, base, own, everything=everything)
         if near:
             message = f"the glob {glob!r} of {setting} fits nothing here"
             yield Diagnostic("AUD017", Severity.WARNING, message, help=f"did you mean {near!r}?")
@@ -99,8 +100,8 @@ def _deeper(glob: str, base: str) -> Iterator[str]:
         yield f"**/{glob}"
 
 
-def _near(glob: str, base: str, own: Sequence[str], *, everything: bool) -> str | None:
-    """What a part of a glob that is no name there is nearly the name of.
+def _mended(glob: str, base: str, own: Sequence[str], *, everything: bool) -> str | None:
+    """A glob with what a part of it, that is no name there, is nearly the name of; the rest narrows it down as before.
 
     What is there and was not looked at is left alone. Where not all was looked at that it could name, so are, of names
     that may lie at any depth, those that are near on purpose: `tests` and `test`, `mode_13` and `mode_14`.
@@ -115,7 +116,7 @@ def _near(glob: str, base: str, own: Sequence[str], *, everything: bool) -> str 
         near = get_close_matches(part, sorted(names), n=1, cutoff=_NEAR)
         fixed = len(parts) > 1 and not any(sign in before for before in parts[:number] for sign in "*?")
         if near and (everything or fixed or _is_slip(part, near[0])):
-            return near[0]
+            return "/".join((*parts[: number - 1], near[0], *parts[number:]))
     return None
 
 

@@ -23,7 +23,8 @@ KNOWN_SHARE = 0.75
 """Share of the known robot's joints that a file must have. Chosen: a G1 of 23 joints has 0.79 of those of 29."""
 
 OWN_SHARE = 0.6
-"""Share of a file's joints that must be the known robot's. Chosen: a G1 with two hands of seven joints has 0.67."""
+"""Share of a file's joints that must be the known robot's, where it has not all of them. Chosen: a G1 with two hands of
+seven joints has 0.67."""
 
 PART = 10
 """Joints from which a part of a known robot is told: its legs. Chosen: two legs of six, less one that another has."""
@@ -227,7 +228,9 @@ def _rows(
         count = len({joint for _, joints in pairs for joint in joints})
         of_own = len(pairs) / max(len(names or by_joint), 1)
         counted = names is None or _counts_alike(known, names)
-        whole = count >= KNOWN_SHARE * len(robot.joints) and of_own >= OWN_SHARE
+        # What is mounted on a robot all of whose joints are there, a hand or a base, may have any number of its own.
+        own = of_own >= OWN_SHARE or (names is not None and count == len(robot.joints))
+        whole = count >= KNOWN_SHARE * len(robot.joints) and own
         if counted and (whole or (count >= PART and of_own >= PART_SHARE)):
             best = max(best, pairs, key=len)
     return best

@@ -47,7 +47,7 @@ def parser(only: str | None = None) -> argparse.ArgumentParser:
     Args:
         only: The command whose options are needed, so that the modules of the others are not loaded; None: all.
     """
-    top = argparse.ArgumentParser(
+    top = Command(
         prog="actspec",
         formatter_class=Lines,
         description="Compile one reviewed actuator spec to every robot simulator, and audit the files you have.",

@@ -41,6 +41,19 @@ class Command(argparse.ArgumentParser):
 
     _mixing = False
 
+    def __init__(self, **settings: Any) -> None:
+        # An option that is cut short may be a misspelt one, or another one in the next release.
+        super().__init__(allow_abbrev=False, **settings)
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        try:
+            super()._check_value(action, value)
+        except argparse.ArgumentError as err:
+            near = nearest(str(value), [str(one) for one in action.choices or ()])
+            if near is not None:
+                raise argparse.ArgumentError(action, f"{err.message}; did you mean {near!r}?") from None
+            raise
+
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """As argparse does; where it leaves arguments over, and no option among them, with options taken out first."""
         found, rest = super().parse_known_args(args, namespace)

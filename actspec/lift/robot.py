@@ -294,10 +294,12 @@ def _notes(reading: JointReading, command: Command) -> Iterator[str]:
     elif joint.stiffness and "stiffness" not in joint.unknown:
         value = f"{joint.stiffness:g} {units.stiffness}"
         yield f"the joint's own spring ({value}) stays in the model: a spec cannot express it"
-    ratios = [drive.view for drive in acting if "dampratio" in drive.view.stated]
+    # A class of `<position>` may be that of a `<motor>`, which makes nothing of its dampratio.
+    views = [drive.view for drive in acting]
+    ratios = [view for view in views if "dampratio" in view.stated and view.tag in ("position", "general")]
     if any("kd" in view.unknown for view in ratios):
         yield "the file's dampratio is no number: the kd that MuJoCo makes of it follows a mass that is unknown"
-    elif ratios:
+    elif any(view.kd for view in ratios):
         yield "the file's dampratio becomes the kd that MuJoCo makes of it"
 
 

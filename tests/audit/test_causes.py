@@ -52,8 +52,8 @@ def test_the_nearest_to_the_cause_tells_the_fault() -> None:
         ("SRC101", "info", "GEA101"),
         ("GEA101", "error", ""),
     ]
-    third = _of("SRC102", path="c.py", held="b.urdf", fields=("no_load_speed",))
-    assert _after(GEAR, third)[1] == ("SRC102", "info", "GEA101")
+    speed = _of("SRC102", held="c.py", fields=("no_load_speed",))
+    assert _after(GEAR, speed)[1] == ("SRC102", "info", "GEA101")
     assert _after(KNOWN, DIFFER) == [("KNW101", "info", "SRC101"), ("SRC101", "warning", "")]
 
 
@@ -95,13 +95,23 @@ def test_a_servo_that_lost_its_gains_explains_the_damping_that_is_too_much_for_i
     [
         (GEAR, _of("SRC101", "hip", held="b.urdf")),
         (GEAR, _of("KNW101", path="b.urdf")),
+        (GEAR, _of("SRC101", path="c.xml", held="b.urdf")),
         (DIFFER, _of("SRC105", fields=("frictionloss",))),
         (DIFFER, _of("SRC102", held="c.urdf", fields=("velocity_limit",))),
         (_of("SYM101"), _of("SRC102", held="b.urdf", fields=("velocity_limit",))),
         (_of("LIM101", fields=("velocity_limit",)), DIFFER),
         (_of("SYM101", line=7, related=(Span("a.xml", 8, 1),)), _of("LIM101", "hip")),
     ],
-    ids=["joint", "right file", "figure", "third file", "sides", "torque of a speed", "other sides"],
+    ids=[
+        "joint",
+        "right file",
+        "file beside it",
+        "figure",
+        "third file",
+        "sides",
+        "torque of a speed",
+        "other sides",
+    ],
 )
 def test_another_fault_stands_for_itself(one: Finding, other: Finding) -> None:
     assert all(cause == "" for _, _, cause in _after(one, other))
@@ -126,7 +136,20 @@ def test_what_is_not_reported_explains_nothing() -> None:
 def test_torque_and_speed_of_two_files_are_one_line_of_a_datasheet() -> None:
     speed = _of("SRC102", held="b.urdf", fields=("velocity_limit",))
     assert _after(DIFFER, speed)[1] == ("SRC102", "info", "SRC101")
-    assert _after(DIFFER, replace(speed, joint="hip"))[1] == ("SRC102", "info", "SRC101")
+    assert _after(DIFFER, replace(speed, joint="hip"))[1] == ("SRC102", "warning", "")
+
+
+def test_a_gear_of_one_file_is_no_cause_of_what_another_has_alone() -> None:
+    """The configuration's 23.5 leaves out a reduction of the URDF's 45.43; the MJCF's 454.3 differs from both."""
+    gear = _of("GEA101", path="cfg.py", held="go2.urdf")
+    known, beside = _of("KNW101", path="go2.xml"), _of("SRC101", path="go2.xml", held="cfg.py")
+    urdf = _of("SRC101", path="go2.xml", held="go2.urdf")
+    assert _after(gear, urdf, known) == [
+        ("GEA101", "warning", ""),
+        ("SRC101", "warning", ""),
+        ("KNW101", "info", "SRC101"),
+    ]
+    assert _after(gear, beside, known)[1:] == [("SRC101", "info", "GEA101"), ("KNW101", "warning", "")]
 
 
 def test_which_of_two_sides_is_wrong_nobody_knows() -> None:

@@ -200,13 +200,21 @@ def test_what_is_said_of_files_can_be_ignored(settings: Settings, shown: list[st
     ("glob", "named", "said"),
     [
         pytest.param("thrid_party", ".", "did you mean 'third_party'?", id="a misspelt name"),
-        pytest.param("robots/own/third_prty/*.xml", ".", "did you mean 'third_party'?", id="in a path"),
+        pytest.param(
+            "robots/own/third_prty/*.xml",
+            ".",
+            "did you mean 'robots/own/third_party/*.xml'?",
+            id="in a path",
+        ),
+        pytest.param("robots/own/third_prty/*.usd", ".", None, id="in a path to files that are not there"),
         pytest.param("third_party", ".", None, id="one that fits"),
         pytest.param("build", ".", None, id="not made yet, and nothing has nearly its name"),
         pytest.param(
             "thrid_party", "robots", "did you mean 'third_party'?", id="of a folder of the settings"
         ),
-        pytest.param("robotz/own", "robots", "did you mean 'robots'?", id="in a path, of a folder"),
+        pytest.param(
+            "robotz/own", "robots", "did you mean 'robots/own'?", id="a path of which the rest is kept"
+        ),
         pytest.param("elsewhere/thrid_party", "robots", None, id="there, in another folder"),
         pytest.param("thrid_part", "robots", None, id="there, beside the folder"),
         pytest.param("third_partys", "robots", None, id="perhaps elsewhere: the plural"),
@@ -254,8 +262,8 @@ def test_a_misspelt_glob_of_the_command_is_told(capsys: pytest.CaptureFixture[st
         ("robots/own/**", None),
         ("e.urdf", None),
         ("*.xml", None),
-        ("robot/own/**", "did you mean 'robots'?"),
-        ("robots/thrid_party/*", "did you mean 'third_party'?"),
+        ("robot/own/**", "did you mean 'robots/own/**'?"),
+        ("robots/thrid_party/*", "did you mean 'robots/third_party/*'?"),
         # A folder is no file.
         ("robots/own", "did you mean 'robots/own/**'?"),
         ("own/", "did you mean '**/own/**'?"),

@@ -125,6 +125,37 @@ def test_legs_of_a_known_robot(
 
 
 @pytest.mark.parametrize(
+    ("joints", "said"),
+    [
+        pytest.param(6, {"elbow_joint"}, id="all six, and 8 of a gripper: 6 of 14"),
+        pytest.param(5, set(), id="5 of 6 are 0.83, and 5 of 13 not six in ten"),
+    ],
+)
+def test_an_arm_with_a_gripper(
+    joints: int, said: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is mounted on it does not count where it has all its joints. 300 N*m is twice a UR5e's 150."""
+    arm = {
+        "elbow": 300,
+        "shoulder_pan": 150,
+        "shoulder_lift": 150,
+        "wrist_1": 28,
+        "wrist_2": 28,
+        "wrist_3": 28,
+    }
+    limits = dict(list(arm.items())[:joints]) | {f"finger_{at}": 5 for at in range(8)}
+    hinges = "".join(
+        f'<link name="{name}"/><joint name="{name}_joint" type="revolute"><parent link="base"/><child link="{name}"/>'
+        f'<limit lower="-1" upper="1" effort="{limit}" velocity="2"/></joint>'
+        for name, limit in limits.items()
+    )
+    monkeypatch.chdir(tmp_path)
+    Path("ur5e.urdf").write_text(f'<robot name="ur5e"><link name="base"/>{hinges}</robot>')
+    found = audit(["ur5e.urdf"], Settings(select=("KNW101",))).findings
+    assert {item.finding.joint for item in found} == said
+
+
+@pytest.mark.parametrize(
     ("name", "joint", "limits", "said"),
     [
         pytest.param(

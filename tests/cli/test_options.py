@@ -158,6 +158,7 @@ def test_what_is_too_much_is_still_refused(capsys: pytest.CaptureFixture[str]) -
     [
         ("audit a.xml --noets", "audit", "--noets; did you mean --notes?"),
         ("audit --as_named a.xml", "audit", "--as_named; did you mean --as-named?"),
+        ("audit --as-name a.xml", "audit", "--as-name; did you mean --as-named?"),
         ("diff a.xml b.xml --robt=x", "diff", "--robt=x; did you mean --robot?"),
         ("sysid fit a.yaml log.csv --sed 3", "sysid fit", "--sed 3"),
         ("audit a.xml -Z", "audit", "-Z"),
@@ -171,3 +172,19 @@ def test_a_misspelt_option(text: str, name: str, said: str, capsys: pytest.Captu
     err = capsys.readouterr().err
     assert err.startswith(f"usage: actspec {name} [-h]")
     assert err.endswith(f"actspec {name}: error: unrecognized arguments: {said}\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("audit a.xml --fail-on warnings", "'never'); did you mean 'warning'?"),
+        ("audit a.xml --fail-on 7", "'never')"),
+        ("audt a.xml", "; did you mean 'audit'?"),
+    ],
+)
+def test_a_misspelt_choice(text: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The nearest of the choices is told, where one is near."""
+    with pytest.raises(SystemExit) as stop:
+        main(text.split())
+    assert stop.value.code == 2
+    assert capsys.readouterr().err.endswith(f"{said}\n")

@@ -401,6 +401,20 @@ def test_notes() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    "actuator",
+    [
+        '<motor joint="j"/>',
+        '<velocity joint="j" kv="2"/>',
+        '<general joint="j" gainprm="5" biastype="affine" biasprm="0 -5 0"/>',
+    ],
+)
+def test_a_dampratio_of_a_class_is_only_said_of_what_has_it(actuator: str) -> None:
+    """The class also holds `<position dampratio="1"/>`, which no actuator of the file is."""
+    classes = '<default><position kp="50" dampratio="1"/></default>'
+    assert not lifted('<joint name="j"/>', actuator, classes).notes.get("j")
+
+
 def test_text_does_not_tell() -> None:
     """From the text alone a dampratio gives no kd and an inherited range no clamp: unknown, never 0."""
     text = mjcf(

@@ -3,10 +3,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator
+from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import finite, is_exporters, is_undriven, partner_rows, shown, top_speed, unit
+from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
@@ -24,7 +26,7 @@ class DampingOutsideClamp(RuleInParts):
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare damping times speed with the limit."""
         everything = case.joints
-        speeds: dict[tuple[int, str], float | None] = {}
+        speeds: dict[tuple[int, str], LedgerRow | None] = {}
         for (artifact, joint), rows in everything.items():
             if case.artifacts[artifact].kind not in (FileKind.MJCF, FileKind.URDF):
                 continue
@@ -43,18 +45,11 @@ class DampingOutsideClamp(RuleInParts):
                 # a motor the controller may clip the torque.
                 continue
             files = case.robot_of(artifact).artifacts
-            limit = own or min(
-                filter(
-                    None,
-                    (
-                        finite(row.effort_limit)
-                        for file in files
-                        if file != artifact
-                        for row in everything.get((file, joint), ())
-                    ),
-                ),
-                default=None,
+            others = (
+                other for file in files if file != artifact for other in everything.get((file, joint), ())
             )
+            bounded = (other for other in ((row,) if own else others) if finite(other.effort_limit))
+            limit = min(bounded, key=lambda other: other.effort_limit or 0.0, default=None)
             if limit is None:
                 continue
             # One for all files of the robot.
@@ -63,25 +58,31 @@ class DampingOutsideClamp(RuleInParts):
                 every = [row for file in files for row in everything.get((file, joint), ())]
                 # Whoever corrected an exporter's effort has left its speed.
                 exported = {row.velocity_limit for row in every if is_exporters(row)}
-                told = (top_speed(row) for row in every if row.velocity_limit not in exported)
-                speeds[key] = min(filter(None, told), default=None)
-            speed = speeds[key]
+                told = (row for row in every if row.velocity_limit not in exported and top_speed(row))
+                speeds[key] = min(told, key=lambda one: top_speed(one) or 0.0, default=None)
+            fastest = speeds[key]
+            speed = None if fastest is None else top_speed(fastest)
+            bound = limit.effort_limit or 0.0
             if is_undriven(case, row) or _brakes_by_intent(case, row):
                 yield ()
                 continue
-            if speed is not None and damping * speed >= self.option(case, "share") * limit:
+            if fastest and speed and damping * speed >= self.option(case, "share") * bound:
                 meant = _has_spring(case, row) or (row.control == "position" and row.kd == 0.0)
-                yield (self._known(row, damping, limit, speed, meant),)
+                yield (self._known(row, damping, limit, fastest, meant),)
             elif (
                 speed is None
                 and unit(row, "velocity_limit") == "rad/s"
-                and limit <= damping * self.option(case, "speed")
+                and bound <= damping * self.option(case, "speed")
             ):
                 yield (self._slow(row, damping, limit),)
             else:
                 yield ()
 
-    def _known(self, row: LedgerRow, damping: float, limit: float, speed: float, meant: bool) -> Finding:
+    def _known(
+        self, row: LedgerRow, damping: float, bounded: LedgerRow, fastest: LedgerRow, meant: bool
+    ) -> Finding:
+        limit, speed = bounded.effort_limit or 0.0, top_speed(fastest) or 0.0
+        which = "velocity_limit" if fastest.velocity_limit == speed else "no_load_speed"
         left = limit - damping * speed
         effect = (
             f"leaves {shown(row, 'effort_limit', left)} to drive the joint"
@@ -90,31 +91,33 @@ class DampingOutsideClamp(RuleInParts):
         )
         return Finding(
             self.code,
-            f"at the joint's {shown(row, 'velocity_limit', speed)} the damping of {shown(row, 'kd', damping)} uses "
-            f"{shown(row, 'effort_limit', damping * speed)} of an effort limit of {shown(row, 'effort_limit', limit)}, "
-            f"and is not limited: that {effect}",
+            f"at the joint's {shown(row, 'velocity_limit', speed)}{_from(row, fastest)} the damping of "
+            f"{shown(row, 'kd', damping)} uses {shown(row, 'effort_limit', damping * speed)} of an effort limit of "
+            f"{shown(row, 'effort_limit', limit)}{_from(row, bounded)}, and is not limited: that {effect}",
             row.place("joint_damping"),
             row.joint,
             damping,
             unit(row, "kd"),
             help=_HELP,
-            related=(row.span,),
+            related=(*_places(row, bounded, "effort_limit"), *_places(row, fastest, which), row.span),
             fields=("joint_damping",),
             severity=None if damping * speed >= _HELD * limit and not meant else Severity.INFO,
         )
 
-    def _slow(self, row: LedgerRow, damping: float, limit: float) -> Finding:
+    def _slow(self, row: LedgerRow, damping: float, bounded: LedgerRow) -> Finding:
+        limit = bounded.effort_limit or 0.0
         return Finding(
             self.code,
             f"the damping of {shown(row, 'kd', damping)} is not limited: it uses the whole effort limit of "
-            f"{shown(row, 'effort_limit', limit)} at {shown(row, 'velocity_limit', limit / damping)}, and the joint "
+            f"{shown(row, 'effort_limit', limit)}{_from(row, bounded)} at "
+            f"{shown(row, 'velocity_limit', limit / damping)}, and the joint "
             "cannot be driven faster",
             row.place("joint_damping"),
             row.joint,
             damping,
             unit(row, "kd"),
             help=_HELP,
-            related=(row.span,),
+            related=(*_places(row, bounded, "effort_limit"), row.span),
             fields=("joint_damping",),
             severity=Severity.INFO,
             confidence=Confidence.LOW,
@@ -132,6 +135,16 @@ _HELP = (
 
 _DAMPED = re.compile(r"wheel|caster|castor|suspension|shock|roller|rotor|propeller", re.IGNORECASE)
 """Names of joints and bodies whose damping brakes them on purpose: they roll, spring or spin in air."""
+
+
+def _from(row: LedgerRow, other: LedgerRow) -> str:
+    """Whose figure it is, where another file states it."""
+    return "" if other.artifact == row.artifact else f" ({basename(other.file)})"
+
+
+def _places(row: LedgerRow, other: LedgerRow, field: str) -> tuple[Span, ...]:
+    """Where another file states a figure."""
+    return () if other.artifact == row.artifact else (other.place(field),)
 
 
 def _has_spring(case: Case, row: LedgerRow) -> bool:

@@ -48,9 +48,7 @@ _ROUND = (1e3, 1e4)
 """Efforts that are nobody's where every joint of a light robot has them [N*m]. Published: 1000 N*m on all joints of
 Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg."""
 
-_EMPTY = (0.0, 0.0)
 _MODELS = (FileKind.MJCF, FileKind.URDF)
-_EMPTY_RANGE = 'forcerange="0 0" is no limit: MuJoCo takes an empty range for none'
 
 
 class NoEffectiveLimit(RuleInParts):
@@ -83,7 +81,7 @@ class NoEffectiveLimit(RuleInParts):
                         held[row.span] = bounded
                     free = row.effort_limit == math.inf and row.joint not in limited
                     view = views.get(row.span)
-                    looked = free and not _is_bounded(row, view) and written.get(row.span) != _EMPTY
+                    looked = free and not _is_bounded(row, view) and not _is_empty(written.get(row.span))
                     missing = (
                         self._missing(case, row, view, written.get(row.span), clamps.get(row.span))
                         if looked
@@ -93,8 +91,8 @@ class NoEffectiveLimit(RuleInParts):
                     yield (replace(one, severity=Severity.INFO) for one in missing) if quiet else missing
         mimics = _mimics(case)
         for row in case.rows:
-            if row.effort_limit == math.inf and written.get(row.span) == _EMPTY:
-                yield (self._zero(row, "effort_limit", _EMPTY_RANGE),)
+            if row.effort_limit == math.inf and _is_empty(written.get(row.span)):
+                yield (self._empty(row, written[row.span]),)
             idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
             undriven = is_called_undriven(row) or _is_passive(case, row)
             limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
@@ -325,6 +323,16 @@ class NoEffectiveLimit(RuleInParts):
             fields=(field,),
         )
 
+    def _empty(self, row: LedgerRow, ends: tuple[float, float]) -> Finding:
+        """Of a force range whose upper end is not above its lower one."""
+        low, high = ends
+        message = f'forcerange="{low:g} {high:g}" is no limit: MuJoCo takes an empty range for none'
+        found = self._zero(row, "effort_limit", message)
+        if low == high:
+            return found if low == 0.0 else replace(found, value=None, unit=None)
+        turned = f'the lower end comes first: forcerange="{high:g} {low:g}"'
+        return replace(found, value=None, unit=None, help=turned)
+
 
 def _by_command(case: Case, row: LedgerRow, bound: float, how: str) -> tuple[str, LedgerRow | None]:
     """What a clamped command bounds, in words; and the row of another file that limits the joint far below."""
@@ -539,10 +547,15 @@ def _ranges_not_in_force(case: Case, name: str) -> dict[Span, tuple[float, float
     for found in written_actuators(case, written.encode(), which=is_free):
         owner = found.owner(written)
         ends = numbers(owner.get(written), 2) if owner is not None else ()
-        off = _last(found, limited) == "false" or (name == "force" and ends == _EMPTY)
+        off = _last(found, limited) == "false" or (name == "force" and ends[:1] >= ends[1:])
         if len(ends) == 2 and off and all(map(math.isfinite, ends)):
             ranges[found.view.span] = (ends[0], ends[1])
     return ranges
+
+
+def _is_empty(ends: tuple[float, float] | None) -> bool:
+    """Whether a range is one that MuJoCo takes for none."""
+    return ends is not None and ends[0] >= ends[1]
 
 
 def _switched_off(name: str, ends: tuple[float, float]) -> str:
