@@ -285,13 +285,22 @@ def _names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
     own = telling(artifact.name)
     if artifact.config is None or artifact.config.framework is Framework.DEPLOY:
         own |= telling(stem)
-    return own or telling(stem) or _included(artifact), telling(folder)
+    return (own or telling(stem) or _included(artifact)) | _of_its_joints(artifact), telling(folder)
 
 
 def _included(artifact: Artifact) -> frozenset[str]:
     """Telling words of the files that a model includes: a scene is of the robot in it."""
     files = () if artifact.robot is None else artifact.robot.files[1:]
     return frozenset(word for file in files for word in telling(_stem(file.path)))
+
+
+def _of_its_joints(artifact: Artifact) -> frozenset[str]:
+    """Telling words of the included file that all joints of a model are in: `stairs.xml` with `go2.xml` is a Go2.
+
+    An arm with a gripper of another file is none.
+    """
+    paths = {joint.span.path for joint in artifact.robot.joints} if artifact.robot is not None else set()
+    return telling(_stem(paths.pop())) if len(paths) == 1 and artifact.path not in paths else frozenset()
 
 
 @lru_cache(maxsize=1024)  # a folder's files share most of it
