@@ -349,7 +349,7 @@ class FileReading:
 
     @property
     def refused_models(self) -> tuple[Artifact, ...]:
-        """Models in it that MuJoCo refuses, of a file that somebody named; of one that another includes, that is told."""
+        """Models in it that MuJoCo refuses, of a file that somebody named and that no other file includes."""
         if self.in_folder or self.included:
             return ()
         return tuple(artifact for artifact in self.artifacts if artifact.is_refused)

@@ -396,6 +396,10 @@ _BODY = frozenset(("range", "inertia"))
 """Kinds of figure that no training changes."""
 
 
+_TURNS = (math.pi, math.tau)
+"""Ends of ranges that limit nothing [rad]."""
+
+
 _Figures = Mapping[str, Mapping[str, tuple[float, ...]]]
 """Kind of figure to what each joint has."""
 
@@ -457,12 +461,26 @@ def _shares_of_body(one: _Figures, other: _Figures) -> tuple[list[float], int]:
     body = [
         {
             # An unlimited joint is one whose range was left out as often as one that turns round and round.
-            kind: {joint: values for joint, values in of[kind].items() if all(map(math.isfinite, values))}
+            kind: {
+                joint: values
+                for joint, values in of[kind].items()
+                if all(map(math.isfinite, values))
+                and not _is_left_out(kind, values, its.get(kind, {}).get(joint))
+            }
             for kind in _BODY & of.keys()
         }
-        for of in (one, other)
+        for of, its in ((one, other), (other, one))
     ]
     return _shares(*body)
+
+
+def _is_left_out(kind: str, one: Sequence[float], other: Sequence[float] | None) -> bool:
+    """Whether one of two ranges is what an exporter writes for none, a turn each way, and the other is somebody's."""
+    return kind == "range" and other is not None and _is_a_turn(one) is not _is_a_turn(other)
+
+
+def _is_a_turn(values: Sequence[float]) -> bool:
+    return any(all(math.isclose(abs(end), turn, abs_tol=0.01) for end in values) for turn in _TURNS)
 
 
 def _shares(one: _Figures, other: _Figures) -> tuple[list[float], int]:

@@ -222,7 +222,7 @@ LISTS = "kp: [20, 20]\nkd: [{0}, {0}]\n"
 
 
 def test_a_scene_is_of_the_robot_in_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A scene that is called after its ground keeps no file of the robot's from it, in whatever order they are named."""
+    """A scene that is called after its ground keeps no file of the robot's from it, in whatever order they come."""
     monkeypatch.chdir(tmp_path)
     Path("picker.xml").write_text(_arm("picker", 150))
     Path("boxes.xml").write_text('<mujoco model="boxes"><include file="picker.xml"/></mujoco>')
