@@ -203,11 +203,11 @@ def _unpaired(case: Case) -> Iterator[Diagnostic]:
 
 def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[str]]) -> Iterator[Diagnostic]:
     """Configurations, deploy files and specs of a robot without a model that have the joints of another one's."""
-    for member in (case.artifacts[index] for index in robot.artifacts):
+    for its, member in ((index, case.artifacts[index]) for index in robot.artifacts):
         own = frozenset(joint_names(member) or ())
-        words = distinctive(member)
-        # Lists without names fit each model of so many joints.
+        # Lists without names fit each model of so many joints; in a folder, of many robots of a family.
         by_number = member.kind is FileKind.DEPLOY and not own and not says_something(member.config)
+        words = frozenset() if case.is_met(its) else distinctive(member)
         near = [
             case.artifacts[index].path
             for index, joints in models.items()

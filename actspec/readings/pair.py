@@ -285,7 +285,11 @@ def _names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
     own = telling(artifact.name)
     if artifact.config is None or artifact.config.framework is Framework.DEPLOY:
         own |= telling(stem)
-    return (own or telling(stem) or _included(artifact)) | _of_its_joints(artifact), telling(folder)
+    own = own or telling(stem) or _included(artifact)
+    inside = _of_its_joints(artifact)
+    # The more exact name counts: a scene called `h1` with `h1_2.xml` is an H1-2.
+    own = frozenset(word for word in own if not any(i != word and i.startswith(word) for i in inside))
+    return own | inside, telling(folder)
 
 
 def _included(artifact: Artifact) -> frozenset[str]:

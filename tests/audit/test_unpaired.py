@@ -250,3 +250,20 @@ def test_lists_that_several_robots_may_have(tmp_path: Path, monkeypatch: pytest.
         "with them: several robots are called so"
     )
     assert told.help == "add joint_names: [...] in the order of its lists"
+    said = audit(["."], Settings()).diagnostics()
+    assert not any(item.span is not None and item.span.path.endswith(".yaml") for item in said)
+
+
+def test_a_scene_has_the_more_exact_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scene of the second picker, called `picker scene` by who copied it, is no reason to part its deploy file."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("picker", "picker_2"):
+        Path(name).mkdir()
+        Path(name, f"{name}.xml").write_text(_arm(name, 150))
+        Path(name, "scene.xml").write_text(
+            f'<mujoco model="picker scene"><include file="{name}.xml"/></mujoco>'
+        )
+    Path("picker_2.yaml").write_text(LISTS.format(5))
+    case = audit(["picker", "picker_2", "picker_2.yaml"], Settings()).case
+    members = [{case.artifacts[index].path for index in robot.artifacts} for robot in case.robots]
+    assert {"picker_2.yaml", "picker_2/picker_2.xml", "picker_2/scene.xml"} in members
