@@ -32,12 +32,12 @@ from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppress
 from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
-from actspec.audit.selection import ALL, DIAGNOSTICS, is_selected, strength
+from actspec.audit.selection import ALL, DIAGNOSTICS, NOT_JUDGED, is_selected, strength
 from actspec.audit.settings import Settings, beyond_known, not_read
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.files import name_in_file, path_of_name
 from actspec.readings.artifact import FileReading
-from actspec.readings.read import FAULT, PendingFiles, without_fragments
+from actspec.readings.read import PendingFiles, without_fragments
 
 
 def audit(
@@ -144,8 +144,8 @@ def judge(
 
 
 def _is_asked_for(rule: type[Rule], settings: Settings) -> bool:
-    """Whether a rule is to run. Files that no rule can look at are reported to whoever asks for any rule."""
-    select = (*settings.select, ALL) if rule.code == FAULT else settings.select
+    """Whether a rule is to run. Files that rules cannot look at are reported to whoever asks for any rule."""
+    select = (*settings.select, ALL) if rule.code.startswith(NOT_JUDGED) else settings.select
     return is_selected(rule.code, rule.names(), select, settings.ignore)
 
 

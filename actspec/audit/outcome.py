@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -15,6 +14,7 @@ from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
 from actspec.readings.pair import (
     SHARE,
+    distinctive,
     figures_of,
     fits,
     joint_names,
@@ -28,12 +28,6 @@ CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 
 UNKNOWN = frozenset({"AUD015", "CFG001", "DEPLOY002"})
 """Codes of information about figures that no rule looks at, or that are not compared."""
-
-
-_ITS_OWN = re.compile(
-    r"unrecognized attribute|bad format in attribute|number is too large in attribute|must be a number"
-)
-"""Reasons of MuJoCo, and of actspec, to refuse a part of a model that nothing which includes it mends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,18 +155,23 @@ class Report:
 
 
 def _from_text(file: FileReading) -> Iterator[Diagnostic]:
-    """Why a file was judged from its text alone; for a URDF without a mass, and a part of a model, that is no loss."""
-    part = any(artifact.is_part for artifact in file.artifacts)
-    refusals = ((artifact.text_only, artifact.refused_at) for artifact in file.artifacts)
-    for refusal, place in dict.fromkeys(refusals):
-        if refusal is None:
+    """Why a file was judged from its text alone, where that is no finding (AUD020); for a URDF without a mass, and a
+    part of a model, that is no loss.
+    """
+    told: dict[Diagnostic, None] = {}
+    for artifact in file.artifacts:
+        if artifact.text_only is None or artifact in file.refused_models:
             continue
         if file.kind is FileKind.URDF and not any(b"<inertial" in part.data for part in file.files):
             message, severity = "no link has a mass, so what needs inertia is not judged", Severity.INFO
         else:
-            message = f"read from its text alone, so what needs its inertia is not judged: {refusal}"
-            severity = Severity.INFO if part and not _ITS_OWN.search(refusal) else Severity.WARNING
-        yield Diagnostic("AUD013", severity, message, "", place or Span(file.path))
+            message = (
+                f"read from its text alone, so what needs its inertia is not judged: {artifact.text_only}"
+            )
+            whole = artifact.is_refused and (file.in_folder or not file.included)
+            severity = Severity.WARNING if whole or artifact.kind is FileKind.URDF else Severity.INFO
+        told[Diagnostic("AUD013", severity, message, "", artifact.refused_at or Span(file.path))] = None
+    yield from told
 
 
 def _unpaired(case: Case) -> Iterator[Diagnostic]:
@@ -204,13 +203,22 @@ def _unpaired(case: Case) -> Iterator[Diagnostic]:
 
 def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[str]]) -> Iterator[Diagnostic]:
     """Configurations, deploy files and specs of a robot without a model that have the joints of another one's."""
-    for member in (case.artifacts[index] for index in robot.artifacts):
+    for its, member in ((index, case.artifacts[index]) for index in robot.artifacts):
         own = frozenset(joint_names(member) or ())
+        # Lists without names fit each model of so many joints; in a folder, of many robots of a family.
+        by_number = member.kind is FileKind.DEPLOY and not own and not says_something(member.config)
+        words = frozenset() if case.is_met(its) else distinctive(member)
         near = [
             case.artifacts[index].path
             for index, joints in models.items()
             if (own and len(own & joints) >= SHARE * len(own))
-            or (not own and says_something(member.config) and fits(member.config, sorted(joints)))
+            or (
+                not own
+                and (
+                    words & distinctive(case.artifacts[index]) if by_number else says_something(member.config)
+                )
+                and fits(member.config, sorted(joints))
+            )
         ]
         if member.config is not None and near:
             deploy = member.kind is FileKind.DEPLOY
@@ -218,10 +226,12 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
             yield _not_compared(
                 what,
                 near,
-                "no name shows that it is the same robot",
+                "several robots are called so" if by_number else "no name shows that it is the same robot",
                 # Others of one file may be compared.
                 Span(member.path) if deploy else member.config.span,
-                f"write the robot's name into {'the file' if deploy else 'this configuration'}'s name",
+                "add joint_names: [...] in the order of its lists"
+                if by_number
+                else f"write the robot's name into {'the file' if deploy else 'this configuration'}'s name",
             )
 
 

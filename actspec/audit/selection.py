@@ -10,6 +10,9 @@ from actspec.diagnostics import nearest
 
 ALL = "ALL"
 
+NOT_JUDGED = "AUD"
+"""The family of rules over files that no other rule, or not every one, can look at."""
+
 DIAGNOSTICS = {
     "AUD007": "stale-baseline-entry",
     "AUD011": "fix-not-made",

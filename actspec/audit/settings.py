@@ -325,6 +325,13 @@ class _Reader:
         found = {}
         for selector, item in self._table(value, way).items():
             check_selectors([selector], self.rules, shown(way), self._span((*way, selector)), self.out)
+            said = is_diagnostic(selector) or any(strength(selector, *names) for names in REMARKS.items())
+            if said and not any(strength(selector, rule.code, *rule.names()) for rule in self.rules):
+                message = f"'{selector}' is no rule: what is said beside findings has its own severity"
+                refused = (
+                    "a model that you name and MuJoCo refuses is AUD020" if selector == "AUD013" else None
+                )
+                self._error("AUD004", message, (*way, selector), refused)
             severity = self._one_of(item, (*way, selector), {s.value: s for s in Severity})
             if severity is not None:
                 found[selector] = severity

@@ -6,6 +6,7 @@ files. An `Artifact` is one robot as one file has it. Nothing here was executed.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -220,6 +221,12 @@ or drives and no `<compiler>`, none of robosuite's robots, grippers and bases ha
 dm_control bring a light that follows them into its arenas, which have the angle."""
 
 
+_ITS_OWN = re.compile(
+    r"unrecognized attribute|bad format in attribute|number is too large in attribute|must be a number"
+)
+"""Reasons of MuJoCo, and of actspec, to refuse a part of a model that nothing which includes it mends."""
+
+
 @dataclass(frozen=True, slots=True)
 class Artifact:
     """One robot as one file has it; exactly one of `robot`, `config` and `spec` is set.
@@ -250,6 +257,12 @@ class Artifact:
     def refused_at(self) -> Span | None:
         """Where MuJoCo met the reason of `text_only`; None: it does not say."""
         return None if self.robot is None else self.robot.refused_at
+
+    @property
+    def is_refused(self) -> bool:
+        """Whether MuJoCo refuses it, a model of MuJoCo's own, for what no file that includes it mends."""
+        reason = self.text_only if self.kind is FileKind.MJCF else None
+        return reason is not None and (not self.is_part or _ITS_OWN.search(reason) is not None)
 
     @property
     def is_part(self) -> bool:
@@ -335,6 +348,13 @@ class FileReading:
         return replace(
             self, in_folder=False, put_aside=False, unnamed=False, written=frozenset(), idle=frozenset()
         )
+
+    @property
+    def refused_models(self) -> tuple[Artifact, ...]:
+        """Models in it that MuJoCo refuses, of a file that somebody named and that no other file includes."""
+        if self.in_folder or self.included:
+            return ()
+        return tuple(artifact for artifact in self.artifacts if artifact.is_refused)
 
     @property
     def names_nothing(self) -> bool:

@@ -285,13 +285,26 @@ def _names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
     own = telling(artifact.name)
     if artifact.config is None or artifact.config.framework is Framework.DEPLOY:
         own |= telling(stem)
-    return own or telling(stem) or _included(artifact), telling(folder)
+    own = own or telling(stem) or _included(artifact)
+    inside = _of_its_joints(artifact)
+    # The more exact name counts: a scene called `h1` with `h1_2.xml` is an H1-2.
+    own = frozenset(word for word in own if not any(i != word and i.startswith(word) for i in inside))
+    return own | inside, telling(folder)
 
 
 def _included(artifact: Artifact) -> frozenset[str]:
     """Telling words of the files that a model includes: a scene is of the robot in it."""
     files = () if artifact.robot is None else artifact.robot.files[1:]
     return frozenset(word for file in files for word in telling(_stem(file.path)))
+
+
+def _of_its_joints(artifact: Artifact) -> frozenset[str]:
+    """Telling words of the included file that all joints of a model are in: `stairs.xml` with `go2.xml` is a Go2.
+
+    An arm with a gripper of another file is none.
+    """
+    paths = {joint.span.path for joint in artifact.robot.joints} if artifact.robot is not None else set()
+    return telling(_stem(paths.pop())) if len(paths) == 1 and artifact.path not in paths else frozenset()
 
 
 @lru_cache(maxsize=1024)  # a folder's files share most of it
@@ -387,6 +400,10 @@ _BODY = frozenset(("range", "inertia"))
 """Kinds of figure that no training changes."""
 
 
+_TURNS = (math.pi, math.tau)
+"""Ends of ranges that limit nothing [rad]."""
+
+
 _Figures = Mapping[str, Mapping[str, tuple[float, ...]]]
 """Kind of figure to what each joint has."""
 
@@ -448,12 +465,26 @@ def _shares_of_body(one: _Figures, other: _Figures) -> tuple[list[float], int]:
     body = [
         {
             # An unlimited joint is one whose range was left out as often as one that turns round and round.
-            kind: {joint: values for joint, values in of[kind].items() if all(map(math.isfinite, values))}
+            kind: {
+                joint: values
+                for joint, values in of[kind].items()
+                if all(map(math.isfinite, values))
+                and not _is_left_out(kind, values, its.get(kind, {}).get(joint))
+            }
             for kind in _BODY & of.keys()
         }
-        for of in (one, other)
+        for of, its in ((one, other), (other, one))
     ]
     return _shares(*body)
+
+
+def _is_left_out(kind: str, one: Sequence[float], other: Sequence[float] | None) -> bool:
+    """Whether one of two ranges is what an exporter writes for none, a turn each way, and the other is somebody's."""
+    return kind == "range" and other is not None and _is_a_turn(one) is not _is_a_turn(other)
+
+
+def _is_a_turn(values: Sequence[float]) -> bool:
+    return any(all(math.isclose(abs(end), turn, abs_tol=0.01) for end in values) for turn in _TURNS)
 
 
 def _shares(one: _Figures, other: _Figures) -> tuple[list[float], int]:

@@ -197,13 +197,14 @@ def test_what_is_said_of_a_file_is_known_too(folder: Path) -> None:
     refused = (
         '<mujoco><compiler angle="radian"/><worldbody><body><joint name="knee"/></body></worldbody></mujoco>'
     )
-    (folder / "a.xml").write_text(refused)
-    report = audit(["a.xml"], Settings())
+    Path("robots").mkdir()
+    (folder / "robots/a.xml").write_text(refused)
+    report = audit(["robots"], Settings())
     assert [item.code for item in report.diagnostics()] == ["AUD013"]
     write_baseline(report.findings, "base.json", report.diagnostics())
     fits("baseline", json.loads((folder / "base.json").read_text()))
-    (folder / "b.xml").write_text(refused)
-    again = audit(["a.xml", "b.xml"], Settings(baseline="base.json"))
+    (folder / "robots/b.xml").write_text(refused)
+    again = audit(["robots"], Settings(baseline="base.json"))
     assert [(item.code, item.span and item.span.path) for item in again.diagnostics()] == [
-        ("AUD013", "b.xml")
+        ("AUD013", "robots/b.xml")
     ]

@@ -215,3 +215,55 @@ def test_a_configuration_of_another_robot(
     report = audit(["strider.xml", "train.py"], Settings())
     assert [len(robot.artifacts) for robot in report.case.robots] == ([2] if compared else [1, 1])
     assert ("AUD015" in {item.code for item in report.diagnostics()}) is not compared
+
+
+LISTS = "kp: [20, 20]\nkd: [{0}, {0}]\n"
+"""Lists without joint names."""
+
+
+def test_a_scene_is_of_the_robot_in_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scene that is called after its ground keeps no file of the robot's from it, in whatever order they come."""
+    monkeypatch.chdir(tmp_path)
+    Path("picker.xml").write_text(_arm("picker", 150))
+    Path("boxes.xml").write_text('<mujoco model="boxes"><include file="picker.xml"/></mujoco>')
+    Path("picker_real.yaml").write_text("joint_names: [lift, elbow]\n" + LISTS.format(0.5))
+    Path("picker_sim.yaml").write_text(LISTS.format(5))
+    files = ["boxes.xml", "picker.xml", "picker_real.yaml", "picker_sim.yaml"]
+    for order in (files, files[::-1]):
+        (robot,) = audit(order, Settings()).case.robots
+        assert len(robot.artifacts) == 4
+
+
+def test_lists_that_several_robots_may_have(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lists without names in a file that is called as two robots are: it is said that they are compared with none."""
+    monkeypatch.chdir(tmp_path)
+    Path("picker_one.xml").write_text(_arm("picker_one", 150))
+    other = _arm("picker_two", 15, 9.0).replace('range="-1.9 1.9"', 'range="-1 1"').replace("60", "6")
+    Path("picker_two.xml").write_text(other.replace('range="-2.6 2.6"', 'range="-1.5 1.5"'))
+    Path("picker.yaml").write_text(LISTS.format(5))
+    Path("crane.yaml").write_text(LISTS.format(5))
+    files = ["picker_one.xml", "picker_two.xml", "picker.yaml", "crane.yaml"]
+    said = audit(files, Settings()).diagnostics()
+    (told,) = (item for item in said if item.span is not None and item.span.path.endswith(".yaml"))
+    assert str(told).partition("\n")[0] == (
+        "picker.yaml: AUD015 [info]: this has the joints of picker_one.xml, picker_two.xml, and is not compared "
+        "with them: several robots are called so"
+    )
+    assert told.help == "add joint_names: [...] in the order of its lists"
+    said = audit(["."], Settings()).diagnostics()
+    assert not any(item.span is not None and item.span.path.endswith(".yaml") for item in said)
+
+
+def test_a_scene_has_the_more_exact_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scene of the second picker, called `picker scene` by who copied it, is no reason to part its deploy file."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("picker", "picker_2"):
+        Path(name).mkdir()
+        Path(name, f"{name}.xml").write_text(_arm(name, 150))
+        Path(name, "scene.xml").write_text(
+            f'<mujoco model="picker scene"><include file="{name}.xml"/></mujoco>'
+        )
+    Path("picker_2.yaml").write_text(LISTS.format(5))
+    case = audit(["picker", "picker_2", "picker_2.yaml"], Settings()).case
+    members = [{case.artifacts[index].path for index in robot.artifacts} for robot in case.robots]
+    assert {"picker_2.yaml", "picker_2/picker_2.xml", "picker_2/scene.xml"} in members

@@ -22,7 +22,7 @@ from actspec.audit.rules.source_rule import (
 )
 from actspec.diagnostics import SEVERITIES, Severity
 from actspec.ir import JointKind
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.ledger import LedgerRow
 from actspec.units import format_number
 
@@ -54,6 +54,7 @@ class EffortLimit(SourceRule):
     def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
         """One each; those with a file that has one limit for joints of which another tells the motors apart are one."""
         found: list[Finding] = []
+        alone: list[Disagreement] = []
         uniform: dict[tuple[int, bool], list[tuple[Disagreement, Disagreement]]] = {}
         for item in disagreements:
             sides = {(side.rows[0].artifact, _is_slide(side.rows[0])): side for side in (item, item.turned)}
@@ -61,10 +62,24 @@ class EffortLimit(SourceRule):
             if len(one) == 1 and not is_small(item):
                 uniform.setdefault(one[0], []).append((item, sides[one[0]]))
             else:
-                found.append(self.finding(case, item))
+                alone.append(item)
+        nobodys, blamed = set(), set()
         for held in uniform.values():
             each = [self.finding(case, item) for item, _ in held]
-            found += self._of_one_limit(case, each, [side for _, side in held]) or each
+            told = self._of_one_limit(case, each, [side for _, side in held])
+            found += told or each
+            if told:
+                nobodys.add(_limit_of(case, held[0][1]))
+                blamed |= {(side.rows[0].artifact, side.rows[0].joint) for _, side in held}
+        for item in alone:
+            # One limit in a variant of such a file is wrong there too, where the other file has one for its joints.
+            if _limit_of(case, item) not in nobodys and _limit_of(case, item.turned) in nobodys:
+                item = item.turned
+                at = (item.rows[0].artifact, item.rows[0].joint)
+                if at in blamed:
+                    continue
+                blamed.add(at)
+            found.append(self.finding(case, item))
         return found
 
     def _of_one_limit(
@@ -123,6 +138,12 @@ class EffortLimit(SourceRule):
             return f"the joint has {format_number(found.ratio, 3)} times the {effort} here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint has {share:.3g} % {'more' if found.ratio > 1.0 else 'less'} {effort} here"
+
+
+def _limit_of(case: Case, found: Disagreement) -> tuple[Robot, FileKind, float | None]:
+    """The limit that departs, with the robot and the kind of file that have it."""
+    artifact = found.rows[0].artifact
+    return case.robot_of(artifact), case.artifacts[artifact].kind, found.mine.value
 
 
 def _limits_nothing(case: Case, found: Disagreement) -> bool:
