@@ -162,7 +162,7 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
 
 
 def with_other_motors(case: Case) -> frozenset[int]:
-    """Configurations of a folder that give a known robot the limits of a model of an unknown one there, at each joint.
+    """Configurations that give a known robot the limits of a model of an unknown one there, at each joint.
 
     Whoever forgets to adapt a template has a known robot's limits at his own; the other way round it is on purpose.
     One limit for all joints tells of no robot.
@@ -182,7 +182,7 @@ def with_other_motors(case: Case) -> frozenset[int]:
     return frozenset(
         index
         for index in known & limits.keys()
-        if case.artifacts[index].kind is FileKind.CFG and case.is_met(index)
+        if case.artifacts[index].kind is FileKind.CFG
         # It has two limits or more, and each is the other's.
         if len(set(limits[index].values())) > 1
         and any(

@@ -83,25 +83,24 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         published = most[worst]
         if limit < times * max((published.effort, *published.also)):
             return None
-        which = f", at {worst}" if len({joint.effort for joint in most.values()}) > 1 else ""
-        by = format_number(limit / published.effort, 3)
-        return Finding(
-            self.code,
-            f"{_named(row)} is {by} times what is published for "
-            f"{subject.robot.name}: {shown(row, 'effort_limit', published.effort, 6)}{which}"
-            + self._of_the_others(subject, row, limit, times),
-            driving_place(row),
-            row.joint,
-            limit,
-            unit(row, "effort_limit"),
-            published.effort,
-            help=f"{shown(row, 'effort_limit', published.effort, 6)}: {published.source}",
-            fields=("effort_limit",),
-        )
+        found = self._times_off(subject, row, names, limit, worst, published)
+        return replace(found, message=found.message + self._of_the_others(subject, row, limit, times))
 
     def _far_below(self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float) -> Finding:
         name = min(names, key=lambda name: _weakest(subject, name).effort)
-        published = _weakest(subject, name)
+        found = self._times_off(subject, row, names, limit, name, _weakest(subject, name))
+        return replace(found, help=f"{found.help}; is it the decimal point?")
+
+    def _times_off(
+        self,
+        subject: Likeness,
+        row: LedgerRow,
+        names: tuple[str, ...],
+        limit: float,
+        name: str,
+        published: KnownJoint,
+    ) -> Finding:
+        """Of a limit beside what is published of one of its joints."""
         figure = shown(row, "effort_limit", published.effort, 6)
         which = f", at {name}" if len({_most(subject, name).effort for name in names}) > 1 else ""
         return Finding(
@@ -113,7 +112,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             limit,
             unit(row, "effort_limit"),
             published.effort,
-            help=f"{figure}: {published.source}; is it the decimal point?",
+            help=f"{figure}: {published.source}",
             fields=("effort_limit",),
         )
 

@@ -116,7 +116,7 @@ def disagreements(
         for found in every:
             wrong = _by_what_is_published(case, found)
             if not wrong.published:
-                wrong = _by_kinds(case, wrong, by_kinds)
+                wrong = _by_kinds(wrong, by_kinds)
             # Several files may be right beside one that is not.
             at = (wrong.rows[0].artifact, wrong.rows[0].joint)
             if wrong is found or at not in blamed:
@@ -178,9 +178,7 @@ def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
     return replace(found.turned if here else found, published=name)
 
 
-def _by_kinds(
-    case: Case, found: Disagreement, stated: Mapping[str, Mapping[FileKind, set[float]]]
-) -> Disagreement:
+def _by_kinds(found: Disagreement, stated: Mapping[str, Mapping[FileKind, set[float]]]) -> Disagreement:
     """Turned where files of more kinds have the figure of the departing one than the other's; or where no
     kind has either, but more are near it: of 52, 60 and 520 the last is the odd one.
 
