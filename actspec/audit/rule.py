@@ -44,7 +44,7 @@ class Rule:
         options: Its options and their defaults.
         noted_in_folders: Whether its findings are notes in a file that was met in a folder, and not named: of those in
             strangers' folders too few were worth acting on (docs/survey.md).
-        written_over: Figures of a model, or the drive of a configuration, on which it leans; where a program of the
+        written_over: Figures of a model or a configuration on which it leans; where a program of the
             folder writes over one of them, its findings are notes.
         paired: Whether another file of the robot can give it a finding in a model that the model by itself would not
             get.

@@ -11,7 +11,7 @@ from functools import cached_property
 
 from actspec.files import NotRegular, TooLarge, in_common, read_regular
 from actspec.readings.artifact import FileKind, FileReading
-from actspec.readings.gym_tasks import tasks
+from actspec.readings.gym_tasks import no_tasks
 from actspec.readings.written_over import poses_alone, written_over
 
 _HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
@@ -193,16 +193,13 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     texts = dict(_texts(path for path in programs if kinds.get(path) not in (FileKind.MJCF, FileKind.URDF)))
     others = any(True for path, text in texts.items() if path not in configs for _ in _names(text))
     alone = _idle_configs(configs, texts, others)
-    no_task, own_law = tasks(members, texts)
-    for path, names in no_task.items():
+    for path, names in no_tasks(members, texts).items():
         alone[path] = alone.get(path, frozenset()) | names
     # A configuration that nobody runs runs no model.
     running = {
         path: text for path, text in texts.items() if alone.get(path) != configs.get(path, frozenset())
     }
     run = _Models(models, running).run()
-    for path, names in own_law.items():
-        alone[path] = alone.get(path, frozenset()) | names
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
         written_over(tuple(texts.values())),

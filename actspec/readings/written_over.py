@@ -11,15 +11,12 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     ),
     "timestep": re.compile(rb"\bopt(?:ion)?\.timestep\s*=(?!=)"),
     "urdf_effort": re.compile(rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""),
-    "drive": re.compile(rb"\.control_dofs_position\("),
     "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
 }
 """What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names.
 
-Forks of legged_gym clip at limits of the configuration in place of the URDF's effort. And by what it hands a
-configuration's drive to the simulator: Genesis integrates the gains of control_dofs_position implicitly
-(RigidOptions.integrator is approximate_implicitfast); what puts actuators that it made into any configuration of
-Isaac Lab has their limits from elsewhere.
+Forks of legged_gym clip at limits of the configuration in place of the URDF's effort. What puts actuators that it made
+into any configuration of Isaac Lab has their limits from elsewhere.
 """
 
 _CLIPPED = (
@@ -81,25 +78,6 @@ _PLANS = re.compile(rb"^robot_cfg:[ \t]*\n(?:[ \t]*\n)*[ \t]+kinematics:", re.MU
 
 _FORCES = re.compile(rb"effort|torque|\btau\b", re.IGNORECASE)
 
-_OWN_LAW = re.compile(rb"\b_(?:compute_torques|process_dof_props)\b")
-"""Where legged_gym makes its torques, and what it does to a joint: hands and arms of IsaacGymEnvs have neither."""
-
-_ARMATURE = re.compile(
-    rb"""(?:self\.)?\w*props\[["']armature["']\](?:\[(?!\d+\])[^=\n]*\])?(?:\.fill\(([^\n]*)|[ \t]*=(?!=)([^\n]*))"""
-)
-"""A program that sets the armature of Isaac Gym's properties of joints, but for that of one by its number."""
-
-_ARMATURE_SET = re.compile(rb"\b(?:set_dofs_armature|write_joint_armature_to_sim)\(")
-"""A program that sets armatures in Genesis or Isaac Lab, where what it leaves has one that no file states.
-
-Source: Genesis, morphs.URDF, `default_armature` 0.1 kg*m^2.
-"""
-
-# What is 0, and variables that are somewhere.
-_NOTHING = rb"[ \t]*(?:0(?:\.0*)?[ \t]*(?:$|\))|\w+\.zeros)"
-_SET_TO_NOTHING = re.compile(rb"\b(\w+)[ \t]*=" + _NOTHING, re.MULTILINE)
-_INDEX = re.compile(rb"\[[^\[\]\n]*\]")
-
 
 def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
     """Programs that ask a model where its links are and for nothing else: what drives its joints is nothing to them.
@@ -118,7 +96,7 @@ def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
 
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
-    """What programs write over, of `_WRITES`, and armatures; of URDFs efforts that are no drive's limit."""
+    """What programs write over, of `_WRITES`; of URDFs efforts that are no drive's limit."""
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
     if any(map(_CLIPS.search, texts)):
         found |= {"effort_limit", "urdf_effort"}
@@ -127,38 +105,7 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
         found.add("effort_limit")
     if not any(map(_LIMITS_BY_URDF.search, texts)):
         found.add("urdf_limit")
-    if any(map(_sets_armature, texts)) or any(map(_ARMATURE_SET.search, texts)):
-        found.add("armature")
     return frozenset(found)
-
-
-def _sets_armature(text: bytes) -> bool:
-    """Whether a program of legged_gym's kind gives every joint an armature, under no condition.
-
-    One that it draws where a switch is on is 0 where it is off, as the variable that the program sets to 0 says.
-    """
-    if b"armature" not in text or not _OWN_LAW.search(text):
-        return False
-    nothing = {found[1] for found in _SET_TO_NOTHING.finditer(text)}
-    # Indentation of the blocks around a line, and whether a call of their function goes through each.
-    around: list[tuple[int, bool]] = []
-    for line in text.splitlines():
-        head = line.lstrip()
-        # The end of a header or an expression that goes over several lines.
-        if not head or head[:1] in b")]}":
-            continue
-        depth = len(line) - len(head)
-        while around and around[-1][0] >= depth:
-            around.pop()
-        always = bool(around) and around[-1][1]
-        written = _ARMATURE.match(head) if always else None
-        if written:
-            value = written[1] or written[2] or b""
-            names = re.findall(rb"\w+", _INDEX.sub(b"", value))
-            if not re.match(_NOTHING, value) and nothing.isdisjoint(names):
-                return True
-        around.append((depth, head.startswith(b"def ") or (always and head.startswith((b"for ", b"with ")))))
-    return False
 
 
 def _clips_at_a_list(text: bytes) -> bool:

@@ -23,8 +23,10 @@ class ExplicitDrive(RuleOver[_Subject]):
     aliases: ClassVar[dict[str, str]] = {"STB001": "explicit-drive-near-or-beyond-stability"}
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    # What else sets an armature or a step is not seen in a stranger's folder: over nine blind samples 30 of 41 folders
+    # were worth acting on, and six were false, each by another thing that a program sets.
+    noted_in_folders = True
     paired = True
-    written_over = frozenset({"drive", "armature"})
     needs = "no configuration with explicit drives, its physics step and a model that gives inertia"
     options: ClassVar[dict[str, float]] = {"near": 1.0}
 
