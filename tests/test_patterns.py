@@ -84,6 +84,7 @@ ATOM = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None, database=None)
 @given(st.lists(ATOM, min_size=1, max_size=6).map("".join), st.lists(st.text("ab", max_size=8), max_size=5))
 def test_the_meaning_is_that_of_fullmatch(pattern: str, names: list[str]) -> None:

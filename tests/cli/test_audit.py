@@ -390,6 +390,7 @@ def test_ledger_and_statistics(capsys: pytest.CaptureFixture[str]) -> None:
     assert out.endswith(f"\n2  LIM101  no-effective-limit  warning\n{SKIPPED}{COUNT}")
 
 
+@pytest.mark.slow
 def test_as_a_process(folder: Path) -> None:
     """A pipe gets plain text, and what its encoding has no character for is escaped."""
     paths = os.pathsep.join([str(ROOT), *sys.path])

@@ -65,6 +65,7 @@ def test_agreement(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == ["rich.xml", "rich.yaml"]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("processes")
 def test_without_usd_core(
     capsys: pytest.CaptureFixture[str], folder: Path, monkeypatch: pytest.MonkeyPatch

@@ -168,6 +168,7 @@ def test_every_object_has_its_section() -> None:
     assert objects - {"Tunable"} == set(SECTIONS)
 
 
+@pytest.mark.slow
 def test_every_field_is_shown() -> None:
     """Each field stands in a spec of the pages, which is compiled, or of the robots."""
     defs, _ = _schema()

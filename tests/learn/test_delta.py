@@ -85,6 +85,7 @@ def test_slopes(tmp_path: Path) -> None:
     assert found == pytest.approx(np.broadcast_to(expected, (10, 4, 2)), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_rows_around_a_gap(tmp_path: Path) -> None:
     """Rows 0 to 29 and 33 to 59: neither end of either stretch has both neighbours."""
     path = folder(tmp_path)

@@ -166,6 +166,7 @@ def test_two_rates_one_after_the_other(
     assert item.span is not None and item.span.path == log.path and abs(item.span.line - 402) <= 2
 
 
+@pytest.mark.slow
 def test_one_rate(actuators: ActuatorSet, logs: list[Log]) -> None:
     """A tenth of the rows missing here and there, a clock that jitters, rows of 2.5 ms with stamps in milliseconds, and
     a rate that is another one while the drives are off."""

@@ -145,6 +145,7 @@ def test_pure_parts_import_no_engine(where: str) -> None:
     assert not wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("library", "home"), [("torch", "learn"), ("pxr", "robot.usda"), ("yourdfpy", "verify.engines.yourdfpy")]
 )

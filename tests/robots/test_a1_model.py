@@ -213,6 +213,7 @@ def _standing_model(name: str, law: str) -> Any:
     return scene.compile()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["position", "dcmotor"])
 @pytest.mark.parametrize("name", ["a1", "a1_stiff"])
 def test_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, law: str) -> None:

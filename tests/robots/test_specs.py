@@ -226,6 +226,7 @@ def test_derived_gains(name: str, group: str, inertia: float, effort: float, kp:
     assert number(actuators["action_scale"]) == pytest.approx(0.25 * effort / (found * omega**2), rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("variant", "hip_pitch", "wrist"),
     [

@@ -48,6 +48,7 @@ def test_all_columns_in_degrees(log: Log) -> None:
     assert "range is -1.5 to 1.5 rad" in one.message and "[deg]" in (one.help or "")
 
 
+@pytest.mark.slow
 def test_a_position_of_another_zero_is_only_doubted(log: Log) -> None:
     """One turn off, as a multi-turn encoder may be."""
     joint = log.joints["hip"]

@@ -87,6 +87,7 @@ def test_columns_of_two_joints_are_exchanged(log: Log, signal: str, hip: str) ->
     assert found[0].message == hip
 
 
+@pytest.mark.slow
 def test_command_and_position_are_exchanged(log: Log) -> None:
     """By the velocity; without one by the torque, which brakes as it should and pulls the wrong way."""
     hip = log.joints["hip"]

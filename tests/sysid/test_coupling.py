@@ -55,6 +55,7 @@ def test_a_push_that_jumps_between_rows_moves_as_far() -> None:
     assert plain.between is None
 
 
+@pytest.mark.slow
 def test_steps_of_the_virtual_robot_are_of_second_order(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
