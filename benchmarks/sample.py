@@ -1,10 +1,12 @@
 """What the audit says of folders that strangers published, for people to judge: benchmarks/judging.md.
 
     python benchmarks/sample.py FOLDER [--seen FOLDER]... [--jobs 2] [-o findings.txt] [--counts counts.tsv]
+        [--add-judged]
 
 Every folder in FOLDER is one package or repository, audited as a user would name it. Printed is each error and warning
-whose file is in none of the folders that were seen before, byte by byte, nor in an earlier package of the sample. The
-counts have a line a package: its name, new files, errors and warnings.
+whose file is in none of the folders that were seen before, byte by byte, nor in an earlier package of the sample, nor
+in judged.txt: beside this program, the digests of files whose findings were judged, to which --add-judged adds those of
+this sample. The counts have a line a package: its name, new files, errors and warnings.
 
 A sample is blind where the packages were chosen, and the rules committed, before one of their files was read.
 """
@@ -28,6 +30,7 @@ from actspec.audit.settings import Settings  # noqa: E402
 from actspec.diagnostics import Severity  # noqa: E402
 from actspec.report.findings import for_people  # noqa: E402
 
+JUDGED = ROOT / "benchmarks" / "judged.txt"
 ENDINGS = (".xml", ".urdf", ".mjcf", ".py", ".yaml", ".yml")
 
 
@@ -57,24 +60,33 @@ def main() -> int:
     parser.add_argument("--jobs", default=os.cpu_count(), type=int)
     parser.add_argument("-o", "--output", type=Path)
     parser.add_argument("--counts", type=Path)
+    parser.add_argument("--add-judged", action="store_true")
     arguments = parser.parse_args()
     seen = {digest for folder in arguments.seen for digest in _digests(folder.resolve())}
+    judged = set(JUDGED.read_text(encoding="utf-8").split())
     names = sorted(path.name for path in arguments.folder.iterdir() if path.is_dir())
     output, counts = (path and path.resolve() for path in (arguments.output, arguments.counts))
     # A file is named from the sample's folder, whoever reads the list.
     os.chdir(arguments.folder)
     with ProcessPoolExecutor(arguments.jobs) as pool:
         packages = list(pool.map(_audited, names))
-    lines, rows = [], []
+    lines: list[str] = []
+    rows: list[str] = []
+    added: set[str] = set()
     for package in packages:
-        told = [text for digest, text in package.findings if digest not in seen]
+        told = {
+            text: digest for digest, text in package.findings if digest not in seen and digest not in judged
+        }
         new = package.files - seen
         seen |= new
         lines += told
+        added |= set(told.values())
         rows.append(f"{package.name}\t{len(new)}\t{len(told)}\t{package.fault}")
     _write(output, "\n\n".join(lines))
     if counts is not None:
         _write(counts, "\n".join(rows))
+    if arguments.add_judged:
+        _write(JUDGED, "\n".join(sorted(judged | added)))
     files = sum(int(row.split("\t")[1]) for row in rows)
     print(f"{len(lines)} errors and warnings in {files} new files of {len(rows)} packages", file=sys.stderr)
     return 0
@@ -106,7 +118,7 @@ def _digests(folder: Path) -> Iterator[str]:
 
 def _digest(path: str) -> str:
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:32]
     except OSError:
         return path
 
