@@ -9,7 +9,6 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     "effort_limit": re.compile(
         rb"(?:actuator_forcerange|jnt_actfrcrange)(?:\s*\[[^\]\n]*\])*\s*=(?!=)|set_dofs_force_range|\.forcerange\s*=(?!=)"
     ),
-    "timestep": re.compile(rb"\bopt(?:ion)?\.timestep\s*=(?!=)"),
     "urdf_effort": re.compile(rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""),
     "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
 }

@@ -80,6 +80,7 @@ class RequiredFieldMissing(RuleInParts):
                     joint,
                     help=f"set {name} to what the motor and its drive can give",
                     severity=Severity.WARNING,
+                    noted_in_folders=True,
                 )
 
     def _line(self, group: Group) -> Iterator[Finding]:

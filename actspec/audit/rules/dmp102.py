@@ -19,6 +19,7 @@ class GainInJointDamping(RuleOver[_Subject]):
     name = "kd-in-joint-damping"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
+    noted_in_folders = True
     needs = "no MJCF with limited position servos among the files"
     options: ClassVar[dict[str, float]] = {"ratio": 0.1, "time": 0.01}
 

@@ -19,6 +19,7 @@ class SpeedInRpm(RuleInParts):
     name = "speed-in-rpm"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    noted_in_folders = True
     paired = True
     needs = "no file states the speed of a hinge"
     options: ClassVar[dict[str, float]] = {"relative": 0.005, "least": 150.0}
