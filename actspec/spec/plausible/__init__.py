@@ -20,7 +20,7 @@ from actspec.spec.plausible.exchanges import exchanges
 from actspec.spec.plausible.groups import group_doubts, time_doubts
 from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
-from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, by_number, tell
+from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, Kept, by_number, kept_of, tell
 from actspec.spec.plausible.witnesses import file_doubts, witnessed
 from actspec.spec.rules.robot import SPEC_ITSELF
 
@@ -52,23 +52,27 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
             collector.at(f"accept.{key}", document.spans.key(("accept", key))).error(
                 "SPEC162", f"no check of a spec's numbers is called {code}", help
             )
-    doubts = number_doubts(model, document)
+    kept = kept_of(document, model.accept)
+    doubts = number_doubts(model, document, kept)
     # Which of friction and limit, or of two torques, is wrong, the robot's file tells: no reason not to read it.
     read = not collector.failed
     told = (replace(doubt, error=False) if read and doubt.code in _BY_FILE else doubt for doubt in doubts)
-    tell(told, document, model.accept, collector)
+    tell(told, kept, collector)
 
 
-def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointActuator] = ()) -> list[Doubt]:
-    """What the figures imply; also what the author is sure of.
+def number_doubts(
+    model: SpecModel, document: Document, kept: Kept, joints: Sequence[JointActuator] = ()
+) -> list[Doubt]:
+    """What the figures imply; also what the author is sure of, where other figures follow from it.
 
     Args:
         model: What the spec says.
         document: Where it says it.
+        kept: What the author is sure of.
         joints: The resolved spec, with what the robot's file says; none: whatever the robot is.
     """
     spans = document.spans
-    drives = list(witnessed(joints, model, spans))
+    drives = list(witnessed(joints, model, spans, kept))
     exchanged = list(exchanges(drives, model, spans))
     together = {name for pair in exchanged for name in pair.motors}
     doubts = [pair.doubt for pair in exchanged]
@@ -81,4 +85,4 @@ def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointAc
     doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}
     doubts += linkage_doubts(model, spans, joints, doubted)
     doubts += [*range_doubts(model, spans), *time_doubts(model, spans)]
-    return [*doubts, *group_doubts(model, spans, doubted)]
+    return [*doubts, *group_doubts(model, spans, doubted, kept)]

@@ -28,16 +28,26 @@ ROUNDING = 1.02
 FAR_ABOVE_STALL = 3.0
 VOLTAGE_RATIO = (0.2, 3.0)
 """Torque constant times no-load speed, over the voltage."""
-LARGEST_TORQUE = 1000.0
-"""[N*m] at the output."""
-LARGEST_POWER = 20e3
-"""Stall torque times no-load speed [W]."""
+LARGEST_TORQUE = 100e3
+"""[N*m] at the output. Chosen: the strongest arms hold 2300 kg at 3.7 m, 84 kN*m; axes of a KR 210 have 11 kN*m."""
+MOST_TURNS = 1000.0
+"""From it on a gear ratio goes with `LARGEST_OF_SLOW`. Published: large arms have gears to 350."""
+LARGEST_OF_SLOW = 1000.0
+"""[N*m] behind more turns than that. Published: 9 N*m behind 1462 (HEBI X8-9)."""
+LARGEST_POWER = 200e3
+"""Peak torque times no-load speed [W]. Chosen: axes of a KR 210 have 24 kW."""
+BATTERY = 100.0
+"""A motor with less is no industrial arm's, which have 200 V and more [V]."""
+LARGEST_OF_BATTERY = 20e3
+"""The most of it [W]. Published: 7.2 kW (H2)."""
 HOPELESS_TORQUE = 1e6
 """An error from it on [N*m]. Chosen: slewing and hub drives of large machines have 500 kN*m."""
 HOPELESS_POWER = 1e6
 """Likewise [W]. Chosen: the largest motors of vehicles have 700 kW."""
 WINDING = 10.0
-"""A stall torque beside a peak torque may be this many times the largest: voltage over resistance, never reached."""
+"""A stall torque may be this many times a large peak torque beside it: voltage over resistance, never reached."""
+LARGE = 1000.0
+"""Such a torque [N*m]. Published of legged and humanoid robots: to 494 (Apollo's hip, playground)."""
 SLOWEST_ROTOR = 60.0
 """[rad/s], behind a gear."""
 SLOWEST_GEARED = 12.0
@@ -96,7 +106,13 @@ GEAR_INVERSE = "did you mean {}? gear_ratio is rotor turns in one output turn"
 
 
 def relations(drive: Drive) -> Iterator[Relation]:
-    """Everything that the figures of a drive imply, sound or not."""
+    """Everything that the figures of a drive imply, sound or not, but for a size that the author is sure of."""
+    for relation in _relations(drive):
+        if relation.code != "SPEC183" or not (drive.large or relation.path in drive.sure):
+            yield relation
+
+
+def _relations(drive: Drive) -> Iterator[Relation]:
     motor = drive.motor
     output = output_of(drive.name, motor)
     witnesses = list(witness_relations(drive, output))
@@ -105,7 +121,7 @@ def relations(drive: Drive) -> Iterator[Relation]:
     yield from _gear(drive.name, motor)
     yield from _efficient(drive)
     said = any(_is_said(relation) for relation in witnesses)
-    yield from _beyond(drive.name, output, HOPELESS_TORQUE if said else LARGEST_TORQUE)
+    yield from _beyond(drive, output, said)
     yield from _speed(drive, output)
     yield from _rotor(drive.name, motor, output)
     yield from _stage_inertias(drive.name, motor)
@@ -362,34 +378,42 @@ def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
         )
 
 
-def _beyond(name: str, output: Output, largest: float) -> Iterator[Relation]:
+def _beyond(drive: Drive, output: Output, said: bool) -> Iterator[Relation]:
+    """Torque and power of no robot's motor; `said`: the robot's file has about that torque."""
     torque, speed = output.torque, output.speed
     if not torque:
         return
-    others = (output.speed_path, ("motors", name, "gear_ratio"), ("motors", name, "side"))
-    said = "more than any motor of a legged or humanoid robot has"
+    root: Path = ("motors", drive.name)
+    others = (output.speed_path, (*root, "gear_ratio"), (*root, "side"))
     help = "look for a wrong unit: mN*m as N*m, rpm as rad/s"
+    this = f"this is {format_quantity(torque, 'N*m', 3)}"
+    slow = (output.gear or 0.0) > MOST_TURNS
+    largest = LARGEST_OF_SLOW if slow else LARGEST_TORQUE
+    behind = f" of {format_quantity(output.gear, '', 4)} turns" if slow else ""
     yield Relation(
         "SPEC183",
         torque,
-        (0.0, largest),
+        (0.0, HOPELESS_TORQUE if said else largest),
         (0.1, 500.0),
-        f"this is {format_quantity(torque, 'N*m', 3)} at the gearbox output, {said} (494 N*m is the most that is "
-        "published)",
+        f"{this} at the gearbox output{behind}, and robots have {format_quantity(largest, 'N*m')} there at most",
         output.torque_path,
         help,
         others,
         beyond=(0.0, HOPELESS_TORQUE),
     )
     if speed:
+        volts = number(drive.motor.nominal_voltage) or math.inf
+        most = LARGEST_OF_BATTERY if volts < BATTERY else LARGEST_POWER
+        at_most = f"robots have {format_quantity(most / 1000, 'kW')}"
+        if drive.motor.nominal_voltage is not None and volts < BATTERY:
+            at_most += f" at {drive.motor.nominal_voltage.written}"
         yield Relation(
             "SPEC183",
             torque * speed,
-            (0.0, LARGEST_POWER),
+            (0.0, most),
             (0.5, 8e3),
-            f"this is {format_quantity(torque, 'N*m', 3)} x {format_quantity(speed, 'rad/s', 3)}, "
-            f"{format_quantity(torque * speed / 1000, 'kW', 3)} at the gearbox output, {said} (360 N*m x 20 rad/s, "
-            "7.2 kW is the most that is published)",
+            f"{this} x {format_quantity(speed, 'rad/s', 3)}, {format_quantity(torque * speed / 1000, 'kW', 3)} at the "
+            f"gearbox output, and {at_most} at most",
             output.torque_path,
             help,
             others,
@@ -397,13 +421,14 @@ def _beyond(name: str, output: Output, largest: float) -> Iterator[Relation]:
             about="power",
         )
     if output.winding:
+        most = WINDING * max(torque, LARGE)
         yield Relation(
             "SPEC183",
             output.winding,
-            (0.0, WINDING * LARGEST_TORQUE),
+            (0.0, most),
             (0.1, WINDING * 500.0),
-            f"this is {format_quantity(output.winding, 'N*m', 3)} at the gearbox output, {said} (494 N*m is the most "
-            "that is published)",
+            f"{output.winding_path[-1]} is {format_quantity(output.winding, 'N*m', 3)} at the gearbox output, and "
+            f"{output.torque_path[-1]} {format_quantity(torque, 'N*m', 3)}",
             output.winding_path,
             help,
             others,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -85,17 +85,24 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     broken = [relation for relation in before if relation.broken]
     if not broken:
         return
-    repairs: Iterable[Repair] = _repairs(drive)
+    repairs = list(_repairs(drive))
     witnessed = all(relation.witnessed for relation in broken)
     if witnessed:
         limits = {limit.path for limit in drive.limits}
-        repairs = (item for item in repairs if not item.rare or limits.isdisjoint(item.paths))
+        repairs = [item for item in repairs if not item.rare or limits.isdisjoint(item.paths)]
     if all(relation.code == "SPEC183" and not relation.error for relation in broken):
         # It is a large machine's, or a figure with which it is a robot's of a usual size.
-        repairs = (item for item in repairs if not any(_is_large(relation) for relation in item.after))
+        repairs = [item for item in repairs if not any(_is_large(relation) for relation in item.after)]
     best = explained(before, repairs)
+    if best and not drive.sure.isdisjoint(best[0].paths):
+        if drive.sure.issuperset(best[0].paths):
+            # Of several that may be the wrong one those are left of which nobody is sure; else it is kept.
+            best = [repair for repair in best if drive.sure.isdisjoint(repair.paths)] or best
+        else:
+            best = explained(before, (item for item in repairs if drive.sure.isdisjoint(item.paths)))
     if best:
-        yield explanation(best, broken, spans)
+        rivals = (repair for repair in best[1:] if drive.sure.isdisjoint(repair.paths))
+        yield explanation([best[0], *rivals], broken, spans)
     elif not witnessed and drive.witnesses:
         # A limit that meets the robot's file with no figure is offered none.
         known = {spans.value(witness.limit) for witness in drive.witnesses if witness.limit is not None}
@@ -108,7 +115,7 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
                 doubt = replace(doubt, help=refuted[doubt.span])
             yield doubt
     elif not witnessed:
-        for relation in _first(broken):
+        for relation in _first(broken, drive.sure):
             yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
 
 
@@ -150,16 +157,24 @@ def misread_speeds(drive: Drive) -> Iterator[MisreadSpeed]:
                 yield MisreadSpeed(("motors", drive.name, *path), factor, help, excess < now)
 
 
-def _first(broken: Iterable[Relation]) -> Iterator[Relation]:
-    """Of relations that see the same mistake the first: all but those of torques take gear, side and torque."""
+def _first(broken: Iterable[Relation], sure: Collection[Path]) -> Iterator[Relation]:
+    """Of relations that see the same mistake the first: all but those of torques take gear, side and torque.
+
+    What is beyond any motor, and a number that the author is sure of, hides only what follows from it.
+    """
     seen: set[object] = set()
+    alone: set[Path] = set()
     for relation in broken:
         key: object = relation.path
         if relation.code not in ("SPEC135", "SPEC180"):
             key = "constant" if relation.code == "SPEC181" else "output"
-        if key not in seen:
+        if key in seen or not alone.isdisjoint((relation.path, *relation.others)):
+            continue
+        if relation.code == "SPEC183" or relation.path in sure:
+            alone.add(relation.path)
+        else:
             seen.add(key)
-            yield relation
+        yield relation
 
 
 def _repairs(drive: Drive) -> Iterator[Repair]:

@@ -8,6 +8,7 @@ myosuite, they report one, an arm made up for a test (`benchmarks/plausible.py`)
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,6 +18,7 @@ from actspec.ir import JointActuator, Origin, Quantity
 from actspec.spec.document import Document, SourceMap
 from actspec.units import format_quantity
 
+_IS_NUMBER = re.compile(r"\s*[-+]?\.?[0-9]")
 _OF_SPEC = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)
 
 
@@ -78,15 +80,17 @@ CHECKS = (
     Check(
         "SPEC183",
         "beyond-any-motor",
-        "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot, or of the robot's size; "
-        "force behind a transmission.",
-        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed): joints of large industrial arms have 8 "
-        "kN*m, slews of excavators 400; a torque that the robot's file agrees with, to a quarter, is none too large. "
-        "An error above 1e6 N*m or 1 MW (chosen). Largest published: 494 N*m (Apollo's hip, playground) and 360 N*m "
-        "at 20 rad/s, 7.2 kW (H2, unitree_ros). A stall torque beside a peak torque is a winding's, and may be ten "
-        "times that. Chosen: 300 kN and 3000 N*m behind a transmission. Of robots with six hinges or more also the "
-        "effort limit of a joint with a motor that would hold the whole robot on a lever of more than 4 m, an error "
-        "from 40 m (1.55 m, arm Z1).",
+        "Torque or power at the gearbox output beyond any motor of a robot, of the robot's size, or of its own "
+        "voltage, gear and peak torque; force behind a transmission.",
+        "A warning above 100 kN*m (chosen: the strongest arms hold 2300 kg at 3.7 m, 84 kN*m; axes of a KR 210 have 11 "
+        "kN*m, slews of excavators 400), or 1000 N*m behind more than 1000 turns (gears of large arms have to 350, and "
+        "9 N*m are published behind 1462); above 200 kW (peak torque times no-load speed; chosen, a KR 210 has 24 kW), "
+        "or 20 kW where the voltage is below 100 V. A torque that the robot's file agrees with, to a quarter, is none "
+        "too large. An error above 1e6 N*m or 1 MW (chosen). Largest published of legged and humanoid robots: 494 N*m "
+        "(Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). A stall torque beside a peak "
+        "torque is a winding's, and may be ten times that, or 10 kN*m. Chosen: 300 kN and 3000 N*m behind a "
+        "transmission. Of robots with six hinges or more also the effort limit of a joint with a motor that would hold "
+        "the whole robot on a lever of more than 4 m, an error from 40 m (1.55 m, arm Z1).",
     ),
     Check(
         "SPEC184",
@@ -259,8 +263,9 @@ class Doubt:
         where: Dotted path of the number.
         span: Where it is written.
         help: What was probably meant.
-        judged: Where the other numbers are written that were judged with it; `sure` at any of them keeps all.
+        judged: Where the other numbers are written that were judged with it.
         error: Nothing could be right.
+        blamed: Where other numbers are written that are wrong as well, by the same mistake.
     """
 
     code: str
@@ -270,6 +275,7 @@ class Doubt:
     help: str | None = None
     judged: tuple[Span | None, ...] = ()
     error: bool = False
+    blamed: tuple[Span | None, ...] = ()
 
     @property
     def diagnostic(self) -> Diagnostic:
@@ -370,34 +376,77 @@ def at(
     return Doubt(code, message, dotted(path), spans.value(path), help, judged, error)
 
 
-def tell(doubts: Iterable[Doubt], document: Document, accept: Collection[str], collector: Collector) -> None:
-    """Report doubts, but for those that the author is sure of.
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What the author of a spec is sure of.
+
+    Attributes:
+        codes: Of the checks all of whose findings `accept` keeps.
+        sure: Where the numbers with `sure: true` are written.
+        numbers: Where numbers are written.
+        paths: Paths of the numbers with `sure: true`.
+    """
+
+    codes: frozenset[str] = frozenset()
+    sure: frozenset[Span] = frozenset()
+    numbers: frozenset[Span] = frozenset()
+    paths: frozenset[Path] = frozenset()
+
+    def has(self, doubt: Doubt) -> bool:
+        """Whether the author is sure of what a doubt blames, whichever numbers it was judged with.
+
+        A word, such as `side`, has no `sure`: any number that was judged with it keeps it.
+        """
+        blamed = (doubt.span,) if doubt.span in self.numbers else (doubt.span, *doubt.judged)
+        return doubt.code in self.codes or not self.sure.isdisjoint(blamed)
+
+
+def kept_of(document: Document, accept: Collection[str]) -> Kept:
+    """What a spec keeps by `sure` and `accept`.
+
+    Args:
+        document: The spec.
+        accept: Keys of its `accept`; `spec.CODE` keeps all that a check finds.
+    """
+    codes = frozenset(code for code in BY_CODE if f"spec.{code}" in accept)
+    written = list(_numbers(document.data))
+    spans = document.spans
+    return Kept(
+        codes,
+        frozenset(spans.value(path) for path, sure in written if sure),
+        frozenset(spans.value(path) for path, _ in written),
+        frozenset(path for path, sure in written if sure),
+    )
+
+
+def tell(doubts: Iterable[Doubt], kept: Kept, collector: Collector) -> None:
+    """Report doubts, but for those of numbers that the author is sure of.
 
     Args:
         doubts: What the checks found.
-        document: The spec; `sure: true` in a value keeps it.
-        accept: Keys of the spec's `accept`; `spec.CODE` keeps all that a check finds.
+        kept: What the author is sure of.
         collector: Takes the rest; a number has each code once, whichever of its joints and aliases they are about.
     """
-    sure = None
     reported = {(item.code, item.span) for item in collector}
     for doubt in doubts:
-        if f"spec.{doubt.code}" in accept or (doubt.code, doubt.span) in reported:
+        if (doubt.code, doubt.span) in reported or kept.has(doubt):
             continue
-        sure = frozenset(_sure(document.data, document.spans)) if sure is None else sure
-        if sure.isdisjoint((doubt.span, *doubt.judged)):
-            if doubt.span is not None:
-                reported.add((doubt.code, doubt.span))
-            collector.add(doubt.diagnostic)
+        if doubt.span is not None:
+            reported.add((doubt.code, doubt.span))
+        collector.add(doubt.diagnostic)
 
 
-def _sure(node: Any, spans: SourceMap, path: Path = ()) -> Iterator[Span]:
-    """Where a value is written whose author is sure of it."""
+def _numbers(node: Any, path: Path = ()) -> Iterator[tuple[Path, bool]]:
+    """Where numbers are written, and whether the author is sure of each."""
     if isinstance(node, dict):
-        if node.get("sure") is True and "value" in node:
-            yield spans.value(path)
+        if "value" in node:
+            yield path, node.get("sure") is True
         for key, value in node.items():
-            yield from _sure(value, spans, (*path, key))
+            yield from _numbers(value, (*path, key))
     elif isinstance(node, list):
         for index, value in enumerate(node):
-            yield from _sure(value, spans, (*path, index))
+            yield from _numbers(value, (*path, index))
+    elif (isinstance(node, (int, float)) and not isinstance(node, bool)) or (
+        isinstance(node, str) and _IS_NUMBER.match(node)
+    ):
+        yield path, False

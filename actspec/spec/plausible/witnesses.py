@@ -25,7 +25,7 @@ from actspec.spec.plausible.drive import (
 from actspec.spec.plausible.driven import AGREES, WITNESS
 from actspec.spec.plausible.groups import FRICTION_SHARE, drives_of, reduction_of
 from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE, KGF_CM, RPM
-from actspec.spec.plausible.table import Doubt, Found, in_file
+from actspec.spec.plausible.table import Doubt, Found, Kept, in_file
 from actspec.units import format_quantity
 
 SAME = 1.03
@@ -36,18 +36,21 @@ _LIMITS = ("effort_limit", "velocity_limit")
 _OF_FILE = (*_LIMITS, "kp", "kd", "armature", "friction_coulomb", "friction_viscous")
 
 
-def witnessed(joints: Sequence[JointActuator], model: SpecModel, spans: SourceMap) -> Iterator[Drive]:
+def witnessed(
+    joints: Sequence[JointActuator], model: SpecModel, spans: SourceMap, kept: Kept
+) -> Iterator[Drive]:
     """Every motor of a spec, with the limits that the robot's file states of its joints.
 
     Args:
         joints: The resolved spec.
         model: The spec.
         spans: Where it says what it says.
+        kept: What the author is sure of.
     """
     for drive in drives_of(model):
         driven = [joint for joint in joints if joint.motor == drive.name and _is_compared(joint, drive)]
         found = tuple(witness for joint in driven for witness in _witnesses(joint, drive, model, spans))
-        yield replace(drive, witnesses=found)
+        yield replace(drive, witnesses=found, sure=kept.paths, large="SPEC183" in kept.codes)
 
 
 def file_doubts(joints: Sequence[JointActuator], model: SpecModel) -> Iterator[Found]:
