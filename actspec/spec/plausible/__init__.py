@@ -7,17 +7,18 @@ robot's joints and runs in `resolve`, so that `show` and `compile` have both. Th
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, did_you_mean, listed
 from actspec.ir import JointActuator
-from actspec.spec.document import Document
+from actspec.spec.document import Document, SourceMap
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.clamps import range_doubts
 from actspec.spec.plausible.contradicted import contradictions
+from actspec.spec.plausible.driven import gear_doubts
 from actspec.spec.plausible.exchanges import exchanges
-from actspec.spec.plausible.groups import group_doubts, time_doubts
+from actspec.spec.plausible.groups import group_doubts, layers, time_doubts
 from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
 from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, Kept, by_number, kept_of, tell
@@ -76,8 +77,12 @@ def number_doubts(
     exchanged = list(exchanges(drives, model, spans))
     together = {name for pair in exchanged for name in pair.motors}
     doubts = [pair.doubt for pair in exchanged]
+    gears = list(_gears(model, spans))
+    # What follows from a gear that nobody can make is not told, nor of whatever it drives.
+    made = {doubt.where.split(".")[1] for doubt in gears if doubt.where.startswith("motors.")}
+    doubts += gears
     for drive in drives:
-        if drive.name not in together:
+        if drive.name not in together and drive.name not in made:
             own = list(motor_doubts(drive, spans))
             doubts += own or contradictions(drive, joints, model, spans)
     places = {doubt.span for doubt in doubts}
@@ -86,3 +91,11 @@ def number_doubts(
     doubts += linkage_doubts(model, spans, joints, doubted)
     doubts += [*range_doubts(model, spans), *time_doubts(model, spans)]
     return [*doubts, *group_doubts(model, spans, doubted, kept)]
+
+
+def _gears(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
+    """Stages of gearboxes and transmissions that nobody can make."""
+    for name, motor in model.motors.items():
+        yield from gear_doubts(motor.gearbox or (), ("motors", name, "gearbox"), spans)
+    for path, fields, _ in layers(model):
+        yield from gear_doubts(fields.transmission or (), (*path, "transmission"), spans)

@@ -19,7 +19,7 @@ from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE
 from actspec.spec.plausible.gains import Gains, gain_words
 from actspec.spec.plausible.groups import friction_words, reduction_of
-from actspec.spec.plausible.motors import FASTEST_BY_TORQUE
+from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.repairs import misread_speeds
 from actspec.spec.plausible.table import (
@@ -316,6 +316,12 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive], kept: Kept) -> I
     # Any of them may be: a figure would be a guess.
     times = "times 57.3, " if joint.kind is JointKind.HINGE else ""
     help = f"is it in m{viscous.unit}, {times}or the point in the wrong place?"
+    own = joint.motor_line
+    stall = None if own is None else own.stall_torque
+    strong = 0.0 if stall is None else stall.value or 0.0
+    if strong >= WINDING * limit.value and torque < VISCOUS_SHARE * strong and limit.span not in kept.sure:
+        at_rest = format_quantity(strong, limit.unit, 4)
+        help += f" Or is the limit wrong ({limit.span})? The motor has {at_rest} at rest."
     where, number, other = f"actuators.{joint.group}.friction.viscous", viscous, speed
     drive = drives.get(joint.motor or "")
     readings = [
@@ -328,8 +334,10 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive], kept: Kept) -> I
     if readings:
         fast = "; or ".join(reading.help for reading in readings)
         known = in_file(*viscous.lost)
-        own = 0.0 if known is None else known.value or 0.0
-        if own / AGREES < viscous.value < own * AGREES or any(reading.likelier for reading in readings):
+        bearing = 0.0 if known is None else known.value or 0.0
+        if bearing / AGREES < viscous.value < bearing * AGREES or any(
+            reading.likelier for reading in readings
+        ):
             # The robot's file has that friction, or the speed is odd by itself, too.
             where, number, other = dotted(readings[0].path), speed, viscous
             help = f"no_load_speed: {fast}. Or viscous ({viscous.span}): {help}"
@@ -398,6 +406,9 @@ def _gains(joint: JointActuator) -> Iterator[Found]:
             words = _by_damping(kp, kd, joint, held.reference)
     if words is not None:
         message, help, size = words
+        if number.origin is Origin.DERIVED:
+            # It is no number that somebody wrote per degree.
+            help = f"it is derived, {number.formula}: look at the numbers that it is derived from"
         where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
         others = (other, limit, joint.armature)
         yield found_at(joint, "SPEC192", where, size, message, help, number, *others)

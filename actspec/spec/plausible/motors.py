@@ -12,6 +12,7 @@ from actspec.spec.plausible.driven import (
     AGREES,
     CURRENT_RATIO,
     FASTEST_OUTPUT,
+    FASTEST_SLIDE,
     NEVER_GEARED_UP,
     limit_relations,
     stage_relations,
@@ -66,6 +67,10 @@ ROTOR_ACCELERATION = (1500.0, 5e6)
 """Torque over inertia at the rotor [rad/s^2]."""
 MICRO_ACCELERATION = 5e7
 """The most of a micro motor. Chosen: torque over inertia grows as the size falls."""
+SMALL = 0.01
+"""A rotor of less is a small one [N*m]."""
+USUAL_SMALL = 1e6
+"""The most that such a one usually has. Chosen: motors of 8 mm have 7e5."""
 STRONG = 1.0
 """A rotor of so much is no small one [N*m]."""
 STRONG_ACCELERATION = 1e6
@@ -381,9 +386,10 @@ def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
 def _beyond(drive: Drive, output: Output, said: bool) -> Iterator[Relation]:
     """Torque and power of no robot's motor; `said`: the robot's file has about that torque."""
     torque, speed = output.torque, output.speed
+    root: Path = ("motors", drive.name)
+    yield from _linear(drive.motor, root)
     if not torque:
         return
-    root: Path = ("motors", drive.name)
     others = (output.speed_path, (*root, "gear_ratio"), (*root, "side"))
     help = "look for a wrong unit: mN*m as N*m, rpm as rad/s"
     this = f"this is {format_quantity(torque, 'N*m', 3)}"
@@ -437,6 +443,43 @@ def _beyond(drive: Drive, output: Output, said: bool) -> Iterator[Relation]:
         )
 
 
+def _linear(motor: Motor, root: Path) -> Iterator[Relation]:
+    """Speed and power of a motor that travels."""
+    value = motor.no_load_speed
+    if value is None or not value.linear or not value.value:
+        return
+    place = (*root, "no_load_speed")
+    meant = f"is it in mm/s? Then it is {format_quantity(value.value / 1000.0, 'm/s', 4)}"
+    yield Relation(
+        "SPEC184",
+        value.value,
+        (0.0, FASTEST_SLIDE),
+        (1e-3, 10.0),
+        f"{value.written}: linear motors have {format_quantity(FASTEST_SLIDE, 'm/s')} at most",
+        place,
+        meant,
+        about="linear",
+    )
+    forces = [force.value or 0.0 for force in (motor.peak_torque, motor.stall_torque) if force is not None]
+    if forces and forces[0] * value.value:
+        watts = forces[0] * value.value
+        volts = number(motor.nominal_voltage) or math.inf
+        most = LARGEST_OF_BATTERY if volts < BATTERY else LARGEST_POWER
+        yield Relation(
+            "SPEC184",
+            watts,
+            (0.0, most),
+            (0.0, 2e4),
+            f"{value.written} beside {format_quantity(forces[0], 'N', 4)} are "
+            f"{format_quantity(watts / 1000.0, 'kW', 3)}: such motors have {format_quantity(most / 1000.0, 'kW')} at "
+            "most",
+            place,
+            meant,
+            (*((*root, field) for field in ("peak_torque", "stall_torque")),),
+            about="linear power",
+        )
+
+
 def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
     torque, gear = output.torque, output.gear
     for field in ("rotor_inertia", "reflected_inertia"):
@@ -460,7 +503,9 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             "SPEC185",
             rate,
             (low, high),
-            (2e4, 2e5) if at_rotor or gear else (50.0, 2e4),
+            (2e4, USUAL_SMALL if own < SMALL * (1.0 if at_rotor else turns) else 2e5)
+            if at_rotor or gear
+            else (50.0, 2e4),
             f"{what} of {given} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} with only "
             f"{format_quantity(shown, 'rad/s^2', 3)}{geared}"
             if rate < low

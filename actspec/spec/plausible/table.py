@@ -73,9 +73,9 @@ CHECKS = (
         "SPEC182",
         "gear-below-one",
         "A gear ratio or a reduction below 1, or stages that make one: the output would turn faster than the rotor, "
-        "or the joint than the output.",
+        "or the joint than the output. Teeth that are no whole number; a planetary stage that nobody can make.",
         "A warning; an error below 0.05, as no joint is geared up twenty times. Published: gears of 5 to 345, "
-        "reductions to 2.2.",
+        "reductions to 2.2. A planetary stage above 15: three planets touch each other from 14.9 on (published: 4.5).",
     ),
     Check(
         "SPEC183",
@@ -97,11 +97,13 @@ CHECKS = (
         "speed-of-side",
         "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity "
         "limit far above it, or beyond any joint where there is none; either of them far from the speed that the "
-        "robot's file states; a transmission that is faster than any joint.",
+        "robot's file states; a transmission that is faster than any joint, or a lever arm of "
+        "metres; a linear motor of a speed or power that none has.",
         "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed of "
         "the output), an output above 120 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 mN*m (micro motors "
         "are sold with 120000); behind a screw, a pinion or a lever a slide above 30 m/s and a hinge above 120 rad/s "
-        "(chosen: belts reach 10 m/s); a joint, behind reduction and transmission, above 1000 rad/s divided by the "
+        "(chosen: belts reach 10 m/s), as a motor that travels, or "
+        "one of 200 kW (20 kW below 100 V); a lever arm above 3 m (chosen: large excavators have 1); a joint, behind reduction and transmission, above 1000 rad/s divided by the "
         "root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and where none is "
         "known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s, unless the robot's file has it "
         "too. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
