@@ -20,7 +20,7 @@ from actspec.spec.values import (
     short,
     value_schema,
 )
-from actspec.units import Kind
+from actspec.units import Kind, format_quantity
 
 EFFORT_WORDS = ("continuous", "peak")
 _EFFORTS = {"nominal": "continuous", "rated": "continuous", "max": "peak", "maximum": "peak", "stall": "peak"}
@@ -141,10 +141,12 @@ class DelayField(FieldParser):
         if pair is not None and nominal.value is not None:
             low, high = pair
             if not (low.value or 0.0) <= nominal.value <= (high.value or 0.0):
+                meant = _tenth_within(nominal.value, low.value or 0.0, high.value or 0.0)
+                help = "widen the range or move the nominal value"
                 raise fault(
                     f"the nominal delay {nominal.written} is outside its range [{low.written}, {high.written}]",
-                    "widen the range or move the nominal value",
-                    ("range",),
+                    help if meant is None else f"did you mean {meant}? Or {help}",
+                    ("range",) if meant is None else ("nominal",),
                 )
         return SpecDelay(nominal, pair, sampling)
 
@@ -303,3 +305,11 @@ def _example(method: str) -> str:
         f"{key}: {REFLECTED if key == 'inertia' else EXAMPLES[_KINDS[key]]}" for key in METHODS[method]
     ]
     return f"{{derive: {', '.join([method, *written])}}}"
+
+
+def _tenth_within(delay: float, low: float, high: float) -> str | None:
+    """A delay whose point is in the wrong place, or which is in ms, as it is inside of its range [s]."""
+    for factor in (0.1, 10.0, 1e-3, 0.01, 100.0):
+        if low <= delay * factor <= high and delay:
+            return format_quantity(delay * factor * 1e3, "ms", 4)
+    return None

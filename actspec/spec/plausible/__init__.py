@@ -7,20 +7,21 @@ robot's joints and runs in `resolve`, so that `show` and `compile` have both. Th
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, did_you_mean, listed
 from actspec.ir import JointActuator
-from actspec.spec.document import Document
+from actspec.spec.document import Document, SourceMap
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.clamps import range_doubts
 from actspec.spec.plausible.contradicted import contradictions
+from actspec.spec.plausible.driven import gear_doubts
 from actspec.spec.plausible.exchanges import exchanges
-from actspec.spec.plausible.groups import group_doubts, time_doubts
+from actspec.spec.plausible.groups import group_doubts, layers, time_doubts
 from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
-from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, by_number, tell
+from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, Kept, by_number, kept_of, tell
 from actspec.spec.plausible.witnesses import file_doubts, witnessed
 from actspec.spec.rules.robot import SPEC_ITSELF
 
@@ -52,28 +53,36 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
             collector.at(f"accept.{key}", document.spans.key(("accept", key))).error(
                 "SPEC162", f"no check of a spec's numbers is called {code}", help
             )
-    doubts = number_doubts(model, document)
+    kept = kept_of(document, model.accept)
+    doubts = number_doubts(model, document, kept)
     # Which of friction and limit, or of two torques, is wrong, the robot's file tells: no reason not to read it.
     read = not collector.failed
     told = (replace(doubt, error=False) if read and doubt.code in _BY_FILE else doubt for doubt in doubts)
-    tell(told, document, model.accept, collector)
+    tell(told, kept, collector)
 
 
-def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointActuator] = ()) -> list[Doubt]:
-    """What the figures imply; also what the author is sure of.
+def number_doubts(
+    model: SpecModel, document: Document, kept: Kept, joints: Sequence[JointActuator] = ()
+) -> list[Doubt]:
+    """What the figures imply; also what the author is sure of, where other figures follow from it.
 
     Args:
         model: What the spec says.
         document: Where it says it.
+        kept: What the author is sure of.
         joints: The resolved spec, with what the robot's file says; none: whatever the robot is.
     """
     spans = document.spans
-    drives = list(witnessed(joints, model, spans))
+    drives = list(witnessed(joints, model, spans, kept))
     exchanged = list(exchanges(drives, model, spans))
     together = {name for pair in exchanged for name in pair.motors}
     doubts = [pair.doubt for pair in exchanged]
+    gears = list(_gears(model, spans))
+    # What follows from a gear that nobody can make is not told, nor of whatever it drives.
+    made = {doubt.where.split(".")[1] for doubt in gears if doubt.where.startswith("motors.")}
+    doubts += gears
     for drive in drives:
-        if drive.name not in together:
+        if drive.name not in together and drive.name not in made:
             own = list(motor_doubts(drive, spans))
             doubts += own or contradictions(drive, joints, model, spans)
     places = {doubt.span for doubt in doubts}
@@ -81,4 +90,12 @@ def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointAc
     doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}
     doubts += linkage_doubts(model, spans, joints, doubted)
     doubts += [*range_doubts(model, spans), *time_doubts(model, spans)]
-    return [*doubts, *group_doubts(model, spans, doubted)]
+    return [*doubts, *group_doubts(model, spans, doubted, kept)]
+
+
+def _gears(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
+    """Stages of gearboxes and transmissions that nobody can make."""
+    for name, motor in model.motors.items():
+        yield from gear_doubts(motor.gearbox or (), ("motors", name, "gearbox"), spans)
+    for path, fields, _ in layers(model):
+        yield from gear_doubts(fields.transmission or (), (*path, "transmission"), spans)

@@ -100,6 +100,7 @@ def armature_found(joint: JointActuator) -> Iterator[Found]:
         armature,
         limit,
         motor,
+        None if line is None else line.no_load_speed,
     )
 
 

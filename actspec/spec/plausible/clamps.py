@@ -1,21 +1,24 @@
-"""Ranges of positions: those of commands against the joint's own, and those that a spec states of its joints."""
+"""Positions: default ones, ranges of commands against the joint's own, ranges that a spec states of its joints."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Path, Span
+from actspec.ir import Command, JointActuator, JointKind, Origin
 from actspec.spec.document import SourceMap
 from actspec.spec.models import ListedJoint, SpecModel
 from actspec.spec.plausible.relations import DEGREE
-from actspec.spec.plausible.table import Doubt, at
+from actspec.spec.plausible.table import Doubt, Found, at, found_at, is_stated, shown
 from actspec.units import format_quantity
 
 WIDE = 12.0
 """Width of a clamp of position commands over the joint's range. Chosen: degrees are 57, mm 1000."""
 WIDEST = (4.0, 20.0)
 """Range of a joint [turns, m]. Chosen: hinges with a range have to 2 turns (UR), winches more; rails 10 m."""
+POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
+"""A default position may be this far beyond the range [rad or m]."""
 TURN = 2.0 * math.pi
 """[rad]"""
 SAME_END = 0.15
@@ -103,3 +106,75 @@ def _is_part(low: float, high: float, own: tuple[float, float]) -> bool:
     slack = SAME_END * (own[1] - own[0])
     inside = own[0] - slack <= low and high <= own[1] + slack
     return inside and high - low >= PART * (own[1] - own[0])
+
+
+def pose_found(joint: JointActuator) -> Iterator[Found]:
+    """A default position outside of the range (published: to 0.02 rad, a B2), or beyond a turn if it has none."""
+    pose = joint.default_position
+    if pose.value is None or pose.origin is not Origin.AUTHORED:
+        return
+    if joint.position_range is None:
+        if joint.kind is JointKind.HINGE and abs(pose.value) > TURN + POSE_TOLERANCE[joint.kind]:
+            turns = format_quantity(abs(pose.value) / TURN, "turns", 3)
+            message = f"the default position {shown(pose)} is {turns} from the joint's zero"
+            help = f"is it in degrees? Then write {pose.value:g} deg, {format_quantity(pose.value * DEGREE, 'rad', 4)}"
+            doubt = Doubt("SPEC190", message, "robot.default_pose", pose.span, help)
+            yield Found(doubt, joint.joint, abs(pose.value))
+        return
+    found = _outside(joint.joint, joint.kind, joint.position_range, pose.value, pose.span)
+    if found is not None:
+        yield found
+
+
+def _outside(
+    joint: str, kind: JointKind, limits: tuple[float, float], pose: float, span: Span | None
+) -> Found | None:
+    """A position beyond the range."""
+    (low, high), tolerance = limits, POSE_TOLERANCE[kind]
+    beyond = max(low - pose, pose - high)
+    if beyond <= tolerance:
+        return None
+    help = None
+    unit = "rad" if kind is JointKind.HINGE else "m"
+    # No joint but a wheel turns further, so that it may be the sign.
+    turned = kind is JointKind.HINGE and abs(pose) > math.pi
+    if low <= -pose <= high and not turned:
+        help = f"is the sign wrong? {format_quantity(-pose, unit)} is inside"
+        if kind is JointKind.HINGE:
+            help += f", {-pose / DEGREE:.4g} deg"
+    elif kind is JointKind.HINGE and low - tolerance <= pose * DEGREE <= high + tolerance:
+        help = f"is it in degrees? Then write {pose:g} deg, {format_quantity(pose * DEGREE, unit, 4)}"
+    elif kind is JointKind.SLIDE and low - tolerance <= pose * 1e-3 <= high + tolerance:
+        help = f"is {'the point wrong, or is ' * (low <= 0.1 * pose <= high)}it in mm? Then write {pose:g} mm"
+    message = (
+        f"the default position {format_quantity(pose, unit, 4)} is outside of the joint's range, "
+        f"{format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)}"
+    )
+    error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
+    doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
+    return Found(doubt, joint, beyond, False)
+
+
+def command_range_found(joint: JointActuator) -> Iterator[Found]:
+    """A clamp of commands of position that is many times as wide as the joint's range, or a range in degrees."""
+    clamp, own, hinge = joint.command_range, joint.position_range, joint.kind is JointKind.HINGE
+    if clamp is None or joint.command is not Command.POSITION or not is_stated(clamp[0]):
+        return
+    low, high = clamp[0].value, clamp[1].value
+    if low is None or high is None or (own is None and not hinge):
+        return
+    words = turned_words((low, high)) if own is None else clamp_words((low, high), own, hinge)
+    if words is None:
+        return
+    ratio, help = words
+    far, unit = format_quantity(ratio, "", 3), clamp[0].unit
+    message = (
+        f"a command range of {format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)} is {far} "
+    )
+    if own is None:
+        message += "turns wide"
+    else:
+        ends = " to ".join(format_quantity(end, unit, 4) for end in own)
+        message += f"times as wide as the joint's range, {ends}"
+    where = f"actuators.{joint.group}.command_range"
+    yield found_at(joint, "SPEC190", where, max(ratio, 1.0 / ratio), message, help, clamp[0])

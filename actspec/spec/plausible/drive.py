@@ -129,6 +129,8 @@ class Drive:
         witnesses: Limits that the robot's file states.
         trains: Transmissions to its joints, and the end of a gearbox whose output travels, each by a key of its own.
         reductions: To its joints without a transmission; None: nothing is known of its joints, as behind a linkage.
+        sure: Numbers that the author is sure of.
+        large: The author is sure of the size of every motor.
     """
 
     name: str
@@ -137,6 +139,8 @@ class Drive:
     witnesses: tuple[Witness, ...] = ()
     trains: Mapping[Path, Train] = field(default_factory=dict)
     reductions: tuple[float, ...] | None = (1.0,)
+    sure: frozenset[Path] = frozenset()
+    large: bool = False
 
     @property
     def hinges(self) -> list[tuple[float, float]]:

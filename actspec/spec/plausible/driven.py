@@ -6,9 +6,12 @@ import math
 from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import Path
+from actspec.spec.document import SourceMap
 from actspec.spec.gears import Stage
 from actspec.spec.plausible.drive import Drive, Output, number, scaled, stage_path
 from actspec.spec.plausible.relations import KGF_CM, Relation
+from actspec.spec.plausible.slips import lengths
+from actspec.spec.plausible.table import Doubt, at
 from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -43,6 +46,53 @@ ROUNDED = 1.01
 """Two figures of a sheet that are one torque in two units differ by no more than this."""
 CURRENT_RATIO = (0.4, 2.5)
 """Torque constant times current, over the torque."""
+
+
+MOST_PLANETARY = 15.0
+"""Ratio of a planetary stage. Three planets touch each other where planet / sun is sin 60 deg / (1 - sin 60 deg), 6.46:
+from 1 + ring / sun = 2 + 2 x 6.46 = 14.9 on. Catalogues have 3 to 10; published: 4.5 (motors of the G1)."""
+LONGEST_ARM = 3.0
+"""Lever arm of a transmission [m]. Chosen: cylinders of large excavators have 1."""
+
+
+def gear_doubts(stages: Sequence[Stage], path: Path, spans: SourceMap) -> Iterator[Doubt]:
+    """Gears that nobody can make: teeth that are no whole number, planets that would touch; levers of many metres."""
+    for index, stage in enumerate(stages):
+        arm = stage.lever_arm
+        if arm is not None and (arm.value or 0.0) > LONGEST_ARM:
+            slips = [slip for slip in lengths(arm) if (arm.value or 0.0) * slip[0] < 1.0]
+            message = f"a lever arm of {arm.written}: robots have {LONGEST_ARM:g} m at most"
+            help = slips[0][1] if slips else "look for a wrong unit"
+            yield at(spans, "SPEC184", message, (*path, index, "lever_arm"), help)
+        wheels = stage.planetary or stage.teeth
+        if wheels is None:
+            continue
+        kind = "planetary" if stage.planetary is not None else "teeth"
+        broken = False
+        for key in type(wheels).model_fields:
+            teeth: SpecValue = getattr(wheels, key)
+            size = teeth.value or 0.0
+            if _is_whole(size):
+                continue
+            broken = True
+            tens = [size * power for power in (10.0, 100.0) if _is_whole(size * power)]
+            help = f"did you mean {tens[0]:.6g}?" if tens else "write `ratio` where the teeth are not known"
+            message = f"{key} has {teeth.written} teeth: wheels have whole numbers of them"
+            yield at(spans, "SPEC182", message, (*path, index, kind, key), help)
+        ratio = stage_ratio(stage)
+        if not broken and stage.planetary is not None and ratio is not None and ratio > MOST_PLANETARY:
+            sun, ring = stage.planetary.sun, stage.planetary.ring
+            message = (
+                f"a planetary stage of {sun.written} and {ring.written} teeth has a ratio of "
+                f"{format_quantity(ratio, '', 3)}: from 14.9 on three planets would touch each other"
+            )
+            help = "look for a wrong number of teeth, or write `ratio` for another kind of gear"
+            place: Path = (*path, index, "planetary", "sun")
+            yield at(spans, "SPEC182", message, place, help, (*path, index, "planetary", "ring"))
+
+
+def _is_whole(teeth: float) -> bool:
+    return math.isclose(teeth, round(teeth), rel_tol=1e-6)
 
 
 def stage_relations(stages: Sequence[Stage], path: Path, what: str) -> Iterator[Relation]:
@@ -95,16 +145,16 @@ def train_relations(drive: Drive, output: Output) -> Iterator[Relation]:
         speed, torque = train.speed, train.torque
         if not 0.0 < speed < math.inf or not 0.0 < torque < math.inf:
             continue
-        lengths = [index for index, stage in enumerate(train.stages) if stage_ratio(stage) is None]
-        index = lengths[-1] if lengths else 0
+        travels = [index for index, stage in enumerate(train.stages) if stage_ratio(stage) is None]
+        index = travels[-1] if travels else 0
         place = train.place(index)
         given = getattr(train.stages[index], str(place[-1]))
-        written = f"a {place[-1]} of {given.written}" if lengths else "the transmission"
+        written = f"a {place[-1]} of {given.written}" if travels else "the transmission"
         slide = train.slide
         fast, unit = (FASTEST_SLIDE, "m/s") if slide else (FASTEST_OUTPUT, "rad/s")
         kind = "slide" if slide else "hinge"
         help = "look for a wrong unit: mm as m"
-        if output.speed and lengths:
+        if output.speed and travels:
             yield Relation(
                 "SPEC184",
                 output.speed / speed,

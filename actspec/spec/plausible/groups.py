@@ -13,7 +13,7 @@ from actspec.spec.models import Actuators, CommandFilter, Motor, Randomize, Spec
 from actspec.spec.plausible.drive import Drive, Limit, Train, cut_gearbox, is_one, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import Gains, derived_doubts, gain_words
-from actspec.spec.plausible.table import Doubt, at
+from actspec.spec.plausible.table import Doubt, Kept, at
 from actspec.spec.rules.groups import range_of
 from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import Fault, SpecValue
@@ -194,7 +194,7 @@ def _turns(motor: Motor) -> bool:
 
 
 def group_doubts(
-    model: SpecModel, spans: SourceMap, doubted: Collection[str | Span | None]
+    model: SpecModel, spans: SourceMap, doubted: Collection[str | Span | None], kept: Kept
 ) -> Iterator[Doubt]:
     """What can hardly be right about groups; an override's fields are judged with those of its group.
 
@@ -202,6 +202,7 @@ def group_doubts(
         model: What the spec says.
         spans: Where it says it.
         doubted: Numbers that are doubted themselves, and tell nothing of others: where, and their spans.
+        kept: What the author is sure of.
     """
     for path, fields, group in layers(model):
         base: Path = path[:2]
@@ -223,7 +224,7 @@ def group_doubts(
             coulomb: SpecValue | None = friction.coulomb
             if coulomb is not None and coulomb.value is not None and limit.value is not None:
                 place = (*friction_path, "coulomb")
-                yield from _friction(coulomb, place, limit, limit_path, spans)
+                yield from _friction(coulomb, place, limit, limit_path, spans, kept)
         kp, kp_path, own_kp = stated("kp")
         kd, kd_path, own_kd = stated("kd")
         for gain, place, own in ((kp, kp_path, own_kp), (kd, kd_path, own_kd)):
@@ -441,11 +442,12 @@ def _all(texts: Iterable[str]) -> str:
 
 
 def _friction(
-    coulomb: SpecValue, path: Path, limit: SpecValue, limit_path: Path, spans: SourceMap
+    coulomb: SpecValue, path: Path, limit: SpecValue, limit_path: Path, spans: SourceMap, kept: Kept
 ) -> Iterator[Doubt]:
     """Dry friction against the effort limit, both stated."""
     assert coulomb.value is not None and limit.value is not None
-    found = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit, spans.value(limit_path))
+    place = None if limit_path in kept.paths else spans.value(limit_path)
+    found = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit, place)
     if found is not None:
         message, help, error = found
         yield at(spans, "FRC101", message, path, help, limit_path, error=error)
@@ -461,8 +463,8 @@ def friction_words(
 ) -> tuple[str, str, bool] | None:
     """What dry friction implies: message, help, whether it is an error; None where it is a small part of the limit.
 
-    `place` is that of the limit, which may be the wrong one; None: it is written nowhere. `usual` is what the robot's
-    file or the other joints have, and tells N*cm from mN*m.
+    `place` is that of the limit, which may be the wrong one; None: it is written nowhere, or right. `usual` is what the
+    robot's file or the other joints have, and tells N*cm from mN*m.
     """
     if coulomb < FRICTION_SHARE * limit:
         return None

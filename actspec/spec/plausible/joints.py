@@ -14,22 +14,24 @@ from actspec.spec.document import Document, SourceMap
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible import number_doubts
 from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
-from actspec.spec.plausible.clamps import TURN, clamp_words, turned_words
+from actspec.spec.plausible.clamps import command_range_found, pose_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE
 from actspec.spec.plausible.gains import Gains, gain_words
 from actspec.spec.plausible.groups import friction_words, reduction_of
-from actspec.spec.plausible.motors import FASTEST_BY_TORQUE
+from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.repairs import misread_speeds
 from actspec.spec.plausible.table import (
     BY_CODE,
     Doubt,
     Found,
+    Kept,
     by_number,
     found_at,
     in_file,
     is_stated,
+    kept_of,
     shown,
     tell,
 )
@@ -42,8 +44,6 @@ UNREACHED = 3.0
 """The same where no torque-speed line acts: a belt takes 1.24 at a speed that it never comes near."""
 WHOLE = 1.0
 """The same at a velocity limit."""
-POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
-"""A default position may be this far beyond the range [rad or m]."""
 SOFT = 6.0
 """Natural frequency [rad/s]: noticed where the limit needs an error above `SOFT_ERROR`."""
 SOFT_ERROR = 10.0
@@ -75,6 +75,8 @@ _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
 _TO_INERTIA = frozenset(("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction"))
 """Figures of a motor from which the inertia at its joint follows."""
+_SIZES = ("_torque", ".no_load_speed")
+"""Figures from which it does not."""
 
 
 def check_joints(
@@ -95,26 +97,29 @@ def check_joints(
     """
     # What the spec alone implies is judged again, beside the limits of the robot's file.
     collector.forget(BY_CODE)
-    levers = _levers(joints, model, mass)
+    kept = kept_of(document, model.accept)
+    levers = _levers(joints, model, mass, kept)
     strong = {f"actuators.{joint.group}" for joint in joints if levers[joint.joint]}
     # Gains that are judged by a wrong limit say nothing.
     doubts = [
         doubt
-        for doubt in number_doubts(model, document, joints)
+        for doubt in number_doubts(model, document, kept, joints)
         if doubt.code != "SPEC192" or strong.isdisjoint(_sections([doubt.diagnostic]))
     ]
-    tell(doubts, document, model.accept, collector)
+    tell(doubts, kept, collector)
     # What follows from a number is not told when the author is sure of that: else each `sure` brings the next.
-    found = {doubt.diagnostic for doubt in doubts}
+    # A size alone says nothing of other numbers.
+    found = {doubt.diagnostic for doubt in doubts if doubt.code != "SPEC183" or not kept.has(doubt)}
     # Where dry friction contradicts a limit, either may be wrong: what else is judged by it says no more.
     rubbed = {span for doubt in doubts if doubt.code == "FRC101" for span in doubt.judged}
-    drives = {drive.name: drive for drive in witnessed(joints, model, document.spans)}
-    told = _joint_doubts_of(joints, model, drives, found, rubbed, levers, document.spans)
-    tell(by_number(told), document, model.accept, collector)
-    kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
+    rubbed.update(span for doubt in doubts if doubt.diagnostic in found for span in doubt.blamed)
+    drives = {drive.name: drive for drive in witnessed(joints, model, document.spans, kept)}
+    told = _joint_doubts_of(joints, model, drives, found, rubbed, levers, document.spans, kept)
+    tell(by_number(told), kept, collector)
+    accepted = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
-    if kept and not model.variants:
-        _check_kept(kept, joints, model, document, collector, mass)
+    if accepted and not model.variants:
+        _check_kept(accepted, joints, model, document, collector, mass)
 
 
 def doubted_drives(joints: Iterable[JointActuator], diagnostics: Iterable[Diagnostic]) -> frozenset[str]:
@@ -165,12 +170,17 @@ def _linked(model: SpecModel) -> dict[str, str]:
 
 
 def _levers(
-    joints: Sequence[JointActuator], model: SpecModel, mass: float | None
+    joints: Sequence[JointActuator], model: SpecModel, mass: float | None, kept: Kept
 ) -> dict[str, Sequence[Found]]:
     """What is found of each joint's limit by the weight of the whole robot."""
     linked = _linked(model)
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
-    return {joint.joint: tuple(_lever(joint, whole, linked.get(joint.joint))) for joint in joints}
+    return {
+        joint.joint: [
+            found for found in _lever(joint, whole, linked.get(joint.joint)) if not kept.has(found.doubt)
+        ]
+        for joint in joints
+    }
 
 
 def _joint_doubts_of(
@@ -181,9 +191,11 @@ def _joint_doubts_of(
     rubbed: Collection[Span | None],
     levers: Mapping[str, Sequence[Found]],
     spans: SourceMap,
+    kept: Kept,
 ) -> Iterator[Found]:
     """What is found at the joints, but for what follows from numbers that are found already, reported or kept."""
-    reported = _sections(told)
+    # What is beyond any motor is the torque's matter: of gear and rotor it says nothing.
+    reported = _sections(item for item in told if item.code != "SPEC183" or not item.where.endswith(_SIZES))
     gained = _sections(item for item in told if item.code == "SPEC192")
     parts = (re.split(r"[.\[]", item.where) for item in told)
     reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
@@ -194,7 +206,7 @@ def _joint_doubts_of(
     for joint in joints:
         linkage = linked.get(joint.joint)
         lever = levers[joint.joint]
-        for found in (*lever, *_viscous(joint, drives), *_joint_doubts(joint, joints)):
+        for found in (*lever, *_viscous(joint, drives, kept), *_joint_doubts(joint, joints, kept)):
             doubt = found.doubt
             reduction = reduction_of(joint.group, model.actuators[joint.group])
             if doubt.code == "SPEC183" and reduction is not None and doubt.span in sound:
@@ -214,85 +226,13 @@ def _joint_doubts_of(
             yield found
 
 
-def _joint_doubts(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator[Found]:
-    for check in (_pose, _command_range, _scale, _velocity):
+def _joint_doubts(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept) -> Iterator[Found]:
+    for check in (pose_found, command_range_found, _scale, _velocity):
         yield from check(joint)
-    yield from _friction(joint, joints)
+    yield from _friction(joint, joints, kept)
     inertia = list(armature_found(joint)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
     yield from inertia or _gains(joint)
-
-
-def _pose(joint: JointActuator) -> Iterator[Found]:
-    """A default position outside of the range (published: to 0.02 rad, a B2), or beyond a turn if it has none."""
-    pose = joint.default_position
-    if pose.value is None or pose.origin is not Origin.AUTHORED:
-        return
-    if joint.position_range is None:
-        if joint.kind is JointKind.HINGE and abs(pose.value) > TURN + POSE_TOLERANCE[joint.kind]:
-            turns = format_quantity(abs(pose.value) / TURN, "turns", 3)
-            message = f"the default position {shown(pose)} is {turns} from the joint's zero"
-            help = f"is it in degrees? Then write {pose.value:g} deg, {format_quantity(pose.value * DEGREE, 'rad', 4)}"
-            doubt = Doubt("SPEC190", message, "robot.default_pose", pose.span, help)
-            yield Found(doubt, joint.joint, abs(pose.value))
-        return
-    found = _outside(joint.joint, joint.kind, joint.position_range, pose.value, pose.span)
-    if found is not None:
-        yield found
-
-
-def _outside(
-    joint: str, kind: JointKind, limits: tuple[float, float], pose: float, span: Span | None
-) -> Found | None:
-    """A position beyond the range."""
-    (low, high), tolerance = limits, POSE_TOLERANCE[kind]
-    beyond = max(low - pose, pose - high)
-    if beyond <= tolerance:
-        return None
-    help = None
-    unit = "rad" if kind is JointKind.HINGE else "m"
-    # No joint but a wheel turns further, so that it may be the sign.
-    turned = kind is JointKind.HINGE and abs(pose) > math.pi
-    if low <= -pose <= high and not turned:
-        help = f"is the sign wrong? {format_quantity(-pose, unit)} is inside"
-        if kind is JointKind.HINGE:
-            help += f", {-pose / DEGREE:.4g} deg"
-    elif kind is JointKind.HINGE and low - tolerance <= pose * DEGREE <= high + tolerance:
-        help = f"is it in degrees? Then write {pose:g} deg, {format_quantity(pose * DEGREE, unit, 4)}"
-    elif kind is JointKind.SLIDE and low - tolerance <= pose * 1e-3 <= high + tolerance:
-        help = f"is {'the point wrong, or is ' * (low <= 0.1 * pose <= high)}it in mm? Then write {pose:g} mm"
-    message = (
-        f"the default position {format_quantity(pose, unit, 4)} is outside of the joint's range, "
-        f"{format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)}"
-    )
-    error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
-    doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
-    return Found(doubt, joint, beyond, False)
-
-
-def _command_range(joint: JointActuator) -> Iterator[Found]:
-    """A clamp of commands of position that is many times as wide as the joint's range, or a range in degrees."""
-    clamp, own, hinge = joint.command_range, joint.position_range, joint.kind is JointKind.HINGE
-    if clamp is None or joint.command is not Command.POSITION or not is_stated(clamp[0]):
-        return
-    low, high = clamp[0].value, clamp[1].value
-    if low is None or high is None or (own is None and not hinge):
-        return
-    words = turned_words((low, high)) if own is None else clamp_words((low, high), own, hinge)
-    if words is None:
-        return
-    ratio, help = words
-    far, unit = format_quantity(ratio, "", 3), clamp[0].unit
-    message = (
-        f"a command range of {format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)} is {far} "
-    )
-    if own is None:
-        message += "turns wide"
-    else:
-        ends = " to ".join(format_quantity(end, unit, 4) for end in own)
-        message += f"times as wide as the joint's range, {ends}"
-    where = f"actuators.{joint.group}.command_range"
-    yield found_at(joint, "SPEC190", where, max(ratio, 1.0 / ratio), message, help, clamp[0])
 
 
 def _lever(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
@@ -327,12 +267,12 @@ def _of_reduction(doubt: Doubt, path: Path, size: float, spans: SourceMap) -> Do
     )
 
 
-def _friction(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator[Found]:
+def _friction(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept) -> Iterator[Found]:
     """Dry friction against the effort limit, where one of the two is the motor's or the results'."""
     coulomb, limit = joint.friction_coulomb, joint.effort_limit
     if not coulomb.value or not limit.value or not (is_stated(coulomb) or is_stated(limit)):
         return
-    place = limit.span if is_stated(coulomb) and is_stated(limit) else None
+    place = limit.span if is_stated(coulomb) and is_stated(limit) and limit.span not in kept.sure else None
     known = in_file(*coulomb.lost)
     usual = None if known is None else known.value
     others = sorted(other.friction_coulomb.value or 0.0 for other in beside(joint, joints))
@@ -351,7 +291,7 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator
     )
 
 
-def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Found]:
+def _viscous(joint: JointActuator, drives: Mapping[str, Drive], kept: Kept) -> Iterator[Found]:
     """Viscous friction at the end of the torque-speed line, whatever the level; published: to 0.43 (ANYmal D).
 
     Where no line acts also at a stated velocity limit; what the robot's file has as well is not mistyped.
@@ -376,18 +316,28 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Foun
     # Any of them may be: a figure would be a guess.
     times = "times 57.3, " if joint.kind is JointKind.HINGE else ""
     help = f"is it in m{viscous.unit}, {times}or the point in the wrong place?"
+    own = joint.motor_line
+    stall = None if own is None else own.stall_torque
+    strong = 0.0 if stall is None else stall.value or 0.0
+    if strong >= WINDING * limit.value and torque < VISCOUS_SHARE * strong and limit.span not in kept.sure:
+        at_rest = format_quantity(strong, limit.unit, 4)
+        help += f" Or is the limit wrong ({limit.span})? The motor has {at_rest} at rest."
     where, number, other = f"actuators.{joint.group}.friction.viscous", viscous, speed
     drive = drives.get(joint.motor or "")
     readings = [
         reading
-        for reading in (misread_speeds(drive) if drive is not None and lined else ())
+        for reading in (
+            misread_speeds(drive) if drive is not None and lined and speed.span not in kept.sure else ()
+        )
         if torque * reading.factor < most
     ]
     if readings:
         fast = "; or ".join(reading.help for reading in readings)
         known = in_file(*viscous.lost)
-        own = 0.0 if known is None else known.value or 0.0
-        if own / AGREES < viscous.value < own * AGREES or any(reading.likelier for reading in readings):
+        bearing = 0.0 if known is None else known.value or 0.0
+        if bearing / AGREES < viscous.value < bearing * AGREES or any(
+            reading.likelier for reading in readings
+        ):
             # The robot's file has that friction, or the speed is odd by itself, too.
             where, number, other = dotted(readings[0].path), speed, viscous
             help = f"no_load_speed: {fast}. Or viscous ({viscous.span}): {help}"
@@ -456,6 +406,9 @@ def _gains(joint: JointActuator) -> Iterator[Found]:
             words = _by_damping(kp, kd, joint, held.reference)
     if words is not None:
         message, help, size = words
+        if number.origin is Origin.DERIVED:
+            # It is no number that somebody wrote per degree.
+            help = f"it is derived, {number.formula}: look at the numbers that it is derived from"
         where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
         others = (other, limit, joint.armature)
         yield found_at(joint, "SPEC192", where, size, message, help, number, *others)

@@ -12,6 +12,7 @@ from actspec.spec.plausible.driven import (
     AGREES,
     CURRENT_RATIO,
     FASTEST_OUTPUT,
+    FASTEST_SLIDE,
     NEVER_GEARED_UP,
     limit_relations,
     stage_relations,
@@ -28,16 +29,26 @@ ROUNDING = 1.02
 FAR_ABOVE_STALL = 3.0
 VOLTAGE_RATIO = (0.2, 3.0)
 """Torque constant times no-load speed, over the voltage."""
-LARGEST_TORQUE = 1000.0
-"""[N*m] at the output."""
-LARGEST_POWER = 20e3
-"""Stall torque times no-load speed [W]."""
+LARGEST_TORQUE = 100e3
+"""[N*m] at the output. Chosen: the strongest arms hold 2300 kg at 3.7 m, 84 kN*m; axes of a KR 210 have 11 kN*m."""
+MOST_TURNS = 1000.0
+"""From it on a gear ratio goes with `LARGEST_OF_SLOW`. Published: large arms have gears to 350."""
+LARGEST_OF_SLOW = 1000.0
+"""[N*m] behind more turns than that. Published: 9 N*m behind 1462 (HEBI X8-9)."""
+LARGEST_POWER = 200e3
+"""Peak torque times no-load speed [W]. Chosen: axes of a KR 210 have 24 kW."""
+BATTERY = 100.0
+"""A motor with less is no industrial arm's, which have 200 V and more [V]."""
+LARGEST_OF_BATTERY = 20e3
+"""The most of it [W]. Published: 7.2 kW (H2)."""
 HOPELESS_TORQUE = 1e6
 """An error from it on [N*m]. Chosen: slewing and hub drives of large machines have 500 kN*m."""
 HOPELESS_POWER = 1e6
 """Likewise [W]. Chosen: the largest motors of vehicles have 700 kW."""
 WINDING = 10.0
-"""A stall torque beside a peak torque may be this many times the largest: voltage over resistance, never reached."""
+"""A stall torque may be this many times a large peak torque beside it: voltage over resistance, never reached."""
+LARGE = 1000.0
+"""Such a torque [N*m]. Published of legged and humanoid robots: to 494 (Apollo's hip, playground)."""
 SLOWEST_ROTOR = 60.0
 """[rad/s], behind a gear."""
 SLOWEST_GEARED = 12.0
@@ -56,6 +67,10 @@ ROTOR_ACCELERATION = (1500.0, 5e6)
 """Torque over inertia at the rotor [rad/s^2]."""
 MICRO_ACCELERATION = 5e7
 """The most of a micro motor. Chosen: torque over inertia grows as the size falls."""
+SMALL = 0.01
+"""A rotor of less is a small one [N*m]."""
+USUAL_SMALL = 1e6
+"""The most that such a one usually has. Chosen: motors of 8 mm have 7e5."""
 STRONG = 1.0
 """A rotor of so much is no small one [N*m]."""
 STRONG_ACCELERATION = 1e6
@@ -96,7 +111,13 @@ GEAR_INVERSE = "did you mean {}? gear_ratio is rotor turns in one output turn"
 
 
 def relations(drive: Drive) -> Iterator[Relation]:
-    """Everything that the figures of a drive imply, sound or not."""
+    """Everything that the figures of a drive imply, sound or not, but for a size that the author is sure of."""
+    for relation in _relations(drive):
+        if relation.code != "SPEC183" or not (drive.large or relation.path in drive.sure):
+            yield relation
+
+
+def _relations(drive: Drive) -> Iterator[Relation]:
     motor = drive.motor
     output = output_of(drive.name, motor)
     witnesses = list(witness_relations(drive, output))
@@ -105,7 +126,7 @@ def relations(drive: Drive) -> Iterator[Relation]:
     yield from _gear(drive.name, motor)
     yield from _efficient(drive)
     said = any(_is_said(relation) for relation in witnesses)
-    yield from _beyond(drive.name, output, HOPELESS_TORQUE if said else LARGEST_TORQUE)
+    yield from _beyond(drive, output, said)
     yield from _speed(drive, output)
     yield from _rotor(drive.name, motor, output)
     yield from _stage_inertias(drive.name, motor)
@@ -362,34 +383,43 @@ def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
         )
 
 
-def _beyond(name: str, output: Output, largest: float) -> Iterator[Relation]:
+def _beyond(drive: Drive, output: Output, said: bool) -> Iterator[Relation]:
+    """Torque and power of no robot's motor; `said`: the robot's file has about that torque."""
     torque, speed = output.torque, output.speed
+    root: Path = ("motors", drive.name)
+    yield from _linear(drive.motor, root)
     if not torque:
         return
-    others = (output.speed_path, ("motors", name, "gear_ratio"), ("motors", name, "side"))
-    said = "more than any motor of a legged or humanoid robot has"
+    others = (output.speed_path, (*root, "gear_ratio"), (*root, "side"))
     help = "look for a wrong unit: mN*m as N*m, rpm as rad/s"
+    this = f"this is {format_quantity(torque, 'N*m', 3)}"
+    slow = (output.gear or 0.0) > MOST_TURNS
+    largest = LARGEST_OF_SLOW if slow else LARGEST_TORQUE
+    behind = f" of {format_quantity(output.gear, '', 4)} turns" if slow else ""
     yield Relation(
         "SPEC183",
         torque,
-        (0.0, largest),
+        (0.0, HOPELESS_TORQUE if said else largest),
         (0.1, 500.0),
-        f"this is {format_quantity(torque, 'N*m', 3)} at the gearbox output, {said} (494 N*m is the most that is "
-        "published)",
+        f"{this} at the gearbox output{behind}, and robots have {format_quantity(largest, 'N*m')} there at most",
         output.torque_path,
         help,
         others,
         beyond=(0.0, HOPELESS_TORQUE),
     )
     if speed:
+        volts = number(drive.motor.nominal_voltage) or math.inf
+        most = LARGEST_OF_BATTERY if volts < BATTERY else LARGEST_POWER
+        at_most = f"robots have {format_quantity(most / 1000, 'kW')}"
+        if drive.motor.nominal_voltage is not None and volts < BATTERY:
+            at_most += f" at {drive.motor.nominal_voltage.written}"
         yield Relation(
             "SPEC183",
             torque * speed,
-            (0.0, LARGEST_POWER),
+            (0.0, most),
             (0.5, 8e3),
-            f"this is {format_quantity(torque, 'N*m', 3)} x {format_quantity(speed, 'rad/s', 3)}, "
-            f"{format_quantity(torque * speed / 1000, 'kW', 3)} at the gearbox output, {said} (360 N*m x 20 rad/s, "
-            "7.2 kW is the most that is published)",
+            f"{this} x {format_quantity(speed, 'rad/s', 3)}, {format_quantity(torque * speed / 1000, 'kW', 3)} at the "
+            f"gearbox output, and {at_most} at most",
             output.torque_path,
             help,
             others,
@@ -397,18 +427,56 @@ def _beyond(name: str, output: Output, largest: float) -> Iterator[Relation]:
             about="power",
         )
     if output.winding:
+        most = WINDING * max(torque, LARGE)
         yield Relation(
             "SPEC183",
             output.winding,
-            (0.0, WINDING * LARGEST_TORQUE),
+            (0.0, most),
             (0.1, WINDING * 500.0),
-            f"this is {format_quantity(output.winding, 'N*m', 3)} at the gearbox output, {said} (494 N*m is the most "
-            "that is published)",
+            f"{output.winding_path[-1]} is {format_quantity(output.winding, 'N*m', 3)} at the gearbox output, and "
+            f"{output.torque_path[-1]} {format_quantity(torque, 'N*m', 3)}",
             output.winding_path,
             help,
             others,
             beyond=(0.0, WINDING * HOPELESS_TORQUE),
             about="winding",
+        )
+
+
+def _linear(motor: Motor, root: Path) -> Iterator[Relation]:
+    """Speed and power of a motor that travels."""
+    value = motor.no_load_speed
+    if value is None or not value.linear or not value.value:
+        return
+    place = (*root, "no_load_speed")
+    meant = f"is it in mm/s? Then it is {format_quantity(value.value / 1000.0, 'm/s', 4)}"
+    yield Relation(
+        "SPEC184",
+        value.value,
+        (0.0, FASTEST_SLIDE),
+        (1e-3, 10.0),
+        f"{value.written}: linear motors have {format_quantity(FASTEST_SLIDE, 'm/s')} at most",
+        place,
+        meant,
+        about="linear",
+    )
+    forces = [force.value or 0.0 for force in (motor.peak_torque, motor.stall_torque) if force is not None]
+    if forces and forces[0] * value.value:
+        watts = forces[0] * value.value
+        volts = number(motor.nominal_voltage) or math.inf
+        most = LARGEST_OF_BATTERY if volts < BATTERY else LARGEST_POWER
+        yield Relation(
+            "SPEC184",
+            watts,
+            (0.0, most),
+            (0.0, 2e4),
+            f"{value.written} beside {format_quantity(forces[0], 'N', 4)} are "
+            f"{format_quantity(watts / 1000.0, 'kW', 3)}: such motors have {format_quantity(most / 1000.0, 'kW')} at "
+            "most",
+            place,
+            meant,
+            (*((*root, field) for field in ("peak_torque", "stall_torque")),),
+            about="linear power",
         )
 
 
@@ -435,7 +503,9 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             "SPEC185",
             rate,
             (low, high),
-            (2e4, 2e5) if at_rotor or gear else (50.0, 2e4),
+            (2e4, USUAL_SMALL if own < SMALL * (1.0 if at_rotor else turns) else 2e5)
+            if at_rotor or gear
+            else (50.0, 2e4),
             f"{what} of {given} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} with only "
             f"{format_quantity(shown, 'rad/s^2', 3)}{geared}"
             if rate < low

@@ -221,4 +221,5 @@ def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: Sourc
     if told.code == "SPEC183":
         # There are larger machines than robots.
         help = f"{help or 'look for a wrong unit'}{'' if (help or '').endswith('?') else ';'} {KEEP}"
-    return at(spans, told.code, told.message, where, help, *judged, error=error)
+    doubt = at(spans, told.code, told.message, where, help, *judged, error=error)
+    return replace(doubt, blamed=tuple(spans.value(path) for path in best[0].paths if path != where))

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
 from actspec.spec.models import Motor
-from actspec.spec.plausible.drive import GEARED, Drive, Limit, efficiency_of, gear_of, number, stage_path
-from actspec.spec.plausible.driven import AGREES, SLOWED
+from actspec.spec.plausible.drive import GEARED, Drive, Limit, efficiency_of, gear_of, number
+from actspec.spec.plausible.driven import AGREES, CURRENT_RATIO, SLOWED
+from actspec.spec.plausible.gearing import counts_repaired, reductions_repaired, stages_repaired
 from actspec.spec.plausible.motors import GEAR_INVERSE, relations
 from actspec.spec.plausible.relations import (
     KGF_CM,
@@ -31,7 +32,6 @@ from actspec.spec.plausible.slips import (
     milli,
     multiplied,
     slips_of,
-    stage_slips,
     tens,
 )
 from actspec.spec.plausible.table import Doubt
@@ -62,6 +62,9 @@ ODD = 0.4
 """What it costs that a limit is the odd one beside motor and file, where no slip makes it theirs, as `RARE`."""
 BY_CURRENT = 0.25
 """What it costs that a torque is what its current gives, where no slip makes it so, as `RARE`."""
+NO_LIKELIER = 0.01
+"""What it costs, beyond a wrong point, that a constant is wrong which with its current gives the stall torque: the
+voltage stands first then, and a winding's stall torque may be any."""
 REACHED = (0.4, 1.25)
 """A no-load speed, corrected, over what voltage and constant give: nearly all of it is reached, and no more."""
 
@@ -85,17 +88,24 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     broken = [relation for relation in before if relation.broken]
     if not broken:
         return
-    repairs: Iterable[Repair] = _repairs(drive)
+    repairs = list(_repairs(drive))
     witnessed = all(relation.witnessed for relation in broken)
     if witnessed:
         limits = {limit.path for limit in drive.limits}
-        repairs = (item for item in repairs if not item.rare or limits.isdisjoint(item.paths))
+        repairs = [item for item in repairs if not item.rare or limits.isdisjoint(item.paths)]
     if all(relation.code == "SPEC183" and not relation.error for relation in broken):
         # It is a large machine's, or a figure with which it is a robot's of a usual size.
-        repairs = (item for item in repairs if not any(_is_large(relation) for relation in item.after))
+        repairs = [item for item in repairs if not any(_is_large(relation) for relation in item.after)]
     best = explained(before, repairs)
+    if best and not drive.sure.isdisjoint(best[0].paths):
+        if drive.sure.issuperset(best[0].paths):
+            # Of several that may be the wrong one those are left of which nobody is sure; else it is kept.
+            best = [repair for repair in best if drive.sure.isdisjoint(repair.paths)] or best
+        else:
+            best = explained(before, (item for item in repairs if drive.sure.isdisjoint(item.paths)))
     if best:
-        yield explanation(best, broken, spans)
+        rivals = (repair for repair in best[1:] if drive.sure.isdisjoint(repair.paths))
+        yield explanation([best[0], *rivals], broken, spans)
     elif not witnessed and drive.witnesses:
         # A limit that meets the robot's file with no figure is offered none.
         known = {spans.value(witness.limit) for witness in drive.witnesses if witness.limit is not None}
@@ -108,7 +118,7 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
                 doubt = replace(doubt, help=refuted[doubt.span])
             yield doubt
     elif not witnessed:
-        for relation in _first(broken):
+        for relation in _first(broken, drive.sure):
             yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
 
 
@@ -150,16 +160,24 @@ def misread_speeds(drive: Drive) -> Iterator[MisreadSpeed]:
                 yield MisreadSpeed(("motors", drive.name, *path), factor, help, excess < now)
 
 
-def _first(broken: Iterable[Relation]) -> Iterator[Relation]:
-    """Of relations that see the same mistake the first: all but those of torques take gear, side and torque."""
+def _first(broken: Iterable[Relation], sure: Collection[Path]) -> Iterator[Relation]:
+    """Of relations that see the same mistake the first: all but those of torques take gear, side and torque.
+
+    What is beyond any motor, and a number that the author is sure of, hides only what follows from it.
+    """
     seen: set[object] = set()
+    alone: set[Path] = set()
     for relation in broken:
         key: object = relation.path
         if relation.code not in ("SPEC135", "SPEC180"):
             key = "constant" if relation.code == "SPEC181" else "output"
-        if key not in seen:
+        if key in seen or not alone.isdisjoint((relation.path, *relation.others)):
+            continue
+        if relation.code == "SPEC183" or relation.path in sure:
+            alone.add(relation.path)
+        else:
             seen.add(key)
-            yield relation
+        yield relation
 
 
 def _repairs(drive: Drive) -> Iterator[Repair]:
@@ -221,13 +239,13 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         yield from (moved([("efficiency",)], *slip) for slip in tens(motor.efficiency))
     for path in SPEEDS:
         speed = _at(motor, path)
-        if speed is not None and number(speed):
+        if speed is not None and speed.value:
             yield from (moved([path], *slip) for slip in slips_of(speed, speed=True))
             if across is not None:
                 yield sided(path, 1.0 / across, lossy=False)
-    yield from _stages(drive)
-    yield from _counts(drive)
-    yield from _reductions(drive)
+    yield from stages_repaired(drive)
+    yield from counts_repaired(drive)
+    yield from reductions_repaired(drive)
     if number(motor.nominal_current) and number(motor.peak_current):
         update = {"nominal_current": motor.peak_current, "peak_current": motor.nominal_current}
         help = "are nominal_current and peak_current swapped? The thermal limit is the lower one"
@@ -241,6 +259,8 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
                 help += format_quantity(by_kv, value.unit, 3)
                 yield moved([(field,)], by_kv / (value.value or 1.0), help)
                 slips = [slip for slip in slips if slip[0] != 1e-3]
+            if field == "torque_constant" and _gives_stall(motor):
+                slips = [(factor, help, max(rare, RARE + NO_LIKELIER)) for factor, help, rare in slips]
             yield from _apart((slip[0], moved([(field,)], *slip)) for slip in slips)
             if field == "torque_constant" and across is not None:
                 # What the current proves is no matter of the side.
@@ -248,7 +268,10 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
                 ours = not any(_is_proved_by(motor, slip[0]) for slip in slips) or _is_proved_by(
                     motor, factor
                 )
-                yield sided((field,), across, lossy=True, rare=0.0 if ours else RARE + SIDED)
+                rare = 0.0 if ours else RARE + SIDED
+                if _gives_stall(motor):
+                    rare = max(rare, RARE + NO_LIKELIER)
+                yield sided((field,), across, lossy=True, rare=rare)
     plain = [path for path in torques if len(path) == 1]
     for one, two in itertools.combinations(plain, 2):
         result = _with(_with(motor, one, _at(motor, two)), two, _at(motor, one))
@@ -260,6 +283,15 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         )
         cost = SWAPPED + PROVED_COST * against
         yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?", cost)
+    stall, free = motor.stall_torque, motor.no_load_speed
+    if number(stall) and number(free) and stall is not None and free is not None:
+        force, speed_of = replace(stall, value=free.value), replace(free, value=stall.value)
+        if stall.written.endswith(_bare(stall)) and free.written.endswith(_bare(free)):
+            update = {"stall_torque": force, "no_load_speed": speed_of}
+            help = f"are the two exchanged? Then stall_torque is {in_unit(force)}, no_load_speed {in_unit(speed_of)}"
+            yield changed(
+                motor.model_copy(update=update), [("stall_torque",), ("no_load_speed",)], help, SWAPPED
+            )
     for path in torques:
         given = _given(motor, path)
         if given.unit == "N*m" and "kgf" not in given.written:
@@ -311,6 +343,11 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             yield changed(motor.model_copy(update={field: None, "rotor_inertia": inertia}), [(field,)], help)
         elif field == "reflected_inertia" and gear is None:
             yield from _unknown_gear(drive, moved)
+
+
+def _bare(value: SpecValue) -> str:
+    """The end of a number that is written without a unit, or in SI."""
+    return f" {value.unit}" if " " in value.written else value.written
 
 
 def _is_efficient(motor: Motor) -> bool:
@@ -383,6 +420,14 @@ def _is_proved_by(motor: Motor, factor: float) -> bool:
     return any(_is_proved(other, field) for field in ("peak_torque", "continuous_torque"))
 
 
+def _gives_stall(motor: Motor) -> bool:
+    """Whether the motor's constant gives about the stall torque of its peak current."""
+    constant, ampere, stall = map(number, (motor.torque_constant, motor.peak_current, motor.stall_torque))
+    if not constant or not ampere or not stall:
+        return False
+    return CURRENT_RATIO[0] <= constant * ampere / stall <= CURRENT_RATIO[1]
+
+
 def _of_kv(motor: Motor) -> float | None:
     """The constant [N*m/A] of a Kv in its place, if by it the currents give the torques, and less so in mN*m/A."""
     kv = number(motor.torque_constant)
@@ -392,34 +437,6 @@ def _of_kv(motor: Motor) -> float | None:
     meant = 1.0 / RPM / kv
     off = [max(abs(math.log(share * factor)) for share in shares) for factor in (meant / kv, 1e-3)]
     return meant if off[0] < min(off[1], math.log(PROVED)) else None
-
-
-def _stages(drive: Drive) -> Iterator[Repair]:
-    """Corrections of the stages of the gearbox, and of the transmissions to the joints."""
-    gearbox = drive.motor.gearbox or ()
-    for index, stage in enumerate(gearbox):
-        for other, help, rare in stage_slips(stage):
-            stages = (*gearbox[:index], other, *gearbox[index + 1 :])
-            motor = drive.motor.model_copy(update={"gearbox": stages})
-            place = stage_path(stage, ("motors", drive.name, "gearbox", index))
-            yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
-        if number(stage.inertia) and stage.inertia is not None:
-            for factor, help, rare in inertias(stage.inertia):
-                other = stage.model_copy(update={"inertia": multiplied(stage.inertia, factor)})
-                stages = (*gearbox[:index], other, *gearbox[index + 1 :])
-                motor = drive.motor.model_copy(update={"gearbox": stages})
-                place = ("motors", drive.name, "gearbox", index, "inertia")
-                yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
-    for train in {train.root: train for train in drive.trains.values()}.values():
-        for index, stage in enumerate(train.stages):
-            for other, help, rare in stage_slips(stage):
-                stages = (*train.stages[:index], other, *train.stages[index + 1 :])
-                trains = {
-                    key: replace(same, stages=stages) if same.root == train.root else same
-                    for key, same in drive.trains.items()
-                }
-                after = tuple(relations(replace(drive, trains=trains)))
-                yield Repair(after, (train.place(index),), help, rare)
 
 
 def _is_exact(repair: Repair) -> bool:
@@ -485,54 +502,6 @@ def _limits(drive: Drive) -> Iterator[Repair]:
             meant = replace(limit.value, value=size)
             help = f"did you mean {in_unit(meant)}? The motor and the robot's file agree on that"
             yield replace(changed(meant, help, ODD), fitted=True)
-
-
-def _counts(drive: Drive) -> Iterator[Repair]:
-    """One motor in place of many."""
-    gear = gear_of(drive.motor)
-    counted = {item.counted: item.motors for item in drive.limits if item.counted is not None}
-    counted |= {item.counted: item.motors for item in drive.witnesses if item.counted is not None}
-    for place, motors in counted.items():
-
-        def one(path: Path, place: Path = place) -> bool:
-            return path[:2] == place[:2]
-
-        changed = replace(
-            drive,
-            witnesses=tuple(
-                replace(item, motors=1) if item.counted == place else item for item in drive.witnesses
-            ),
-            limits=tuple(replace(item, motors=1) if one(item.path) else item for item in drive.limits),
-            trains={
-                key: replace(train, motors=1) if one(key) else train for key, train in drive.trains.items()
-            },
-        )
-        same = gear is not None and math.isclose(gear, motors, rel_tol=0.05)
-        help = "is it the gear ratio" if same else "did you mean 1"
-        help += "? motors_per_joint is how many motors drive one joint together"
-        yield Repair(tuple(relations(changed)), (place,), help)
-
-
-def _reductions(drive: Drive) -> Iterator[Repair]:
-    """A reduction from the motor to the joint whose point is in the wrong place."""
-    reductions = {item.reduced: item.reduction for item in drive.limits if item.reduced is not None}
-    reductions |= {item.reduced: item.reduction for item in drive.witnesses if item.reduced is not None}
-    for place, size in reductions.items():
-        for power in (-2, -1, 1, 2):
-            factor = 10.0**power
-            limits = tuple(
-                replace(item, reduction=item.reduction * factor) if item.reduced == place else item
-                for item in drive.limits
-            )
-            witnesses = tuple(
-                replace(item, factor=item.factor * (1.0 / factor if item.speed else factor))
-                if item.reduced == place and item.factor is not None
-                else item
-                for item in drive.witnesses
-            )
-            after = tuple(relations(replace(drive, limits=limits, witnesses=witnesses)))
-            help = f"did you mean {size * factor:.4g}? reduction is turns of the motor's output in one of the joint"
-            yield Repair(after, (place,), help, RARE)
 
 
 def _at(motor: Motor, path: Path) -> SpecValue | None:

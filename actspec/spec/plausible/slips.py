@@ -43,11 +43,11 @@ def stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
             meant = multiplied(value, 0.5 / math.pi)
             help = f"is it per turn? Then write {format_quantity((value.value or 0.0) * 1e3, 'mm/rev', 4)}"
             yield stage.model_copy(update={key: meant}), help, 0.0
-        for factor, help, rare in tens(value) if key == "ratio" else _lengths(value):
+        for factor, help, rare in tens(value) if key == "ratio" else lengths(value):
             yield stage.model_copy(update={key: multiplied(value, factor)}), help, rare
 
 
-def _lengths(value: SpecValue) -> Iterator[tuple[float, str, float]]:
+def lengths(value: SpecValue) -> Iterator[tuple[float, str, float]]:
     """A length, or a length per turn, in another unit."""
     amount, _, unit = value.written.partition(" ")
     if unit.startswith("m"):

@@ -8,6 +8,7 @@ myosuite, they report one, an arm made up for a test (`benchmarks/plausible.py`)
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,6 +18,7 @@ from actspec.ir import JointActuator, Origin, Quantity
 from actspec.spec.document import Document, SourceMap
 from actspec.units import format_quantity
 
+_IS_NUMBER = re.compile(r"\s*[-+]?\.?[0-9]")
 _OF_SPEC = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)
 
 
@@ -71,33 +73,38 @@ CHECKS = (
         "SPEC182",
         "gear-below-one",
         "A gear ratio or a reduction below 1, or stages that make one: the output would turn faster than the rotor, "
-        "or the joint than the output.",
+        "or the joint than the output. Teeth that are no whole number; a planetary stage that nobody can make.",
         "A warning; an error below 0.05, as no joint is geared up twenty times. Published: gears of 5 to 345, "
-        "reductions to 2.2.",
+        "reductions to 2.2. A planetary stage above 15: three planets touch each other from 14.9 on (published: 4.5).",
     ),
     Check(
         "SPEC183",
         "beyond-any-motor",
-        "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot, or of the robot's size; "
-        "force behind a transmission.",
-        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed): joints of large industrial arms have 8 "
-        "kN*m, slews of excavators 400; a torque that the robot's file agrees with, to a quarter, is none too large. "
-        "An error above 1e6 N*m or 1 MW (chosen). Largest published: 494 N*m (Apollo's hip, playground) and 360 N*m "
-        "at 20 rad/s, 7.2 kW (H2, unitree_ros). A stall torque beside a peak torque is a winding's, and may be ten "
-        "times that. Chosen: 300 kN and 3000 N*m behind a transmission. Of robots with six hinges or more also the "
-        "effort limit of a joint with a motor that would hold the whole robot on a lever of more than 4 m, an error "
-        "from 40 m (1.55 m, arm Z1).",
+        "Torque or power at the gearbox output beyond any motor of a robot, of the robot's size, or of its own "
+        "voltage, gear and peak torque; force behind a transmission.",
+        "A warning above 100 kN*m (chosen: the strongest arms hold 2300 kg at 3.7 m, 84 kN*m; axes of a KR 210 have 11 "
+        "kN*m, slews of excavators 400), or 1000 N*m behind more than 1000 turns (gears of large arms have to 350, and "
+        "9 N*m are published behind 1462); above 200 kW (peak torque times no-load speed; chosen, a KR 210 has 24 kW), "
+        "or 20 kW where the voltage is below 100 V. A torque that the robot's file agrees with, to a quarter, is none "
+        "too large. An error above 1e6 N*m or 1 MW (chosen). Largest published of legged and humanoid robots: 494 N*m "
+        "(Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). A stall torque beside a peak "
+        "torque is a winding's, and may be ten times that, or 10 kN*m. Chosen: 300 kN and 3000 N*m behind a "
+        "transmission. Of robots with six hinges or more also the effort limit of a joint with a motor that would hold "
+        "the whole robot on a lever of more than 4 m, an error from 40 m (1.55 m, arm Z1).",
     ),
     Check(
         "SPEC184",
         "speed-of-side",
         "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity "
         "limit far above it, or beyond any joint where there is none; either of them far from the speed that the "
-        "robot's file states; a transmission that is faster than any joint.",
+        "robot's file states; a transmission that is faster than any joint, or a lever arm of "
+        "metres; a linear motor of a speed or power that none has.",
         "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed of "
         "the output), an output above 120 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 mN*m (micro motors "
         "are sold with 120000); behind a screw, a pinion or a lever a slide above 30 m/s and a hinge above 120 rad/s "
-        "(chosen: belts reach 10 m/s); a joint, behind reduction and transmission, above 1000 rad/s divided by the "
+        "(chosen: belts reach 10 m/s), as a motor that travels, or "
+        "one of 200 kW (20 kW below 100 V); a lever arm above 3 m (chosen: large excavators have 1); a joint, behind "
+        "reduction and transmission, above 1000 rad/s divided by the "
         "root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and where none is "
         "known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s, unless the robot's file has it "
         "too. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
@@ -259,8 +266,9 @@ class Doubt:
         where: Dotted path of the number.
         span: Where it is written.
         help: What was probably meant.
-        judged: Where the other numbers are written that were judged with it; `sure` at any of them keeps all.
+        judged: Where the other numbers are written that were judged with it.
         error: Nothing could be right.
+        blamed: Where other numbers are written that are wrong as well, by the same mistake.
     """
 
     code: str
@@ -270,6 +278,7 @@ class Doubt:
     help: str | None = None
     judged: tuple[Span | None, ...] = ()
     error: bool = False
+    blamed: tuple[Span | None, ...] = ()
 
     @property
     def diagnostic(self) -> Diagnostic:
@@ -370,34 +379,77 @@ def at(
     return Doubt(code, message, dotted(path), spans.value(path), help, judged, error)
 
 
-def tell(doubts: Iterable[Doubt], document: Document, accept: Collection[str], collector: Collector) -> None:
-    """Report doubts, but for those that the author is sure of.
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What the author of a spec is sure of.
+
+    Attributes:
+        codes: Of the checks all of whose findings `accept` keeps.
+        sure: Where the numbers with `sure: true` are written.
+        numbers: Where numbers are written.
+        paths: Paths of the numbers with `sure: true`.
+    """
+
+    codes: frozenset[str] = frozenset()
+    sure: frozenset[Span] = frozenset()
+    numbers: frozenset[Span] = frozenset()
+    paths: frozenset[Path] = frozenset()
+
+    def has(self, doubt: Doubt) -> bool:
+        """Whether the author is sure of what a doubt blames, whichever numbers it was judged with.
+
+        A word, such as `side`, has no `sure`: any number that was judged with it keeps it.
+        """
+        blamed = (doubt.span,) if doubt.span in self.numbers else (doubt.span, *doubt.judged)
+        return doubt.code in self.codes or not self.sure.isdisjoint(blamed)
+
+
+def kept_of(document: Document, accept: Collection[str]) -> Kept:
+    """What a spec keeps by `sure` and `accept`.
+
+    Args:
+        document: The spec.
+        accept: Keys of its `accept`; `spec.CODE` keeps all that a check finds.
+    """
+    codes = frozenset(code for code in BY_CODE if f"spec.{code}" in accept)
+    written = list(_numbers(document.data))
+    spans = document.spans
+    return Kept(
+        codes,
+        frozenset(spans.value(path) for path, sure in written if sure),
+        frozenset(spans.value(path) for path, _ in written),
+        frozenset(path for path, sure in written if sure),
+    )
+
+
+def tell(doubts: Iterable[Doubt], kept: Kept, collector: Collector) -> None:
+    """Report doubts, but for those of numbers that the author is sure of.
 
     Args:
         doubts: What the checks found.
-        document: The spec; `sure: true` in a value keeps it.
-        accept: Keys of the spec's `accept`; `spec.CODE` keeps all that a check finds.
+        kept: What the author is sure of.
         collector: Takes the rest; a number has each code once, whichever of its joints and aliases they are about.
     """
-    sure = None
     reported = {(item.code, item.span) for item in collector}
     for doubt in doubts:
-        if f"spec.{doubt.code}" in accept or (doubt.code, doubt.span) in reported:
+        if (doubt.code, doubt.span) in reported or kept.has(doubt):
             continue
-        sure = frozenset(_sure(document.data, document.spans)) if sure is None else sure
-        if sure.isdisjoint((doubt.span, *doubt.judged)):
-            if doubt.span is not None:
-                reported.add((doubt.code, doubt.span))
-            collector.add(doubt.diagnostic)
+        if doubt.span is not None:
+            reported.add((doubt.code, doubt.span))
+        collector.add(doubt.diagnostic)
 
 
-def _sure(node: Any, spans: SourceMap, path: Path = ()) -> Iterator[Span]:
-    """Where a value is written whose author is sure of it."""
+def _numbers(node: Any, path: Path = ()) -> Iterator[tuple[Path, bool]]:
+    """Where numbers are written, and whether the author is sure of each."""
     if isinstance(node, dict):
-        if node.get("sure") is True and "value" in node:
-            yield spans.value(path)
+        if "value" in node:
+            yield path, node.get("sure") is True
         for key, value in node.items():
-            yield from _sure(value, spans, (*path, key))
+            yield from _numbers(value, (*path, key))
     elif isinstance(node, list):
         for index, value in enumerate(node):
-            yield from _sure(value, spans, (*path, index))
+            yield from _numbers(value, (*path, index))
+    elif (isinstance(node, (int, float)) and not isinstance(node, bool)) or (
+        isinstance(node, str) and _IS_NUMBER.match(node)
+    ):
+        yield path, False

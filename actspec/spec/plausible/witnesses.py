@@ -25,7 +25,7 @@ from actspec.spec.plausible.drive import (
 from actspec.spec.plausible.driven import AGREES, WITNESS
 from actspec.spec.plausible.groups import FRICTION_SHARE, drives_of, reduction_of
 from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE, KGF_CM, RPM
-from actspec.spec.plausible.table import Doubt, Found, in_file
+from actspec.spec.plausible.table import Doubt, Found, Kept, in_file
 from actspec.units import format_quantity
 
 SAME = 1.03
@@ -36,18 +36,21 @@ _LIMITS = ("effort_limit", "velocity_limit")
 _OF_FILE = (*_LIMITS, "kp", "kd", "armature", "friction_coulomb", "friction_viscous")
 
 
-def witnessed(joints: Sequence[JointActuator], model: SpecModel, spans: SourceMap) -> Iterator[Drive]:
+def witnessed(
+    joints: Sequence[JointActuator], model: SpecModel, spans: SourceMap, kept: Kept
+) -> Iterator[Drive]:
     """Every motor of a spec, with the limits that the robot's file states of its joints.
 
     Args:
         joints: The resolved spec.
         model: The spec.
         spans: Where it says what it says.
+        kept: What the author is sure of.
     """
     for drive in drives_of(model):
         driven = [joint for joint in joints if joint.motor == drive.name and _is_compared(joint, drive)]
         found = tuple(witness for joint in driven for witness in _witnesses(joint, drive, model, spans))
-        yield replace(drive, witnesses=found)
+        yield replace(drive, witnesses=found, sure=kept.paths, large="SPEC183" in kept.codes)
 
 
 def file_doubts(joints: Sequence[JointActuator], model: SpecModel) -> Iterator[Found]:
@@ -61,7 +64,11 @@ def file_doubts(joints: Sequence[JointActuator], model: SpecModel) -> Iterator[F
     # One figure for every joint is often an exporter's, or its user's.
     one_for_all = len(efforts) > 1 and len(set(efforts)) == 1
     for joint in joints:
+        exchanged = _is_exchanged(joint)
         for field in _OF_FILE:
+            if exchanged and field == "velocity_limit":
+                # It is told at the effort limit.
+                continue
             stated: Quantity | None = getattr(joint, field)
             if stated is None or stated.origin is not Origin.AUTHORED or not stated.value:
                 continue
@@ -79,11 +86,28 @@ def file_doubts(joints: Sequence[JointActuator], model: SpecModel) -> Iterator[F
                 told = field in _LIMITS and (slip is not None or _is_far(joint, field, ratio))
                 text = f"{field} {_shown(stated)} is {_times(ratio)} the robot's file, which has"
                 code = "SPEC184" if field == "velocity_limit" else "SPEC187"
-            if told:
+            if told or (exchanged and field == "effort_limit"):
                 where = f"actuators.{joint.group}.{BY_IR[field].spec}"
                 message, help = f"{text} {_shown(said)}", slip or _meant(stated, ratio)
                 size = abs(math.log(ratio))
+                if exchanged and field == "effort_limit":
+                    other = joint.velocity_limit
+                    help = f"are effort_limit and velocity_limit ({other.span}) exchanged? The file has "
+                    help += f"{_shown(said)} and {format_quantity(stated.value, other.unit, 4)}"
                 yield Found(Doubt(code, message, where, stated.span, help), joint.joint, size)
+
+
+def _is_exchanged(joint: JointActuator) -> bool:
+    """Whether effort and velocity limit are each the number that the file has for the other, and far from their own."""
+    pairs = [(limit.value, limit.lost) for limit in (joint.effort_limit, joint.velocity_limit)]
+    (effort, efforts), (speed, speeds) = pairs
+    ours, theirs = (in_file(*efforts), in_file(*speeds))
+    force, fast = (None if one is None else one.value for one in (ours, theirs))
+    if not effort or not speed or not force or not fast or joint.effort_limit.origin is not Origin.AUTHORED:
+        return False
+    if joint.velocity_limit.origin is not Origin.AUTHORED or 1.0 / WITNESS < effort / force < WITNESS:
+        return False
+    return math.isclose(effort, fast, rel_tol=0.01) and math.isclose(speed, force, rel_tol=0.01)
 
 
 def _times(ratio: float) -> str:

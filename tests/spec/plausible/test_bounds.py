@@ -60,12 +60,16 @@ def codes(text: str, model: str | None = None) -> list[str]:
         ("gear_ratio: 1", []),
         ("gear_ratio: 0.99", ["SPEC182"]),
         ("gear_ratio: 0.04", ["SPEC182!"]),
-        # 10 x 100; 10.1 x 100 x 0.9 with an efficiency; 53 x 171 x 0.85 = 7704 N*m of a large arm; 408 kN*m of an
-        # excavator; 1.01e6 N*m.
-        ("side: motor, gear_ratio: 100, peak_torque: 10", []),
-        ("side: motor, gear_ratio: 100, peak_torque: 10.1", ["SPEC183"]),
-        ("side: motor, gear_ratio: 100, efficiency: 0.9, peak_torque: 10.1", []),
-        ("side: motor, gear_ratio: 171, efficiency: 0.85, peak_torque: 53", ["SPEC183"]),
+        # 60 x 219 x 0.85 = 11169 N*m of a KR 210; 500 x 200 = 100 kN*m, 501 x 200, x 0.9 with an efficiency; 408 kN*m
+        # of an excavator; 1.01e6 N*m.
+        ("side: motor, gear_ratio: 219, efficiency: 0.85, peak_torque: 60", []),
+        ("side: motor, gear_ratio: 200, peak_torque: 500", []),
+        ("side: motor, gear_ratio: 200, peak_torque: 501", ["SPEC183"]),
+        ("side: motor, gear_ratio: 200, efficiency: 0.9, peak_torque: 501", []),
+        # 0.98 x 1010 = 990 and 1 x 1010 = 1010 N*m behind more than 1000 turns; 1100 behind just as many.
+        ("side: motor, gear_ratio: 1010, peak_torque: 0.98", []),
+        ("side: motor, gear_ratio: 1010, peak_torque: 1", ["SPEC183"]),
+        ("side: motor, gear_ratio: 1000, peak_torque: 1.1", []),
         ("side: motor, gearbox: [{ratio: 40}, {ratio: 25}], peak_torque: 408", ["SPEC183"]),
         ("side: motor, gearbox: [{ratio: 100}, {ratio: 100}], peak_torque: 101", ["SPEC183!"]),
         # A direct drive of 38 rad/s: 15 / 0.012 = 1250 rad/s^2, 0.03 s. At 0.04 kg*m^2 375 rad/s^2, 0.101 s.
@@ -98,9 +102,13 @@ def codes(text: str, model: str | None = None) -> list[str]:
             "side: joint, curve: {drive_torque: 20, brake_torque: 6.6, knee_speed: 1 rad/s, no_load_speed: 9 rad/s}",
             ["SPEC180"],
         ),
-        # 900 x 23 = 20.7 kW (and 23 x sqrt(900) = 690); 900 x 22 = 19.8 kW.
-        ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s", ["SPEC183"]),
-        ("side: joint, stall_torque: 900, no_load_speed: 22 rad/s", []),
+        # 900 x 23 = 20.7 kW (and 23 x sqrt(900) = 690), too much for 48 V; 900 x 22 = 19.8 kW. 50000 x 4.1 = 205 kW.
+        ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s", []),
+        ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s, nominal_voltage: 48", ["SPEC183"]),
+        ("side: joint, stall_torque: 900, no_load_speed: 22 rad/s, nominal_voltage: 48", []),
+        ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s, nominal_voltage: 400", []),
+        ("side: joint, stall_torque: 50000, no_load_speed: 4.1 rad/s", ["SPEC183"]),
+        ("side: joint, stall_torque: 50000, no_load_speed: 3.9 rad/s", []),
         # A rotor of 60 rad/s or 12 times the gear behind a gear of 3 or more; an output of up to 120 rad/s.
         ("side: motor, gear_ratio: 5, no_load_speed: 59 rad/s", ["SPEC184"]),
         ("side: motor, gear_ratio: 5, no_load_speed: 60 rad/s", []),
@@ -152,6 +160,9 @@ def codes(text: str, model: str | None = None) -> list[str]:
         # Voltage over resistance times the torque constant, beside what the drive gives: an AK80-64 has 2146 N*m.
         ("side: joint, stall_torque: 2146, peak_torque: 120, no_load_speed: 6 rad/s", []),
         ("side: joint, stall_torque: 10100, peak_torque: 160", ["SPEC183"]),
+        # Ten times a large peak torque.
+        ("side: joint, stall_torque: 19900, peak_torque: 2000", []),
+        ("side: joint, stall_torque: 20100, peak_torque: 2000", ["SPEC183"]),
         ("side: joint, stall_torque: 10, peak_torque: 0.15", []),
         ("side: joint, stall_torque: 10, peak_torque: 0.149", ["SPEC180"]),
         ("nominal_voltage: 1", []),
@@ -643,10 +654,84 @@ def test_a_number_is_kept(ratio: str, more: str) -> None:
     assert codes(text) == []
 
 
-def test_sure_at_either_of_two_numbers_keeps_both() -> None:
-    text = f"legs: {{joints: [hip], level: ideal_pd, kp: 1, kd: {{value: 2, sure: SURE}}}}, {REST}"
-    assert codes(spec_of(text.replace("SURE", "true"))) == []
-    assert codes(spec_of(text.replace("SURE", "false"))) == ["SPEC192"]
+def test_sure_keeps_the_number_that_is_told() -> None:
+    """A number that somebody vouches for is a witness against the other, no reason for silence."""
+    text = f"legs: {{joints: [hip], level: ideal_pd, kp: {{value: 1, KP}}, kd: {{value: 2, KD}}}}, {REST}"
+    for at_kp, at_kd, expected in (
+        ("sure: true", "sure: false", []),
+        ("sure: false", "sure: true", ["SPEC192"]),
+        ("sure: false", "sure: false", ["SPEC192"]),
+        ("sure: true", "sure: true", []),
+    ):
+        assert codes(spec_of(text.replace("KP", at_kp).replace("KD", at_kd))) == expected
+
+
+LIMITED = (
+    "legs: {joints: [hip], motor: m, level: dc_motor, kp: 40, kd: 1, effort_limit: LIMIT, friction: FRICTION}"
+)
+OF_20 = "side: joint, stall_torque: 20, peak_torque: {value: 20, sure: true}, no_load_speed: SPEED"
+
+
+@pytest.mark.parametrize("limit", ["{value: 20, sure: true}", "peak"])
+@pytest.mark.parametrize(
+    ("friction", "where"),
+    [
+        # 200 of 20 N*m; 1 x 30 = 30 of 20 N*m at the motor's speed.
+        ("{coulomb: 200}", "coulomb"),
+        ("{viscous: 1}", "viscous"),
+        ("{coulomb: {value: 200, sure: true}}", None),
+        ("{viscous: {value: 1, sure: true}}", None),
+    ],
+)
+def test_a_number_is_held_to_one_that_is_sure(limit: str, friction: str, where: str | None) -> None:
+    text = f"{LIMITED.replace('LIMIT', limit).replace('FRICTION', friction)}, {REST}"
+    motor = f"{{m: {{{OF_20.replace('SPEED', '{value: 30 rad/s, sure: true}')}}}}}"
+    found = said(spec_of(text, motors=motor))
+    assert [item.where for item in found] == ([f"actuators.legs.friction.{where}"] if where else [])
+    # Of the two the limit is right.
+    assert not any(
+        "limit wrong" in (item.help or "") or "no_load_speed" in (item.help or "") for item in found
+    )
+
+
+ARM = "side: motor, peak_torque: TORQUE, no_load_speed: 4500 rpm, gear_ratio: 2000, rotor_inertia: ROTOR"
+"""60 x 2000 = 120 kN*m, which is more than any arm has; 60 / 0.0068 = 8824 rad/s^2; 0.236 rad/s."""
+AXIS = "axis: {joints: [hip], motor: m, level: ideal_pd, kp: 1e6, kd: 4e4, effort_limit: peak"
+
+
+@pytest.mark.parametrize("kept", ["sure", "accept"])
+@pytest.mark.parametrize(
+    ("rotor", "fields", "expected"),
+    [
+        ("0.0068", "", []),
+        # 60 / 68 = 0.88 rad/s^2.
+        ("68", "", ["motors.m.rotor_inertia"]),
+        ("0.0068", "friction: {coulomb: 4e5}", ["actuators.axis.friction.coulomb"]),
+        # 4e6 x 0.236 = 943 kN*m.
+        ("0.0068", "friction: {viscous: 4e6}", ["actuators.axis.friction.viscous"]),
+        ("0.0068", "velocity_limit: 115 rad/s", ["actuators.axis.velocity_limit"]),
+    ],
+)
+def test_a_kept_size_hides_nothing(kept: str, rotor: str, fields: str, expected: list[str]) -> None:
+    torque = "{value: 60, sure: true}" if kept == "sure" else "60"
+    group = AXIS.replace("ideal_pd", "dc_motor").replace(
+        "effort_limit: peak", "effort_limit: peak, " + fields
+    )
+    motor = ARM.replace("TORQUE", f"{torque}, stall_torque: {torque}").replace("ROTOR", rotor)
+    text = spec_of(
+        f"{group}}}, {REST}",
+        motors=f"{{m: {{{motor}}}}}",
+        more="accept: {spec.SPEC183: a slewing drive}" if kept == "accept" else "",
+    )
+    assert [item.where for item in said(text)] == expected
+
+
+def test_beside_a_size_that_is_told_only_what_follows_from_it_is_not() -> None:
+    """The velocity limit is held to speed and gear, the dry friction to the torque that is told."""
+    text = f"{AXIS}, velocity_limit: 115 rad/s, friction: {{coulomb: 4e5}}}}, {REST}"
+    motor = f"{{m: {{{ARM.replace('TORQUE', '{value: 60, sure: false}').replace('ROTOR', '0.0068')}}}}}"
+    found = said(spec_of(text, motors=motor))
+    assert sorted(item.where for item in found) == ["actuators.axis.velocity_limit", "motors.m.peak_torque"]
 
 
 def test_sure_is_true_or_false() -> None:

@@ -143,7 +143,7 @@ MISTAKES = {
         "    gear_ratio: unknown ",
         "side: motor\n    peak_torque: {value: 200 N*m, source: h1_urdf}\n    continuous_torque: unknown\n"
         "    gear_ratio: 15 ",
-        "SPEC183",
+        "SPEC187",
     ),
     "friction-mN-m-as-N-m": ("a1", "a1", "coulomb: {value: 0.2 N*m", "coulomb: {value: 200 N*m", "FRC101"),
     "friction-above-the-motors-limit": (

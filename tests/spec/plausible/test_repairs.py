@@ -131,8 +131,8 @@ def test_the_sheet_is_sound() -> None:
         # 0.6 x 50 and 0.2 x 50 N*m, of the output.
         (
             {"stall_torque": "30", "peak_torque": "30", "continuous_torque": "10"},
-            "SPEC183",
-            "stall_torque",
+            "SPEC181",
+            "peak_torque",
             "is it quoted at the gearbox output (stall_torque, peak_torque, continuous_torque)? At the rotor 30 N*m is "
             "about 0.6 N*m",
         ),
@@ -216,7 +216,7 @@ def test_the_wrong_number_is_blamed(wrong: dict[str, str], code: str, place: str
                 "continuous_torque": "10",
                 "torque_constant": "unknown",
             },
-            "motors.m.stall_torque",
+            "motors.m.peak_torque",
         ),
         (", effort_limit: 30", {"stall_torque": "600"}, "motors.m.stall_torque"),
     ],
@@ -374,10 +374,10 @@ def test_side_or_the_only_torque() -> None:
     sheet = "side: motor, peak_torque: {}, gear_ratio: 51"
     assert said(", effort_limit: 45", sheet=sheet.format("0.88")) == []
     (found,) = said(", effort_limit: 45", sheet=sheet.format("44.88"))
-    assert (found.code, found.where) == ("SPEC183", "motors.m.peak_torque")
-    assert (found.help or "").startswith(
-        "one of 2 values is wrong. peak_torque: is it quoted at the gearbox output? At the rotor 44.88 N*m is about "
-        "0.88 N*m. Or side (s.yaml:3:20): are the figures those of the gearbox output? Then write `side: joint`; "
+    assert (found.code, found.where) == ("SPEC187", "motors.m.side")
+    assert found.help == (
+        "one of 2 values is wrong. side: are the figures those of the gearbox output? Then write `side: joint`. Or "
+        "peak_torque (s.yaml:3:40): is it quoted at the gearbox output? At the rotor 44.88 N*m is about 0.88 N*m"
     )
     (found,) = said(", effort_limit: 45", sheet=f"{sheet.format('44.88')}, no_load_speed: 17 rad/s")
     assert found.where == "motors.m.side"

@@ -231,7 +231,7 @@ def test_of_motor_and_limit_the_file_tells_the_motor(tmp_path: Path) -> None:
 
 
 def test_a_large_arm(tmp_path: Path) -> None:
-    """40 N*m x 183 x 0.8 = 5856 N*m and 12 kW: of no gear is it a robot of a usual size; the file may say it, too."""
+    """40 N*m x 183 x 0.8 = 5856 N*m and 12 kW are an industrial arm's; beside them the kp of 4 N*m/rad is told."""
     sheet = {
         "side": "motor",
         "peak_torque": "40",
@@ -240,13 +240,14 @@ def test_a_large_arm(tmp_path: Path) -> None:
         "efficiency": "0.8",
         "rotor_inertia": "3.8e-3",
     }
-    (found,) = said(tmp_path, sheet, effort=0, speed=2)
+    assert [item.code for item in said(tmp_path, sheet, effort=0, speed=2)] == ["SPEC192"]
+    # 800 x 183 x 0.8 = 117 kN*m, of no gear a robot of a usual size; the file may say it, too.
+    vast = {**sheet, "peak_torque": "800", "no_load_speed": "60 rad/s", "rotor_inertia": "0.08"}
+    (found,) = said(tmp_path, vast, effort=0, speed=2)
     assert (found.code, found.where) == ("SPEC183", "motors.m.peak_torque")
     assert (found.help or "").startswith("look for a wrong unit: mN*m as N*m, rpm as rad/s; `sure: true`")
-    # Beside a sound limit the kp of 4 N*m/rad is told.
-    assert [item.code for item in said(tmp_path, sheet, effort=5800, speed=2)] == ["SPEC192"]
-    # 1220 N*m and 2.4 kW; a tenth is a robot's.
-    motor = {"peak_torque": "9", "no_load_speed": "2400 rpm", "gear_ratio": "170", "rotor_inertia": "2e-4"}
-    small = {**sheet, **motor}
-    (found,) = said(tmp_path, small, effort=0, speed=2)
-    assert (found.help or "").startswith("did you mean 0.9 N*m?")
+    assert [item.code for item in said(tmp_path, vast, effort=117000, speed=2)] == ["SPEC192"]
+    # 1.1 x 1200 x 0.8 = 1056 N*m behind 1200 turns; with a tenth of the gear it is a robot's.
+    motor = {"peak_torque": "1.1", "no_load_speed": "2400 rpm", "gear_ratio": "1200", "rotor_inertia": "2e-5"}
+    (found,) = said(tmp_path, {**sheet, **motor}, effort=0, speed=2)
+    assert (found.help or "").startswith("did you mean 120?")
