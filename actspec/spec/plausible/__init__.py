@@ -17,10 +17,11 @@ from actspec.spec.models import SpecModel
 from actspec.spec.plausible.clamps import range_doubts
 from actspec.spec.plausible.contradicted import contradictions
 from actspec.spec.plausible.exchanges import exchanges
-from actspec.spec.plausible.groups import group_doubts, time_doubts
+from actspec.spec.plausible.groups import group_doubts, std_doubts
 from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
 from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, by_number, tell
+from actspec.spec.plausible.times import time_doubts
 from actspec.spec.plausible.witnesses import file_doubts, witnessed
 from actspec.spec.rules.robot import SPEC_ITSELF
 
@@ -80,5 +81,6 @@ def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointAc
     doubts += (doubt for doubt in by_number(file_doubts(joints, model)) if doubt.span not in places)
     doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}
     doubts += linkage_doubts(model, spans, joints, doubted)
-    doubts += [*range_doubts(model, spans), *time_doubts(model, spans)]
+    doubts += [*range_doubts(model, spans), *time_doubts(model, spans, (joint.joint for joint in joints))]
+    doubts += std_doubts(model, spans)
     return [*doubts, *group_doubts(model, spans, doubted)]

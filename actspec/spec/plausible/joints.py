@@ -11,14 +11,16 @@ from actspec.diagnostics import Collector, Diagnostic, Path, Span, dotted
 from actspec.fields import GRAVITY, LONGEST_LEVER
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document, SourceMap
+from actspec.spec.fields import DerivedGain
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible import number_doubts
-from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
-from actspec.spec.plausible.clamps import TURN, clamp_words, turned_words
+from actspec.spec.plausible.armatures import SOFT, armature_found, beside, odd_armature_found
+from actspec.spec.plausible.clamps import TURN
+from actspec.spec.plausible.commands import command_range_found, scale_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE
-from actspec.spec.plausible.gains import Gains, gain_words
-from actspec.spec.plausible.groups import friction_words, reduction_of
+from actspec.spec.plausible.gains import Gains, blamed, gain_words
+from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.repairs import misread_speeds
@@ -44,10 +46,8 @@ WHOLE = 1.0
 """The same at a velocity limit."""
 POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """A default position may be this far beyond the range [rad or m]."""
-SOFT = 6.0
-"""Natural frequency [rad/s]: noticed where the limit needs an error above `SOFT_ERROR`."""
 SOFT_ERROR = 10.0
-"""[rad]."""
+"""Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`."""
 TOO_SOFT = 1.0
 STIFF = 150.0
 """Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""
@@ -57,18 +57,11 @@ STIFF_LINK = 1e-3
 """Joints of less are fingers, which are stiff for their inertia [kg*m^2]."""
 DAMPING_RATIO = (0.015, 60.0)
 """kd and viscous friction over 2 sqrt(kp I)."""
-SCALE = 2.0
-"""One unit of action over the joint's range and, by kp, over the effort limit."""
-USUAL_SHARE = 0.25
-"""Of the effort limit that one unit of action asks for by kp: mjlab computes scales so."""
-RATE_SCALE = 10.0
-"""One unit of action over the fastest speed or the effort limit."""
 FASTEST_LIMIT = 200.0
 """Velocity limit of a hinge [rad/s]. Published: to 200 (gripper of the reBot), 110 at 26 N*m (Qinglong)."""
 WHOLE_ROBOT = 6
 """Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
 HOPELESS_LEVER = 10.0
-HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
 
 _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
@@ -211,11 +204,25 @@ def _joint_doubts_of(
             if doubt.code == "SPEC192" and f"actuators.{joint.group}" in gained:
                 # A derivation's frequency or ratio, or the same two gains by other words.
                 continue
-            yield found
+            yield (
+                replace(found, doubt=_of_derivation(doubt, model, spans))
+                if doubt.code == "SPEC192"
+                else found
+            )
+
+
+def _of_derivation(doubt: Doubt, model: SpecModel, spans: SourceMap) -> Doubt:
+    """A doubt about a gain; of a derived one it is told of what it is derived by."""
+    field = doubt.where.rpartition(".")[2]
+    for path, fields, _ in layers(model):
+        gain, place = getattr(fields, field), (*path, field)
+        if isinstance(gain, DerivedGain) and spans.value(place) == doubt.span:
+            return blamed(gain, place, doubt, spans)
+    return doubt
 
 
 def _joint_doubts(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator[Found]:
-    for check in (_pose, _command_range, _scale, _velocity):
+    for check in (_pose, command_range_found, scale_found, _velocity, _stribeck):
         yield from check(joint)
     yield from _friction(joint, joints)
     inertia = list(armature_found(joint)) or list(odd_armature_found(joint, joints))
@@ -270,31 +277,6 @@ def _outside(
     return Found(doubt, joint, beyond, False)
 
 
-def _command_range(joint: JointActuator) -> Iterator[Found]:
-    """A clamp of commands of position that is many times as wide as the joint's range, or a range in degrees."""
-    clamp, own, hinge = joint.command_range, joint.position_range, joint.kind is JointKind.HINGE
-    if clamp is None or joint.command is not Command.POSITION or not is_stated(clamp[0]):
-        return
-    low, high = clamp[0].value, clamp[1].value
-    if low is None or high is None or (own is None and not hinge):
-        return
-    words = turned_words((low, high)) if own is None else clamp_words((low, high), own, hinge)
-    if words is None:
-        return
-    ratio, help = words
-    far, unit = format_quantity(ratio, "", 3), clamp[0].unit
-    message = (
-        f"a command range of {format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)} is {far} "
-    )
-    if own is None:
-        message += "turns wide"
-    else:
-        ends = " to ".join(format_quantity(end, unit, 4) for end in own)
-        message += f"times as wide as the joint's range, {ends}"
-    where = f"actuators.{joint.group}.command_range"
-    yield found_at(joint, "SPEC190", where, max(ratio, 1.0 / ratio), message, help, clamp[0])
-
-
 def _lever(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
     """An effort limit that would hold the whole robot on a lever which no robot has."""
     limit = joint.effort_limit
@@ -340,6 +322,7 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator
         usual = others[len(others) // 2]
     words = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit, place, usual)
     if words is None:
+        yield from _static(joint)
         return
     message, help, error = words
     number, other, field = (
@@ -349,6 +332,40 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator
     yield found_at(
         joint, "FRC101", where, coulomb.value / limit.value, message, help, number, other, error=error
     )
+
+
+def _static(joint: JointActuator) -> Iterator[Found]:
+    """Break-away friction against the effort limit."""
+    static, limit = joint.friction_static, joint.effort_limit
+    if static is None or not static.value or not limit.value or not is_stated(static):
+        return
+    place = limit.span if is_stated(limit) else None
+    kinetic = joint.friction_coulomb.value
+    words = static_words(static.value, static.unit, limit.value, limit.unit, place, kinetic)
+    if words is not None:
+        message, help, error = words
+        where = f"actuators.{joint.group}.friction.static"
+        size = static.value / limit.value
+        yield found_at(joint, "FRC101", where, size, message, help, static, limit, error=error)
+
+
+def _stribeck(joint: JointActuator) -> Iterator[Found]:
+    """A Stribeck velocity that the joint never comes to; published: to 1 rad/s. What is fitted may lie anywhere."""
+    velocity, own = joint.stribeck_velocity, _own_speed(joint)
+    fast = joint.velocity_limit if own is None or not own.value else own
+    if velocity is None or not velocity.value or velocity.origin is not Origin.AUTHORED:
+        return
+    if not fast.value or velocity.value < fast.value:
+        return
+    message = (
+        f"a Stribeck velocity of {shown(velocity)}, at which static friction has fallen to the kinetic one: the joint "
+        f"ends at {shown(fast)}"
+    )
+    help = "look for the point in the wrong place"
+    if joint.kind is JointKind.HINGE:
+        help = f"is it in deg/s ({format_quantity(velocity.value * DEGREE, velocity.unit, 4)})? Or {help}"
+    where, size = f"actuators.{joint.group}.friction.stribeck_velocity", velocity.value / fast.value
+    yield found_at(joint, "SPEC184", where, size, message, help, velocity, fast)
 
 
 def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Found]:
@@ -546,54 +563,4 @@ def _velocity(joint: JointActuator) -> Iterator[Found]:
         "; or ".join(readings) or "look for a wrong unit",
         limit,
         force if fast > most else None,
-    )
-
-
-def _scale(joint: JointActuator) -> Iterator[Found]:
-    """One unit of action against range, speed and effort limit; published: 0.41 of the range, 0.75 of the limit."""
-    scale, limit = joint.action_scale, joint.effort_limit
-    if scale is None or not scale.value:
-        return
-    reach = abs(scale.value)
-    if joint.command is Command.POSITION:
-        span = None if joint.position_range is None else joint.position_range[1] - joint.position_range[0]
-        if span is None and joint.kind is JointKind.HINGE:
-            span = 2.0 * math.pi
-        torque = None if joint.kp is None or not joint.kp.value else joint.kp.value * reach
-        if not span or reach <= SCALE * span:
-            return
-        if torque is not None and limit.value and torque <= SCALE * limit.value:
-            return
-        size, unit = reach / span / SCALE, joint.default_position.unit
-        words = (
-            f"one unit of action is {format_quantity(reach, unit, 4)} of command, "
-            f"{format_quantity(reach / span, '', 3)} times the joint's whole range"
-        )
-        if torque is not None and limit.value:
-            words += f", and asks for {format_quantity(torque, limit.unit, 3)} of {shown(limit)}"
-    else:
-        speed = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
-        fast = speed if speed is not None and speed.value else joint.velocity_limit
-        most = fast if joint.command is Command.VELOCITY else limit
-        if not most.value or reach <= RATE_SCALE * most.value:
-            return
-        size = reach / most.value / RATE_SCALE
-        words = f"one unit of action is {format_quantity(reach, most.unit, 4)} of command, the joint has {shown(most)}"
-    readings = [(0.01, "is it in %")] if size >= 5.0 else []
-    if joint.command is Command.POSITION and joint.kind is JointKind.HINGE:
-        readings.insert(0, (DEGREE, "is it in degrees"))
-        if joint.kp is not None and joint.kp.value and limit.value:
-            share = joint.kp.value * reach / limit.value
-            readings.sort(key=lambda reading: abs(math.log(share * reading[0] / USUAL_SHARE)))
-    help = "; or ".join(f"{asked}? Then write {scale.value * factor:.6g}" for factor, asked in readings)
-    yield found_at(
-        joint,
-        "SPEC193",
-        f"actuators.{joint.group}.action_scale",
-        size,
-        words,
-        help or None,
-        scale,
-        joint.kp,
-        error=size >= HOPELESS_SCALE,
     )
