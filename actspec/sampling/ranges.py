@@ -170,10 +170,13 @@ def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
     if field != "encoder_bias":
         least = applied(entry, drawn_ends(entry)[0], nominal)
         if least < 0.0 and entry.distribution == "gaussian":
+            # Mean and standard deviation in the order of two ends.
+            rises = entry.high >= entry.low > 0.0
+            asked = "is it a range? `gaussian` takes mean and standard deviation. Else " if rises else ""
             yield _Fault(
                 "RND005",
                 f"{field} is drawn below 0 within {format_number(SPREAD)} std: {format_quantity(least, unit)}",
-                "choose a smaller standard deviation, or log_uniform; "
+                asked + "choose a smaller standard deviation, or log_uniform; "
                 "actspec cuts such draws to 0, simulators may not",
                 False,
             )

@@ -7,7 +7,7 @@ robot's joints and runs in `resolve`, so that `show` and `compile` have both. Th
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, did_you_mean, listed
@@ -83,4 +83,21 @@ def number_doubts(model: SpecModel, document: Document, joints: Sequence[JointAc
     doubts += linkage_doubts(model, spans, joints, doubted)
     doubts += [*range_doubts(model, spans), *time_doubts(model, spans, (joint.joint for joint in joints))]
     doubts += std_doubts(model, spans)
-    return [*doubts, *group_doubts(model, spans, doubted)]
+    return list(_one_of_gains([*doubts, *group_doubts(model, spans, doubted)]))
+
+
+def _one_of_gains(doubts: Sequence[Doubt]) -> Iterator[Doubt]:
+    """One message of kp and kd: where one of them is not its source's that is told, of both what explains both."""
+    sourced = {doubt.span for doubt in doubts if doubt.code == "SPEC194"}
+    pairs = [frozenset((doubt.span, *doubt.judged)) for doubt in doubts if doubt.code == "SPEC192"]
+    explained = {span for pair in pairs if len(pair) > 1 and pair <= sourced for span in pair}
+    for doubt in doubts:
+        if doubt.code == "SPEC194" and doubt.span in explained:
+            continue
+        if (
+            doubt.code == "SPEC192"
+            and doubt.span not in explained
+            and sourced.intersection((doubt.span, *doubt.judged))
+        ):
+            continue
+        yield doubt
