@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from actspec.ir import Command, JointActuator, JointKind, Quantity
-from actspec.spec.plausible.clamps import WIDE, clamp_words, is_open, turned_words
+from actspec.spec.plausible.clamps import PART, WIDE, clamp_words, is_open, turned_words
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.table import Found, found_at, is_stated, shown
 from actspec.units import format_quantity
@@ -21,6 +21,12 @@ RANGE_SPEED = 5.0
 """Ends of a range of speeds over the fastest speed, where another unit brings them below it. Chosen: rpm are 9.5."""
 HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
+
+
+def own_speed(joint: JointActuator) -> Quantity | None:
+    """Speed at the joint [rad/s or m/s] at which its motor has no torque left, at whichever level; None: unknown."""
+    line = joint.motor_line
+    return None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
 
 
 def command_range_found(joint: JointActuator) -> Iterator[Found]:
@@ -57,7 +63,7 @@ def _most(joint: JointActuator) -> Quantity:
     """Fastest speed of a joint whose command is one, else its effort limit."""
     if joint.command is not Command.VELOCITY:
         return joint.effort_limit
-    speed = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
+    speed = own_speed(joint)
     return speed if speed is not None and speed.value else joint.velocity_limit
 
 
@@ -75,7 +81,7 @@ def _rate_range(joint: JointActuator, end: Quantity, low: float, high: float) ->
     if not reach or not most.value or is_open(low, high):
         return
     ratio = reach / most.value
-    units = [(size, name) for size, name in _slips(joint) if size * ratio <= 1.0]
+    units = [(size, name) for size, name in _slips(joint) if PART <= size * ratio <= 1.0]
     if ratio <= WIDE and not (ratio > RANGE_SPEED and units):
         return
     help = "; or ".join(f"is it in {name}? Then write [{low:g} {name}, {high:g} {name}]" for _, name in units)

@@ -16,7 +16,7 @@ from actspec.spec.models import SpecModel
 from actspec.spec.plausible import number_doubts
 from actspec.spec.plausible.armatures import SOFT, armature_found, beside, odd_armature_found
 from actspec.spec.plausible.clamps import TURN
-from actspec.spec.plausible.commands import command_range_found, scale_found
+from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE
 from actspec.spec.plausible.gains import Gains, blamed, gain_words
@@ -351,7 +351,7 @@ def _static(joint: JointActuator) -> Iterator[Found]:
 
 def _stribeck(joint: JointActuator) -> Iterator[Found]:
     """A Stribeck velocity that the joint never comes to; published: to 1 rad/s. What is fitted may lie anywhere."""
-    velocity, own = joint.stribeck_velocity, _own_speed(joint)
+    velocity, own = joint.stribeck_velocity, own_speed(joint)
     fast = joint.velocity_limit if own is None or not own.value else own
     if velocity is None or not velocity.value or velocity.origin is not Origin.AUTHORED:
         return
@@ -377,7 +377,7 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive]) -> Iterator[Foun
     if not is_stated(viscous) or not viscous.value or not limit.value:
         return
     line = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
-    clamp, motors = joint.velocity_limit, _own_speed(joint) if line is None else line
+    clamp, motors = joint.velocity_limit, own_speed(joint) if line is None else line
     asked = [] if motors is None else [(motors, UNREACHED if line is None else VISCOUS_SHARE)]
     if line is None and clamp.value and is_stated(clamp) and not math.log10(clamp.value).is_integer():
         asked += [] if _is_files(viscous) else [(clamp, WHOLE)]
@@ -424,12 +424,6 @@ def _is_files(quantity: Quantity) -> bool:
         and said.value is not None
         and math.isclose(said.value, quantity.require(), rel_tol=0.01)
     )
-
-
-def _own_speed(joint: JointActuator) -> Quantity | None:
-    """Speed at the joint [rad/s or m/s] at which its motor has no torque left, at whichever level; None: unknown."""
-    line = joint.motor_line
-    return None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
 
 
 def _gains(joint: JointActuator) -> Iterator[Found]:
@@ -528,7 +522,7 @@ def _velocity(joint: JointActuator) -> Iterator[Found]:
 
     What the robot's file says as well is not mistyped, and powers of ten are placeholders.
     """
-    limit, force, own = joint.velocity_limit, joint.effort_limit, _own_speed(joint)
+    limit, force, own = joint.velocity_limit, joint.effort_limit, own_speed(joint)
     fast = limit.value
     if own is not None and own.value:
         return
