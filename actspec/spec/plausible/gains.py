@@ -199,12 +199,10 @@ def blamed(gain: DerivedGain, path: Path, doubt: Doubt, spans: SourceMap) -> Dou
     """A doubt about a derived gain, told of the number that it is derived by."""
     numbers = gain.numbers
     if gain.method == "torque_at_error":
-        fraction, error = numbers["fraction"], numbers["error"]
+        error = numbers["error"]
         size = error.value or 0.0
         key, help = "error", "look for a wrong unit: kp is fraction x effort_limit / error"
-        if (fraction.value or 0.0) > 1.0:
-            key, help = "fraction", f"is it in %? {fraction.value:g} % is {(fraction.value or 0.0) / 100:g}"
-        elif error.written.endswith("deg") and size / DEGREE <= RADIANS:
+        if error.written.endswith("deg") and size / DEGREE <= RADIANS:
             help = f"is it in rad? Then write {size / DEGREE:.4g} rad"
         elif error.written.endswith("rad") and size > RADIANS:
             help = f"is it in degrees? Then write {size:g} deg"

@@ -254,6 +254,20 @@ def test_gains_of_a_source_have_one_message(kp: str, kd: str, expected: list[tup
     assert [(item.code, item.where.rpartition(".")[2]) for item in said(text, SERVO)] == expected
 
 
+def test_a_gain_of_a_slide_per_millimetre() -> None:
+    """2 of the file's 2000 N/m, which N/mm are; beside it kd, which the file has."""
+    text = spec_of(
+        "a: {joints: [hip], level: ideal_pd, kp: {value: 2 N/m, source: file}, kd: {value: 20 N*s/m, source: file}}",
+        robot="name: leg, model: robot.xml",
+        more="sources: {file: {title: T, page: robot.xml}}",
+    )
+    model = SERVO.replace('"hip"/><', '"hip" type="slide"/><').replace(
+        'kp="25" kv="0.5"', 'kp="2000" kv="20"'
+    )
+    (found,) = said(text, model)
+    assert (found.code, found.help) == ("SPEC194", "is it per mm? Then it is 2000 N/m")
+
+
 def validated(text: str, tmp_path: object, capsys: pytest.CaptureFixture[str]) -> tuple[int, str]:
     """Exit code and output of `actspec validate`."""
     path = f"{tmp_path}/s.yaml"
