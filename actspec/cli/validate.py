@@ -32,6 +32,7 @@ from actspec.spec.variants import named, split
 from actspec.spec.yaml_text import MAX_BYTES, is_spec
 
 if TYPE_CHECKING:
+    from actspec.ir import ActuatorSet
     from actspec.robot.view import RobotView
     from actspec.spec.validate import Spec
 
@@ -207,6 +208,17 @@ def _is_other(path: str) -> bool:
         return False
 
 
+def _check_ranges(actuators: ActuatorSet, uncompiled: bool, collector: Collector) -> None:
+    """Report what the target of randomisation would; a nominal value that is unknown may only need a compilation."""
+    from actspec.sampling import check_ranges
+
+    every = Collector()
+    check_ranges(actuators, every)
+    for item in every:
+        if item.code != "RND001" or not uncompiled:
+            collector.add(item)
+
+
 def _resolved(
     spec: Spec, views: dict[str, RobotView]
 ) -> tuple[str, tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
@@ -267,6 +279,8 @@ def _resolved(
             managed = [actuator.joint for actuator in actuators.joints]
             check_manifests(actuators, collector)
             found = actuators.diagnostics
+            if any(options.kind == "randomization" for options in targets):
+                _check_ranges(actuators, robot.uncompiled, collector)
             if not spec.model.variants:
                 # Another variant may lose what this one does not.
                 check_accepted(spec, actuators, (), (), collector)

@@ -110,6 +110,8 @@ def check_ranges(actuators: ActuatorSet, collector: Collector) -> None:
     outside of the range (RND006); kinetic friction above static friction (RND007); gains of a network (RND008).
     """
     found: dict[tuple[str, str, _Fault], list[JointActuator]] = {}
+    # A number that is told itself is not told by its range again.
+    told = [item.where for item in actuators.diagnostics]
     for actuator in actuators.joints:
         for field, entry in own_ranges(actuator).items():
             for fault in _faults(actuator, entry):
@@ -119,10 +121,13 @@ def check_ranges(actuators: ActuatorSet, collector: Collector) -> None:
     for (group, field, fault), joints in found.items():
         entry_of = own_ranges(joints[0])
         entry_at = entry_of.get(field) or entry_of.get("friction.static")
+        where = f"actuators.{group}.randomize.{field}"
+        if not fault.is_error and any(item.startswith(f"{where}.") for item in told):
+            continue
         (collector.error if fault.is_error else collector.warning)(
             fault.code,
             f"{listed(joint.joint for joint in joints)}: {fault.message}",
-            where=f"actuators.{group}.randomize.{field}",
+            where=where,
             span=None if entry_at is None else entry_at.span,
             help=fault.help,
         )
@@ -165,10 +170,13 @@ def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
     if field != "encoder_bias":
         least = applied(entry, drawn_ends(entry)[0], nominal)
         if least < 0.0 and entry.distribution == "gaussian":
+            # Mean and standard deviation in the order of two ends.
+            rises = entry.high >= entry.low > 0.0
+            asked = "is it a range? `gaussian` takes mean and standard deviation. Else " if rises else ""
             yield _Fault(
                 "RND005",
                 f"{field} is drawn below 0 within {format_number(SPREAD)} std: {format_quantity(least, unit)}",
-                "choose a smaller standard deviation, or log_uniform; "
+                asked + "choose a smaller standard deviation, or log_uniform; "
                 "actspec cuts such draws to 0, simulators may not",
                 False,
             )

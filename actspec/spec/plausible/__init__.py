@@ -18,10 +18,11 @@ from actspec.spec.plausible.clamps import range_doubts
 from actspec.spec.plausible.contradicted import contradictions
 from actspec.spec.plausible.driven import gear_doubts
 from actspec.spec.plausible.exchanges import exchanges
-from actspec.spec.plausible.groups import group_doubts, layers, time_doubts
+from actspec.spec.plausible.groups import group_doubts, layers, std_doubts
 from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
 from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, Kept, by_number, kept_of, tell
+from actspec.spec.plausible.times import time_doubts
 from actspec.spec.plausible.witnesses import file_doubts, witnessed
 from actspec.spec.rules.robot import SPEC_ITSELF
 
@@ -89,8 +90,26 @@ def number_doubts(
     doubts += (doubt for doubt in by_number(file_doubts(joints, model)) if doubt.span not in places)
     doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}
     doubts += linkage_doubts(model, spans, joints, doubted)
-    doubts += [*range_doubts(model, spans), *time_doubts(model, spans)]
-    return [*doubts, *group_doubts(model, spans, doubted, kept)]
+    doubts += [*range_doubts(model, spans), *time_doubts(model, spans, (joint.joint for joint in joints))]
+    doubts += std_doubts(model, spans)
+    return list(_one_of_gains([*doubts, *group_doubts(model, spans, doubted, kept)]))
+
+
+def _one_of_gains(doubts: Sequence[Doubt]) -> Iterator[Doubt]:
+    """One message of kp and kd: where one of them is not its source's that is told, of both what explains both."""
+    sourced = {doubt.span for doubt in doubts if doubt.code == "SPEC194"}
+    pairs = [frozenset((doubt.span, *doubt.judged)) for doubt in doubts if doubt.code == "SPEC192"]
+    explained = {span for pair in pairs if len(pair) > 1 and pair <= sourced for span in pair}
+    for doubt in doubts:
+        if doubt.code == "SPEC194" and doubt.span in explained:
+            continue
+        if (
+            doubt.code == "SPEC192"
+            and doubt.span not in explained
+            and sourced.intersection((doubt.span, *doubt.judged))
+        ):
+            continue
+        yield doubt
 
 
 def _gears(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from actspec.ir import JointActuator, JointKind, Origin
@@ -23,6 +24,13 @@ HEAVY = 50.0
 """Armature over the inertia of the links: noticed where `HEAVY_RATE` holds too."""
 HEAVY_RATE = 30.0
 TOO_HEAVY = 300.0
+SLOW = 0.5
+"""Time in which the motor's torque turns the armature to its speed [s], as of rotors in SPEC185 (published: to 0.052):
+noticed where it is `DOMINANT` times the links or, of unknown ones, where kp swings it alone below `SOFT`."""
+DOMINANT = 10.0
+"""[-]. Published: 124 (gymnasium's ant, which has no motor); behind a gear 3 to 10 are usual."""
+SOFT = 6.0
+"""Natural frequency [rad/s]. Published: 6.2 and up, with the links."""
 SMALL_LINK = 2e-3
 """Links of less are fingers, whose armature is seldom the rotor's [kg*m^2]."""
 ODD = 10.0
@@ -83,6 +91,16 @@ def armature_found(joint: JointActuator) -> Iterator[Found]:
             words = (
                 f"an armature of {shown(armature)} is {format_quantity(value / links, '', 3)} times the inertia of "
                 f"the links that the joint moves, at most {format_quantity(links, unit, 3)}"
+            )
+    stall = 0.0 if line is None or line.stall_torque is None else line.stall_torque.value or 0.0
+    strong, kp = max(limit.value or 0.0, stall), 0.0 if joint.kp is None else joint.kp.value or 0.0
+    if words is None and fast and 0.0 < strong < math.inf and joint.kind is JointKind.HINGE:
+        takes = value * fast / strong
+        heavy = value >= DOMINANT * links if links is not None and large else 0.0 < kp < SOFT**2 * value
+        if takes > SLOW and heavy:
+            words = (
+                f"an armature of {shown(armature)}: the motor's {format_quantity(strong, limit.unit, 4)} takes "
+                f"{format_quantity(takes, 's', 3)} to turn that alone to its {format_quantity(fast, 'rad/s', 4)}"
             )
     if words is None:
         return

@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 
 from actspec.diagnostics import Path, Span
-from actspec.ir import Command, JointActuator, JointKind, Origin
+from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import SourceMap
 from actspec.spec.models import ListedJoint, SpecModel
 from actspec.spec.plausible.relations import DEGREE
-from actspec.spec.plausible.table import Doubt, Found, at, found_at, is_stated, shown
+from actspec.spec.plausible.table import Doubt, Found, at, shown
 from actspec.units import format_quantity
 
 WIDE = 12.0
@@ -21,6 +21,8 @@ POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """A default position may be this far beyond the range [rad or m]."""
 TURN = 2.0 * math.pi
 """[rad]"""
+ROUND = 2e-3
+"""Round angles in rad, pi/12 apart, are typed to this [rad]."""
 SAME_END = 0.15
 """An end of a range in another unit is the joint's own if they differ by no more than this part of its width."""
 PART = 0.2
@@ -40,7 +42,7 @@ def clamp_words(
         hinge: The joint turns.
     """
     (low, high), width = clamp, own[1] - own[0]
-    if not 0.0 < width < math.inf or not low < high or _is_placeholder(low, high):
+    if not 0.0 < width < math.inf or not low < high or is_open(low, high):
         return None
     ratio = (high - low) / width
     small, words, short, si = (DEGREE, "degrees", "deg", "rad") if hinge else (1e-3, "mm", "mm", "m")
@@ -60,23 +62,40 @@ def range_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
         if not isinstance(joint, ListedJoint) or joint.range is None:
             continue
         low, high = (end.value for end in joint.range)
-        if low is None or high is None or any(end.written.endswith(("deg", "mm")) for end in joint.range):
-            continue
         path: Path = ("robot", "joints", index, "range")
+        if low is None or high is None:
+            continue
+        if any(end.written.endswith(("deg", "mm")) for end in joint.range):
+            if all(end.written.endswith("deg") and _is_round(end.value or 0.0) for end in joint.range):
+                low, high = low / DEGREE, high / DEGREE
+                message = f"{joint.name}: a range of {low:.4g} deg to {high:.4g} deg, parts of pi"
+                help = f"is it in rad? Then write [{low:.4g} rad, {high:.4g} rad]"
+                yield at(spans, "SPEC190", message, path, help, (*path, 0), (*path, 1))
+            continue
         ends = f"{joint.name}: a range of {joint.range[0].written} to {joint.range[1].written} is"
         if joint.kind == "hinge":
             words = turned_words((low, high), WIDEST[0])
             if words is not None:
                 wide = format_quantity(words[0], "turns", 3)
                 yield at(spans, "SPEC190", f"{ends} {wide} wide", path, words[1], (*path, 0), (*path, 1))
-        elif high - low > WIDEST[1] and not _is_placeholder(low, high):
+        elif high - low > WIDEST[1] and not is_open(low, high):
             message = f"{ends} {format_quantity(high - low, 'm', 3)} wide"
             help = f"is it in mm? Then write [{low:.5g} mm, {high:.5g} mm]"
             yield at(spans, "SPEC190", message, path, help, (*path, 0), (*path, 1))
 
 
-def _is_placeholder(low: float, high: float) -> bool:
-    """Whether both ends are a power of ten."""
+def _is_round(angle: float) -> bool:
+    """Whether an angle in degrees [rad] is the number of a round one in rad: 1.57, 0.785; to three digits.
+
+    By chance one of a hundred numbers is so near, and both ends of a range are asked.
+    """
+    number = abs(angle) / DEGREE
+    parts = number / (math.pi / 12.0)
+    return number <= TURN + ROUND and abs(parts - round(parts)) * math.pi / 12.0 <= ROUND
+
+
+def is_open(low: float, high: float) -> bool:
+    """Whether both ends are one power of ten, which is a placeholder."""
     return -low == high and math.log10(high).is_integer()
 
 
@@ -91,7 +110,7 @@ def turned_words(clamp: tuple[float, float], most_turns: float = WIDE) -> tuple[
     """
     low, high = clamp
     turns, most = (high - low) / TURN, max(abs(low), abs(high))
-    if turns <= most_turns or most * DEGREE > TURN or _is_placeholder(low, high):
+    if turns <= most_turns or most * DEGREE > TURN or is_open(low, high):
         return None
     return turns, f"is it in degrees? Then write [{low:.5g} deg, {high:.5g} deg]"
 
@@ -153,28 +172,3 @@ def _outside(
     error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
     doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
     return Found(doubt, joint, beyond, False)
-
-
-def command_range_found(joint: JointActuator) -> Iterator[Found]:
-    """A clamp of commands of position that is many times as wide as the joint's range, or a range in degrees."""
-    clamp, own, hinge = joint.command_range, joint.position_range, joint.kind is JointKind.HINGE
-    if clamp is None or joint.command is not Command.POSITION or not is_stated(clamp[0]):
-        return
-    low, high = clamp[0].value, clamp[1].value
-    if low is None or high is None or (own is None and not hinge):
-        return
-    words = turned_words((low, high)) if own is None else clamp_words((low, high), own, hinge)
-    if words is None:
-        return
-    ratio, help = words
-    far, unit = format_quantity(ratio, "", 3), clamp[0].unit
-    message = (
-        f"a command range of {format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)} is {far} "
-    )
-    if own is None:
-        message += "turns wide"
-    else:
-        ends = " to ".join(format_quantity(end, unit, 4) for end in own)
-        message += f"times as wide as the joint's range, {ends}"
-    where = f"actuators.{joint.group}.command_range"
-    yield found_at(joint, "SPEC190", where, max(ratio, 1.0 / ratio), message, help, clamp[0])

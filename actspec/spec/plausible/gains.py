@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Path, dotted
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
 from actspec.spec.plausible.relations import DEGREE, RARE, Relation, Repair, explained
@@ -16,8 +16,9 @@ from actspec.units import format_quantity
 RETURN = (5e-4, 1.0)
 """kd over kp [s]: the time in which a joint without inertia returns."""
 USUAL_RETURN = (0.005, 0.25)
-LEAST_RETURN = 1e-4
-"""The same of kd alone, where it is not 0 [s]. Published: 7e-3."""
+LEAST_RETURN = 3e-4
+"""The same of kd alone, where it is not 0 [s]: a joint that swings with 200 rad/s and a damping ratio of 0.03 has it.
+Published: 7e-3."""
 LEAST_ERROR = 0.015
 """Effort limit over kp [rad]: noticed where kd over kp is below `STIFF_RETURN`. Chosen: stiff arms have 0.006, at
 0.05 s."""
@@ -30,6 +31,12 @@ FREQUENCY = (0.15, 100.0)
 """Natural frequency that a kp is derived from [Hz]. Chosen: mjlab's is 10, the stiffest published servo has 236."""
 RATIO = (0.015, 60.0)
 """Damping ratio. Published: 0.064 to 12."""
+
+
+FRACTION = (1e-3, 5.0)
+"""Part of the effort limit at an error. Chosen: per cent are 10 and more."""
+RADIANS = 1.0
+"""Largest error that a kp is derived from [rad]. Chosen: limit over kp is 0.21 to 2.2 rad."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,11 +195,39 @@ def _degrees(gains: Gains) -> frozenset[str | None]:
     )
 
 
+def blamed(gain: DerivedGain, path: Path, doubt: Doubt, spans: SourceMap) -> Doubt:
+    """A doubt about a derived gain, told of the number that it is derived by."""
+    numbers = gain.numbers
+    if gain.method == "torque_at_error":
+        error = numbers["error"]
+        size = error.value or 0.0
+        key, help = "error", "look for a wrong unit: kp is fraction x effort_limit / error"
+        if error.written.endswith("deg") and size / DEGREE <= RADIANS:
+            help = f"is it in rad? Then write {size / DEGREE:.4g} rad"
+        elif error.written.endswith("rad") and size > RADIANS:
+            help = f"is it in degrees? Then write {size:g} deg"
+    elif gain.method == "natural_frequency":
+        key, help = "frequency", _in_hertz(numbers["frequency"].value or 0.0)
+    else:
+        key, help = "ratio", "look for the point in the wrong place: kd is 2 x ratio x sqrt(kp x inertia)"
+    place = (*path, key)
+    judged = (*doubt.judged, doubt.span)
+    return replace(doubt, where=dotted(place), span=spans.value(place), help=help, judged=judged)
+
+
+def _in_hertz(frequency: float) -> str:
+    """What a natural frequency that is none may have been [Hz]."""
+    by = 2.0 * math.pi if frequency <= 2.0 * math.pi * FREQUENCY[1] else 1e3
+    meant = format_quantity(frequency / by, "Hz", 4)
+    return f"is it in rad/s? Then it is {meant}" if by < 1e3 else f"did you mean {meant}?"
+
+
 def derived_doubts(gain: DerivedGain, path: Path, spans: SourceMap) -> Iterator[Doubt]:
-    """A natural frequency or a damping ratio that no joint has."""
+    """A natural frequency, a damping ratio or a part of the effort limit that no joint has."""
     for key, bounds, what, percent in (
         ("frequency", FREQUENCY, "a natural frequency", False),
         ("ratio", RATIO, "a damping ratio", True),
+        ("fraction", FRACTION, "a part of the effort limit", True),
     ):
         value = gain.numbers.get(key)
         if value is None or not value.value or bounds[0] <= value.value <= bounds[1]:
@@ -200,6 +235,8 @@ def derived_doubts(gain: DerivedGain, path: Path, spans: SourceMap) -> Iterator[
         help = (
             f"is it in %? {value.value:g} % is {value.value / 100:g}" if percent and value.value > 1 else None
         )
+        if key == "frequency" and value.value > bounds[1]:
+            help = _in_hertz(value.value)
         usual = f"{bounds[0]:g} to {format_quantity(bounds[1], value.unit)}"
         message = f"{value.written} is no usual size of {what}: {usual}"
         yield at(spans, "SPEC192", message, (*path, key), help)

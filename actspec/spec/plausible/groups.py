@@ -1,4 +1,4 @@
-"""Checks of timing and of groups that need no robot: times, dry friction, effort limits, kp beside kd, ranges."""
+"""Checks of groups that need no robot: dry friction, effort limits, kp beside kd, ranges."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any
 
 from actspec.diagnostics import Path, Span
 from actspec.spec.document import SourceMap
-from actspec.spec.fields import DerivedGain, SpecDelay
-from actspec.spec.models import Actuators, CommandFilter, Motor, Randomize, SpecModel, Tunable
+from actspec.spec.fields import DerivedGain
+from actspec.spec.models import Actuators, Friction, Motor, Randomize, SpecModel, Tunable
 from actspec.spec.plausible.drive import Drive, Limit, Train, cut_gearbox, is_one, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import Gains, derived_doubts, gain_words
@@ -19,100 +19,21 @@ from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import Fault, SpecValue
 from actspec.units import format_quantity
 
-STEP = (20e-6, 40e-3)
-"""Simulation step [s]. Published: 0.1 to 20 ms of nearly all MJCF and Isaac Lab tasks, 30 ms (dm_control's lqr), 33.3
-ms (rovers in Isaac Lab), 40 ms (a cart and a pole). 50 ms is that of a few pendulums, and several times a slip: Isaac
-Lab tasks have `dt = 0.05  # 5 ms: 200 Hz`."""
-CONTROL_PERIOD = (20e-6, 0.5)
-"""[s]. Published: 5 to 50 ms of joints, 0.2 s of rovers and of navigation above a walking policy, to 0.5 s of that."""
-DELAY = (0.0, 0.25)
-"""[s]."""
-CUTOFF = (0.2, 5e3)
-"""[Hz]."""
-BANDWIDTH = (0.5, 20e3)
-"""[Hz]."""
-WRONG_BY = 10.0
-"""A time outside of its bounds by this factor is an error."""
 FRICTION_SHARE = 0.5
 """Of the effort limit."""
+BREAK_AWAY = 5.0
+"""Break-away friction over kinetic friction: below it only what the drive cannot overcome is told. Chosen: 1.1 to 2, of
+harmonic drives to 3."""
 FRICTION_STOPS = 2.0
 """Times the effort limit: an error."""
 FACTOR = 10.0
 """Largest factor of a range of randomisation. Published: 3, on kd."""
 DIGIT = 50.0
-"""Above it a factor is in per cent, below it one without its point."""
+"""Above it two factors are in per cent, below it they are without their points."""
+SPREAD = 10.0
+"""Standard deviation over value. Chosen: of what a fit hardly sees it is 1 to 3."""
 OFF = {"rad": 0.25, "m": 0.1}
 """Largest error of an encoder [rad or m]. Published: 0.02 rad."""
-
-
-def time_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
-    """Time step, control period, delays, cutoffs and bandwidths."""
-    step = model.timing.physics_dt
-    if step is not None and step.value is not None:
-        path: Path = ("timing", "physics_dt")
-        yield from _time(step, path, STEP, "a simulation step", spans)
-        period = step.value * (model.timing.decimation or 1)
-        if step.value <= STEP[1] and period > CONTROL_PERIOD[1]:
-            message = (
-                f"{model.timing.decimation} steps of {step.written} are a control period of {period:g} s: "
-                f"{_usual(CONTROL_PERIOD[1], 's')} at most"
-            )
-            help = "decimation is the number of simulation steps in one control step, such as 4"
-            yield at(spans, "SPEC186", message, ("timing", "decimation"), help, path)
-    for name, motor in model.motors.items():
-        if motor.bandwidth is not None:
-            path = ("motors", name, "bandwidth")
-            yield from _time(motor.bandwidth, path, BANDWIDTH, "the bandwidth of a drive", spans)
-    for group_path, fields, _ in layers(model):
-        delay, cutoff = fields.delay, fields.command_filter
-        if isinstance(delay, SpecDelay):
-            path = (*group_path, "delay")
-            ends = [] if delay.range is None else [(delay.range[1], (*path, "range", 1))]
-            plain = _is_plain(path, spans)
-            for value, place in [(delay.nominal, path if plain else (*path, "nominal")), *ends]:
-                late = list(_time(value, place, DELAY, "a delay of the command", spans))
-                yield from late
-                if late:
-                    # The range is about it.
-                    break
-        if isinstance(cutoff, CommandFilter):
-            path = (*group_path, "command_filter", "cutoff")
-            yield from _time(cutoff.cutoff, path, CUTOFF, "the cutoff of a command", spans)
-
-
-def _is_plain(path: Path, spans: SourceMap) -> bool:
-    """Whether a delay is one number, not {nominal, range}."""
-    return spans.value((*path, "nominal")) == spans.value(path)
-
-
-def _time(
-    value: SpecValue, path: Path, bounds: tuple[float, float], what: str, spans: SourceMap
-) -> Iterator[Doubt]:
-    """A time or frequency outside of its bounds; 0 is none."""
-    low, high = bounds
-    if value.value is None or value.value == 0.0 or low <= value.value <= high:
-        return
-    # Of less than a second the thousandth is no usual time. A step has its point in the wrong place then.
-    meant = value.value * (1e-3 if value.value >= 1.0 else 0.1 if bounds is STEP else math.inf)
-    milli = value.unit == "s" and low <= meant <= high
-    yield at(
-        spans,
-        "SPEC186",
-        f"{value.written} is no usual size of {what}: {_usual(low, value.unit)} to {_usual(high, value.unit)}",
-        path,
-        f"did you mean {format_quantity(meant * 1e3, 'ms', 4)}?"
-        if milli
-        else "look for a wrong unit, or the point in the wrong place",
-        error=value.value > WRONG_BY * high or value.value < low / WRONG_BY,
-    )
-
-
-def _usual(bound: float, unit: str) -> str:
-    """A bound as one writes it: 20 us, 50 ms, 5 kHz."""
-    for size, prefix in ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u")):
-        if bound >= size:
-            return format_quantity(bound / size, f"{prefix}{unit}", 3)
-    return f"0 {unit}"
 
 
 def layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
@@ -221,10 +142,7 @@ def group_doubts(
         # What is judged by a wrong limit says nothing.
         told = spans.value(limit_path) in doubted
         if friction is not None and (own_limit or own_friction) and isinstance(limit, SpecValue) and not told:
-            coulomb: SpecValue | None = friction.coulomb
-            if coulomb is not None and coulomb.value is not None and limit.value is not None:
-                place = (*friction_path, "coulomb")
-                yield from _friction(coulomb, place, limit, limit_path, spans, kept)
+            yield from _friction(friction, friction_path, limit, limit_path, spans, kept)
         kp, kp_path, own_kp = stated("kp")
         kd, kd_path, own_kd = stated("kd")
         for gain, place, own in ((kp, kp_path, own_kp), (kd, kd_path, own_kd)):
@@ -257,6 +175,26 @@ def group_doubts(
                 if not drawn and not takes:
                     replaced = list(_replaced(entry, field, place, group, spans))
                     yield from replaced or _rubbing(entry, field, place, most, rub, spans)
+
+
+def std_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
+    """Standard deviations far above their values; an encoder's error may be 0, with any."""
+    parts: list[tuple[Path, Any]] = [(("motors", name), motor) for name, motor in model.motors.items()]
+    for path, fields, _ in layers(model):
+        parts += [(path, fields), ((*path, "friction"), fields.friction)]
+    for path, part in parts:
+        for key in () if part is None else sorted(part.model_fields_set - {"encoder_bias"}):
+            stated = getattr(part, key)
+            if not isinstance(stated, SpecValue) or not stated.value or not stated.std:
+                continue
+            ratio = stated.std / abs(stated.value)
+            if ratio > SPREAD:
+                message = (
+                    f"a standard deviation of {format_quantity(stated.std, stated.unit, 4)} is "
+                    f"{format_quantity(ratio, '', 3)} times the value of {stated.written}"
+                )
+                help = "look for a wrong unit, or the point in the wrong place"
+                yield at(spans, "SPEC188", message, (*path, key, "std"), help, (*path, key))
 
 
 def _most_of(
@@ -346,8 +284,10 @@ def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterat
         return
     what = "factors" if len(far) > 1 else "a factor"
     message = f"{what} of {_all(end.written for end in far)} on the nominal value"
-    percent = any((end.value or 0.0) > DIGIT for end in far)
-    meant = _all(f"{(end.value or 0.0) / (100.0 if percent else 10.0):g}" for end in far)
+    percent = len(far) > 1 and any((end.value or 0.0) > DIGIT for end in far)
+    # One end alone has its point in the wrong place: without that it is near 1.
+    by = 100.0 if percent else 10.0 ** round(math.log10(far[-1].value or 1.0))
+    meant = _all(f"{(end.value or 0.0) / by:g}" for end in far)
     help = f"is it in %? Then write {meant}" if percent else f"did you mean {meant}?"
     yield at(spans, "SPEC188", message, first, help, second)
 
@@ -442,15 +382,40 @@ def _all(texts: Iterable[str]) -> str:
 
 
 def _friction(
-    coulomb: SpecValue, path: Path, limit: SpecValue, limit_path: Path, spans: SourceMap, kept: Kept
+    friction: Friction, path: Path, limit: SpecValue, limit_path: Path, spans: SourceMap, kept: Kept
 ) -> Iterator[Doubt]:
-    """Dry friction against the effort limit, both stated."""
-    assert coulomb.value is not None and limit.value is not None
-    place = None if limit_path in kept.paths else spans.value(limit_path)
-    found = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit, place)
+    """Dry friction against the effort limit, both stated; break-away friction where the kinetic one may be right."""
+    coulomb, static = friction.coulomb, friction.static
+    if limit.value is None:
+        return
+    kinetic = None if coulomb is None else coulomb.value
+    most = (limit.value, limit.unit, None if limit_path in kept.paths else spans.value(limit_path))
+    found = None if coulomb is None or kinetic is None else friction_words(kinetic, coulomb.unit, *most)
+    place = (*path, "coulomb")
+    if found is None and static is not None and static.value is not None:
+        found, place = static_words(static.value, static.unit, *most, kinetic), (*path, "static")
     if found is not None:
         message, help, error = found
-        yield at(spans, "FRC101", message, path, help, limit_path, error=error)
+        yield at(spans, "FRC101", message, place, help, limit_path, error=error)
+
+
+def static_words(
+    static: float, unit: str, limit: float, limit_unit: str, place: Span | None, coulomb: float | None
+) -> tuple[str, str, bool] | None:
+    """As `friction_words`, of the break-away friction beside a kinetic one that may be right; None: that is unknown."""
+    if static < limit and static < BREAK_AWAY * (static if coulomb is None else coulomb):
+        # The two differ by what is usual.
+        return None
+    found = friction_words(static, unit, limit, limit_unit, place)
+    if found is None:
+        return None
+    message, help, error = found
+    if coulomb:
+        meant = static / 10.0 ** max(1, math.floor(math.log10(static / coulomb)))
+        if coulomb <= meant:
+            own = format_quantity(coulomb, unit)
+            help = f"did you mean {format_quantity(meant, unit, 4)}? The kinetic one is {own}"
+    return message.replace("dry friction", "break-away friction"), help, error
 
 
 def friction_words(

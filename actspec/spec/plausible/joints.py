@@ -11,14 +11,16 @@ from actspec.diagnostics import Collector, Diagnostic, Path, Span, dotted
 from actspec.fields import GRAVITY, LONGEST_LEVER
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document, SourceMap
+from actspec.spec.fields import DerivedGain
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible import number_doubts
-from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
-from actspec.spec.plausible.clamps import command_range_found, pose_found
+from actspec.spec.plausible.armatures import SOFT, armature_found, beside, odd_armature_found
+from actspec.spec.plausible.clamps import pose_found
+from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE
-from actspec.spec.plausible.gains import Gains, gain_words
-from actspec.spec.plausible.groups import friction_words, reduction_of
+from actspec.spec.plausible.gains import Gains, blamed, gain_words
+from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.repairs import misread_speeds
@@ -44,10 +46,8 @@ UNREACHED = 3.0
 """The same where no torque-speed line acts: a belt takes 1.24 at a speed that it never comes near."""
 WHOLE = 1.0
 """The same at a velocity limit."""
-SOFT = 6.0
-"""Natural frequency [rad/s]: noticed where the limit needs an error above `SOFT_ERROR`."""
 SOFT_ERROR = 10.0
-"""[rad]."""
+"""Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`."""
 TOO_SOFT = 1.0
 STIFF = 150.0
 """Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""
@@ -57,18 +57,11 @@ STIFF_LINK = 1e-3
 """Joints of less are fingers, which are stiff for their inertia [kg*m^2]."""
 DAMPING_RATIO = (0.015, 60.0)
 """kd and viscous friction over 2 sqrt(kp I)."""
-SCALE = 2.0
-"""One unit of action over the joint's range and, by kp, over the effort limit."""
-USUAL_SHARE = 0.25
-"""Of the effort limit that one unit of action asks for by kp: mjlab computes scales so."""
-RATE_SCALE = 10.0
-"""One unit of action over the fastest speed or the effort limit."""
 FASTEST_LIMIT = 200.0
 """Velocity limit of a hinge [rad/s]. Published: to 200 (gripper of the reBot), 110 at 26 N*m (Qinglong)."""
 WHOLE_ROBOT = 6
 """Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
 HOPELESS_LEVER = 10.0
-HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
 
 _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
@@ -223,11 +216,25 @@ def _joint_doubts_of(
             if doubt.code == "SPEC192" and f"actuators.{joint.group}" in gained:
                 # A derivation's frequency or ratio, or the same two gains by other words.
                 continue
-            yield found
+            yield (
+                replace(found, doubt=_of_derivation(doubt, model, spans))
+                if doubt.code == "SPEC192"
+                else found
+            )
+
+
+def _of_derivation(doubt: Doubt, model: SpecModel, spans: SourceMap) -> Doubt:
+    """A doubt about a gain; of a derived one it is told of what it is derived by."""
+    field = doubt.where.rpartition(".")[2]
+    for path, fields, _ in layers(model):
+        gain, place = getattr(fields, field), (*path, field)
+        if isinstance(gain, DerivedGain) and spans.value(place) == doubt.span:
+            return blamed(gain, place, doubt, spans)
+    return doubt
 
 
 def _joint_doubts(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept) -> Iterator[Found]:
-    for check in (pose_found, command_range_found, _scale, _velocity):
+    for check in (pose_found, command_range_found, scale_found, _velocity, _stribeck):
         yield from check(joint)
     yield from _friction(joint, joints, kept)
     inertia = list(armature_found(joint)) or list(odd_armature_found(joint, joints))
@@ -280,6 +287,7 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept)
         usual = others[len(others) // 2]
     words = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit, place, usual)
     if words is None:
+        yield from _static(joint, kept)
         return
     message, help, error = words
     number, other, field = (
@@ -291,6 +299,40 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept)
     )
 
 
+def _static(joint: JointActuator, kept: Kept) -> Iterator[Found]:
+    """Break-away friction against the effort limit."""
+    static, limit = joint.friction_static, joint.effort_limit
+    if static is None or not static.value or not limit.value or not is_stated(static):
+        return
+    place = limit.span if is_stated(limit) and limit.span not in kept.sure else None
+    kinetic = joint.friction_coulomb.value
+    words = static_words(static.value, static.unit, limit.value, limit.unit, place, kinetic)
+    if words is not None:
+        message, help, error = words
+        where = f"actuators.{joint.group}.friction.static"
+        size = static.value / limit.value
+        yield found_at(joint, "FRC101", where, size, message, help, static, limit, error=error)
+
+
+def _stribeck(joint: JointActuator) -> Iterator[Found]:
+    """A Stribeck velocity that the joint never comes to; published: to 1 rad/s. What is fitted may lie anywhere."""
+    velocity, own = joint.stribeck_velocity, own_speed(joint)
+    fast = joint.velocity_limit if own is None or not own.value else own
+    if velocity is None or not velocity.value or velocity.origin is not Origin.AUTHORED:
+        return
+    if not fast.value or velocity.value < fast.value:
+        return
+    message = (
+        f"a Stribeck velocity of {shown(velocity)}, at which static friction has fallen to the kinetic one: the joint "
+        f"ends at {shown(fast)}"
+    )
+    help = "look for the point in the wrong place"
+    if joint.kind is JointKind.HINGE:
+        help = f"is it in deg/s ({format_quantity(velocity.value * DEGREE, velocity.unit, 4)})? Or {help}"
+    where, size = f"actuators.{joint.group}.friction.stribeck_velocity", velocity.value / fast.value
+    yield found_at(joint, "SPEC184", where, size, message, help, velocity, fast)
+
+
 def _viscous(joint: JointActuator, drives: Mapping[str, Drive], kept: Kept) -> Iterator[Found]:
     """Viscous friction at the end of the torque-speed line, whatever the level; published: to 0.43 (ANYmal D).
 
@@ -300,7 +342,7 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive], kept: Kept) -> I
     if not is_stated(viscous) or not viscous.value or not limit.value:
         return
     line = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
-    clamp, motors = joint.velocity_limit, _own_speed(joint) if line is None else line
+    clamp, motors = joint.velocity_limit, own_speed(joint) if line is None else line
     asked = [] if motors is None else [(motors, UNREACHED if line is None else VISCOUS_SHARE)]
     if line is None and clamp.value and is_stated(clamp) and not math.log10(clamp.value).is_integer():
         asked += [] if _is_files(viscous) else [(clamp, WHOLE)]
@@ -359,12 +401,6 @@ def _is_files(quantity: Quantity) -> bool:
     )
 
 
-def _own_speed(joint: JointActuator) -> Quantity | None:
-    """Speed at the joint [rad/s or m/s] at which its motor has no torque left, at whichever level; None: unknown."""
-    line = joint.motor_line
-    return None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
-
-
 def _gains(joint: JointActuator) -> Iterator[Found]:
     """kp and kd by natural frequency and damping ratio."""
     kp, kd, held, limit = joint.kp, joint.kd, joint.inertia_held, joint.effort_limit
@@ -406,9 +442,6 @@ def _gains(joint: JointActuator) -> Iterator[Found]:
             words = _by_damping(kp, kd, joint, held.reference)
     if words is not None:
         message, help, size = words
-        if number.origin is Origin.DERIVED:
-            # It is no number that somebody wrote per degree.
-            help = f"it is derived, {number.formula}: look at the numbers that it is derived from"
         where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
         others = (other, limit, joint.armature)
         yield found_at(joint, "SPEC192", where, size, message, help, number, *others)
@@ -464,7 +497,7 @@ def _velocity(joint: JointActuator) -> Iterator[Found]:
 
     What the robot's file says as well is not mistyped, and powers of ten are placeholders.
     """
-    limit, force, own = joint.velocity_limit, joint.effort_limit, _own_speed(joint)
+    limit, force, own = joint.velocity_limit, joint.effort_limit, own_speed(joint)
     fast = limit.value
     if own is not None and own.value:
         return
@@ -499,54 +532,4 @@ def _velocity(joint: JointActuator) -> Iterator[Found]:
         "; or ".join(readings) or "look for a wrong unit",
         limit,
         force if fast > most else None,
-    )
-
-
-def _scale(joint: JointActuator) -> Iterator[Found]:
-    """One unit of action against range, speed and effort limit; published: 0.41 of the range, 0.75 of the limit."""
-    scale, limit = joint.action_scale, joint.effort_limit
-    if scale is None or not scale.value:
-        return
-    reach = abs(scale.value)
-    if joint.command is Command.POSITION:
-        span = None if joint.position_range is None else joint.position_range[1] - joint.position_range[0]
-        if span is None and joint.kind is JointKind.HINGE:
-            span = 2.0 * math.pi
-        torque = None if joint.kp is None or not joint.kp.value else joint.kp.value * reach
-        if not span or reach <= SCALE * span:
-            return
-        if torque is not None and limit.value and torque <= SCALE * limit.value:
-            return
-        size, unit = reach / span / SCALE, joint.default_position.unit
-        words = (
-            f"one unit of action is {format_quantity(reach, unit, 4)} of command, "
-            f"{format_quantity(reach / span, '', 3)} times the joint's whole range"
-        )
-        if torque is not None and limit.value:
-            words += f", and asks for {format_quantity(torque, limit.unit, 3)} of {shown(limit)}"
-    else:
-        speed = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
-        fast = speed if speed is not None and speed.value else joint.velocity_limit
-        most = fast if joint.command is Command.VELOCITY else limit
-        if not most.value or reach <= RATE_SCALE * most.value:
-            return
-        size = reach / most.value / RATE_SCALE
-        words = f"one unit of action is {format_quantity(reach, most.unit, 4)} of command, the joint has {shown(most)}"
-    readings = [(0.01, "is it in %")] if size >= 5.0 else []
-    if joint.command is Command.POSITION and joint.kind is JointKind.HINGE:
-        readings.insert(0, (DEGREE, "is it in degrees"))
-        if joint.kp is not None and joint.kp.value and limit.value:
-            share = joint.kp.value * reach / limit.value
-            readings.sort(key=lambda reading: abs(math.log(share * reading[0] / USUAL_SHARE)))
-    help = "; or ".join(f"{asked}? Then write {scale.value * factor:.6g}" for factor, asked in readings)
-    yield found_at(
-        joint,
-        "SPEC193",
-        f"actuators.{joint.group}.action_scale",
-        size,
-        words,
-        help or None,
-        scale,
-        joint.kp,
-        error=size >= HOPELESS_SCALE,
     )

@@ -98,7 +98,7 @@ CHECKS = (
         "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity "
         "limit far above it, or beyond any joint where there is none; either of them far from the speed that the "
         "robot's file states; a transmission that is faster than any joint, or a lever arm of "
-        "metres; a linear motor of a speed or power that none has.",
+        "metres; a linear motor of a speed or power that none has; a Stribeck velocity that the joint never reaches.",
         "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed of "
         "the output), an output above 120 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 mN*m (micro motors "
         "are sold with 120000); behind a screw, a pinion or a lever a slide above 30 m/s and a hinge above 120 rad/s "
@@ -112,7 +112,8 @@ CHECKS = (
         "the speed. From 5 times above or below the file's limit on, where a slip in one figure makes them agree to a "
         "quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any case; where no slip "
         "does, a motor that is 5 times slower than every joint of a group has it, as a slower joint is often chosen; "
-        "0, powers of ten and figures of one digit are placeholders.",
+        "0, powers of ten and figures of one digit are placeholders. A stated Stribeck velocity from the motor's "
+        "no-load speed, else the velocity limit, on (published: to 1 rad/s).",
     ),
     Check(
         "SPEC185",
@@ -129,9 +130,13 @@ CHECKS = (
     Check(
         "SPEC186",
         "time-scale",
-        "A time step, control period, delay, cutoff or bandwidth that is no robot's: seconds for milliseconds.",
+        "A time step, control period, delay, cutoff or bandwidth that is no robot's: seconds for milliseconds, a rate "
+        "in Hz as `decimation`; draws more often than commands.",
         "Steps of 20 us to 40 ms (published: 0.1 to 33 ms), control periods to 0.5 s, delays to 0.25 s (0 to 12.5 ms), "
-        "cutoffs of 0.2 Hz to 5 kHz, bandwidths of 0.5 Hz to 20 kHz: a warning outside, an error from ten times on.",
+        "also drawn ones, cutoffs of 0.2 Hz to 5 kHz, bandwidths of 2 Hz to 20 kHz: a warning outside, an error from "
+        "ten times on. Where joints or groups are called like those of legs also policies below 10 Hz, and below 20 Hz "
+        "where `decimation` is a usual rate that the step gives with a whole number of steps (published: 20 to 200 Hz; "
+        "arms have 3 Hz and more). `every` that ends below the control period; 0 is at each command.",
     ),
     Check(
         "SPEC187",
@@ -154,10 +159,12 @@ CHECKS = (
         "SPEC188",
         "range",
         "A range of randomisation that nobody draws from: a factor in per cent, an encoder's error in degrees, values "
-        "far from the nominal one, dry friction up to the effort limit; such an error as the nominal one.",
+        "far from the nominal one, dry friction up to the effort limit; such an error as the nominal one; a standard "
+        "deviation many times its value.",
         "A warning for a factor above 10 (published: 3, on kd), for values that are all above ten times the nominal "
         "one or below a tenth of it, for dry friction that can be drawn (by scale, add or abs) at the effort limit of "
-        "a hinge, and for an encoder that is off by more than 0.25 rad or 0.1 m (0.02 rad).",
+        "a hinge, for an encoder that is off by more than 0.25 rad or 0.1 m (0.02 rad), and for a stated standard "
+        "deviation above ten times its value (chosen: of what a fit hardly sees it is 1 to 3).",
     ),
     Check(
         "SPEC189",
@@ -168,9 +175,10 @@ CHECKS = (
     Check(
         "FRC101",
         "friction-not-below-effort",
-        "Dry friction that takes half of the effort limit or more.",
-        "A warning from 0.5 on, an error from 2 times on. Published: to 0.36 (head of the TIAGo), and two robots whose "
-        "URDF is wrong: Allegro (12 of 15 N*m in a finger), TALOS (1 of 1 N*m in the gripper).",
+        "Dry friction, also break-away friction, that takes half of the effort limit or more.",
+        "A warning from 0.5 on, an error from 2 times on; of break-away friction below the limit only where it is 5 "
+        "times the kinetic one (chosen: it is 1.1 to 3 times). Published: to 0.36 (head of the TIAGo), and two robots "
+        "whose URDF is wrong: Allegro (12 of 15 N*m in a finger), TALOS (1 of 1 N*m in the gripper).",
     ),
     Check(
         "FRC106",
@@ -187,12 +195,14 @@ CHECKS = (
         "SPEC190",
         "pose-outside-the-range",
         "A default position outside of the joint's range, or beyond a full turn where it has none; a command range "
-        "many times as wide, or that range in another unit; a range of `robot.joints` in degrees or mm.",
+        "many times as wide, or in another unit; a range of `robot.joints` in degrees or mm, or in rad as degrees.",
         "A warning from 0.05 rad (5 mm) beyond an end on, an error from the width of the range, or pi, beyond it. "
         "Published: to 0.02 rad beyond (calf of the B2). A range of position commands above 12 times the joint's own "
         "(chosen: degrees are 57 times, mm 1000), or its own in degrees; powers of ten for both ends are placeholders. "
         "Of a hinge without a range: more than 12 turns that are one at most in degrees. Of a range of `robot.joints` "
-        "more than 4 turns that are one at most in degrees, and more than 20 m (chosen).",
+        "more than 4 turns that are one at most in degrees, and more than 20 m (chosen); one in deg whose ends are "
+        "both a multiple of pi/12, to 0.002. Of speeds and torques a range above 12 times what the joint has, or 5 "
+        "times where rpm or deg/s bring it below that (chosen).",
     ),
     Check(
         "SPEC191",
@@ -204,7 +214,8 @@ CHECKS = (
         "armature below 5 (unless the motor's speed is reached in 0.2 s) or above 3e5 rad/s^2 (of a motor whose links "
         "are not known 3e6); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from "
         "300 times on in any case, or from ten times above or below three or more other joints of its group, which are "
-        "alike, on. "
+        "alike, on. Also one that the motor's torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where "
+        "it is ten times the links' inertia or, of unknown links, kp swings it alone below 6 rad/s. "
         "Published: 10 (fingers of the H1) to 30000 rad/s^2, and 124 times the links at 150 rad/s^2 "
         "(gymnasium's ant).",
     ),
@@ -213,9 +224,10 @@ CHECKS = (
         "gains",
         "kp and kd exchanged, or given per degree, per mm or times 57.3, by each other, the effort limit, natural "
         "frequency and damping ratio.",
-        "kd over kp above 1 s (published: 0.0071 to 0.25 s); a natural frequency outside of 0.15 to 100 Hz or a "
-        "damping ratio outside of 0.015 to 60 that a gain is derived from. Of joints with a motor also kd over kp "
-        "below 0.5 ms (0.1 ms without friction), a kp that needs an error of more than 50 rad for the effort limit "
+        "kd over kp above 1 s (published: 0.0071 to 0.25 s); a natural frequency outside of 0.15 to 100 Hz, a "
+        "damping ratio outside of 0.015 to 60 or a part of the effort limit outside of 0.001 to 5 "
+        "that a gain is derived from. Of joints with a motor also kd over kp "
+        "below 0.5 ms (0.3 ms without friction), a kp that needs an error of more than 50 rad for the effort limit "
         "(2.2 rad), or of less than 0.015 rad with kd over kp below 2 ms (an so101 with 998 N*m/rad); and, by the "
         "inertia of links and armature at the reference pose: below 6 rad/s where the limit needs an error of more "
         "than 10 rad, or below 1 rad/s (published: 6.2 rad/s and up; an error of 25 rad at most, at 16 rad/s); above "
@@ -226,10 +238,11 @@ CHECKS = (
     Check(
         "SPEC193",
         "action-scale",
-        "An action scale of which one unit reaches beyond every limit.",
+        "An action scale of which one unit reaches beyond every limit, or does not overcome dry friction.",
         "A command of a position: more than twice the joint's range, and kp times it more than twice the effort limit "
         "(published: 0.84 and 0.75 times). Of a speed: ten times the fastest that the joint turns. Of a torque: ten "
-        "times the effort limit. A warning; an error from twenty times that.",
+        "times the effort limit. A warning; an error from twenty times that. A warning also where kp times the scale "
+        "is below the joint's own dry friction: policies give about one unit.",
     ),
     Check(
         "SPEC194",

@@ -174,6 +174,8 @@ def _meant(stated: Quantity, ratio: float) -> str:
         slips += [(1.0 / KGF_CM, "is it in kgf*cm"), (0.01 / KGF_CM, "is it in kgf*m")]
     if unit == "rad/s":
         slips = [(1.0 / DEGREE, "is it in deg/s"), (1.0 / RPM, "is it in rpm")]
+    elif unit in ("N/m", "N*s/m"):
+        slips.append((1e-3, "is it per mm"))
     elif "rad" in unit:
         slips += [(1.0 / DEGREE, "is it multiplied by 57.3"), (DEGREE, "is it per degree")]
     slips += [(10.0**power, "is the point in the wrong place") for power in (1, 2, 3, -1, -2, -3)]

@@ -1,6 +1,6 @@
 """The randomisation target: one file a stack, and what each loses.
 
-Ranges are checked here and in `actspec.sample`, not by `validate`: most checks need the nominal values.
+Ranges are checked here, in `actspec.sample` and, as far as the text of a robot tells nominal values, by `validate`.
 """
 
 from __future__ import annotations

@@ -252,9 +252,9 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("motor: m, kp: 100, kd: 0.049, friction: {viscous: 0.01}", []),
         ("motor: m, kp: 100, kd: 0", []),
         ("kp: 100, kd: 0.049", []),
-        # 0.1 ms of kd alone.
-        ("motor: m, kp: 100, kd: 0.011, friction: {viscous: 0.05}", []),
-        ("motor: m, kp: 100, kd: 0.009, friction: {viscous: 0.05}", ["SPEC192"]),
+        # 0.3 ms of kd alone.
+        ("motor: m, kp: 100, kd: 0.031, friction: {viscous: 0.05}", []),
+        ("motor: m, kp: 100, kd: 0.029, friction: {viscous: 0.05}", ["SPEC192"]),
         # 20 N*m at 0.015 rad, with a kd of 2 ms.
         ("motor: m, kp: 1330, kd: 2.6", []),
         ("motor: m, kp: 1340, kd: 2.7", []),
@@ -544,7 +544,8 @@ def test_timing(timing: str, expected: list[str]) -> None:
     assert (
         codes(
             spec_of(
-                f"legs: {{joints: [hip], level: ideal_pd, kp: 9, kd: 1}}, {REST}",
+                "arm: {joints: [hip], level: ideal_pd, kp: 9, kd: 1}, " + REST.replace("calf", "elbow"),
+                robot="name: arm, model: none, joints: [hip, elbow, {name: slide, kind: slide}]",
                 more=f"timing: {{{timing}}}",
             )
         )

@@ -148,16 +148,6 @@ def test_a_voltage_beside_a_constant_that_gives_the_torque() -> None:
     assert found[1] == "motors.m.torque_constant"
 
 
-def test_gains_that_are_derived_are_not_multiplied_by_anything() -> None:
-    """0.6 x 4.1 / 0.1 deg = 1410 N*m/rad beside 0.6 N*m*s/rad: 0.43 ms."""
-    kp = "{derive: torque_at_error, fraction: 0.6, error: ERROR}"
-    motor = "side: joint, peak_torque: 4.1"
-    fields = f", kp: {kp}, kd: 0.6, effort_limit: peak"
-    assert said(motor, fields.replace("ERROR", "0.1 rad")) == []
-    (found,) = said(motor, fields.replace("ERROR", "0.1 deg"))
-    assert found[2].startswith("it is derived, 0.6 x 4.1 N*m")
-
-
 @pytest.mark.parametrize(
     ("delay", "where", "help"),
     [

@@ -1,0 +1,163 @@
+"""Checks of what commands are clamped to, and of what one unit of action asks for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from actspec.ir import Command, JointActuator, JointKind, Quantity
+from actspec.spec.plausible.clamps import PART, WIDE, clamp_words, is_open, turned_words
+from actspec.spec.plausible.relations import DEGREE, RPM
+from actspec.spec.plausible.table import Found, found_at, is_stated, shown
+from actspec.units import format_quantity
+
+SCALE = 2.0
+"""One unit of action over the joint's range and, by kp, over the effort limit."""
+USUAL_SHARE = 0.25
+"""Of the effort limit that one unit of action asks for by kp: mjlab computes scales so."""
+RATE_SCALE = 10.0
+"""One unit of action over the fastest speed or the effort limit."""
+RANGE_SPEED = 5.0
+"""Ends of a range of speeds over the fastest speed, where another unit brings them below it. Chosen: rpm are 9.5."""
+HOPELESS_SCALE = 20.0
+"""An error from this many times the bound on."""
+
+
+def own_speed(joint: JointActuator) -> Quantity | None:
+    """Speed at the joint [rad/s or m/s] at which its motor has no torque left, at whichever level; None: unknown."""
+    line = joint.motor_line
+    return None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
+
+
+def command_range_found(joint: JointActuator) -> Iterator[Found]:
+    """A clamp of commands that is many times as wide as what the joint has, or in another unit."""
+    clamp, own, hinge = joint.command_range, joint.position_range, joint.kind is JointKind.HINGE
+    if clamp is None or not is_stated(clamp[0]):
+        return
+    low, high = clamp[0].value, clamp[1].value
+    if low is None or high is None:
+        return
+    if joint.command is not Command.POSITION:
+        yield from _rate_range(joint, clamp[0], low, high)
+        return
+    if own is None and not hinge:
+        return
+    words = turned_words((low, high)) if own is None else clamp_words((low, high), own, hinge)
+    if words is None:
+        return
+    ratio, help = words
+    far, unit = format_quantity(ratio, "", 3), clamp[0].unit
+    message = (
+        f"a command range of {format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)} is {far} "
+    )
+    if own is None:
+        message += "turns wide"
+    else:
+        ends = " to ".join(format_quantity(end, unit, 4) for end in own)
+        message += f"times as wide as the joint's range, {ends}"
+    where = f"actuators.{joint.group}.command_range"
+    yield found_at(joint, "SPEC190", where, max(ratio, 1.0 / ratio), message, help, clamp[0])
+
+
+def _most(joint: JointActuator) -> Quantity:
+    """Fastest speed of a joint whose command is one, else its effort limit."""
+    if joint.command is not Command.VELOCITY:
+        return joint.effort_limit
+    speed = own_speed(joint)
+    return speed if speed is not None and speed.value else joint.velocity_limit
+
+
+def _slips(joint: JointActuator) -> list[tuple[float, str]]:
+    """Units that a command is typed in without them, and their sizes."""
+    if joint.command is not Command.VELOCITY:
+        return [(1e-3, f"m{joint.effort_limit.unit}")]
+    return [(RPM, "rpm"), (DEGREE, "deg/s")] if joint.kind is JointKind.HINGE else [(1e-3, "mm/s")]
+
+
+def _rate_range(joint: JointActuator, end: Quantity, low: float, high: float) -> Iterator[Found]:
+    """A range of speeds or torques far beyond what the joint has; powers of ten for both ends are placeholders."""
+    most = _most(joint)
+    reach = max(abs(low), abs(high))
+    if not reach or not most.value or is_open(low, high):
+        return
+    ratio = reach / most.value
+    units = [(size, name) for size, name in _slips(joint) if PART <= size * ratio <= 1.0]
+    if ratio <= WIDE and not (ratio > RANGE_SPEED and units):
+        return
+    help = "; or ".join(f"is it in {name}? Then write [{low:g} {name}, {high:g} {name}]" for _, name in units)
+    message = (
+        f"a command range of {format_quantity(low, end.unit, 4)} to {format_quantity(high, end.unit, 4)}, "
+        f"{format_quantity(ratio, '', 3)} times the {shown(most)} that the joint has"
+    )
+    where = f"actuators.{joint.group}.command_range"
+    yield found_at(joint, "SPEC190", where, ratio, message, help or "look for a wrong unit", end, most)
+
+
+def scale_found(joint: JointActuator) -> Iterator[Found]:
+    """One unit of action against range, speed and effort limit; published: 0.41 of the range, 0.75 of the limit."""
+    scale, limit = joint.action_scale, joint.effort_limit
+    if scale is None or not scale.value:
+        return
+    reach = abs(scale.value)
+    if joint.command is Command.POSITION:
+        span = None if joint.position_range is None else joint.position_range[1] - joint.position_range[0]
+        if span is None and joint.kind is JointKind.HINGE:
+            span = 2.0 * math.pi
+        torque = None if joint.kp is None or not joint.kp.value else joint.kp.value * reach
+        if torque is not None and torque < (joint.friction_coulomb.value or 0.0) and is_stated(scale):
+            yield _unmoved(joint, scale, reach, torque)
+            return
+        if not span or reach <= SCALE * span:
+            return
+        if torque is not None and limit.value and torque <= SCALE * limit.value:
+            return
+        size, unit = reach / span / SCALE, joint.default_position.unit
+        words = (
+            f"one unit of action is {format_quantity(reach, unit, 4)} of command, "
+            f"{format_quantity(reach / span, '', 3)} times the joint's whole range"
+        )
+        if torque is not None and limit.value:
+            words += f", and asks for {format_quantity(torque, limit.unit, 3)} of {shown(limit)}"
+    else:
+        most = _most(joint)
+        if not most.value or reach <= RATE_SCALE * most.value:
+            return
+        size = reach / most.value / RATE_SCALE
+        words = f"one unit of action is {format_quantity(reach, most.unit, 4)} of command, the joint has {shown(most)}"
+    readings = [(0.01, "is it in %")] if size >= 5.0 else []
+    if joint.command is Command.VELOCITY:
+        readings += [
+            (by, f"is it in {unit}") for by, unit in _slips(joint) if by * reach <= (most.value or 0.0)
+        ]
+    if joint.command is Command.POSITION and joint.kind is JointKind.HINGE:
+        readings.insert(0, (DEGREE, "is it in degrees"))
+        if joint.kp is not None and joint.kp.value and limit.value:
+            share = joint.kp.value * reach / limit.value
+            readings.sort(key=lambda reading: abs(math.log(share * reading[0] / USUAL_SHARE)))
+    help = "; or ".join(f"{asked}? Then write {scale.value * factor:.6g}" for factor, asked in readings)
+    yield found_at(
+        joint,
+        "SPEC193",
+        f"actuators.{joint.group}.action_scale",
+        size,
+        words,
+        help or None,
+        scale,
+        joint.kp,
+        error=size >= HOPELESS_SCALE,
+    )
+
+
+def _unmoved(joint: JointActuator, scale: Quantity, reach: float, torque: float) -> Found:
+    """One unit of action that the joint's dry friction holds; policies give about one."""
+    friction, unit = joint.friction_coulomb, joint.default_position.unit
+    words = (
+        f"one unit of action is {format_quantity(reach, unit, 4)} of command, and asks for "
+        f"{format_quantity(torque, friction.unit, 3)}: the joint's own dry friction of {shown(friction)} holds it"
+    )
+    help = "look for the point in the wrong place"
+    if joint.kind is JointKind.HINGE:
+        twice = format_quantity(reach / DEGREE, "", 4)
+        help = f"is it turned from degrees into rad twice? Once it is {twice}. Or {help}"
+    where, size = f"actuators.{joint.group}.action_scale", (friction.value or 0.0) / torque
+    return found_at(joint, "SPEC193", where, size, words, help, scale, joint.kp, friction)

@@ -1,0 +1,333 @@
+"""Numbers of control, joints and randomisation: just inside and just outside of the bounds, and what was meant."""
+
+from __future__ import annotations
+
+import pytest
+
+from actspec.cli.main import main
+from tests.fitting import spec_of
+from tests.spec.plausible.test_bounds import REST, codes, said
+
+LEGS = "name: leg, model: none, joints: [hip, calf, {name: slide, kind: slide}]"
+ARM = "name: arm, model: none, joints: [hip, elbow, {name: slide, kind: slide}]"
+MOTORS = "{m: {side: joint, stall_torque: 20, no_load_speed: 10 rad/s}}"
+
+
+def of_group(fields: str, *, more: str = "") -> str:
+    """A spec with one hinge that has a motor of 20 N*m and 10 rad/s."""
+    gains = "kp: 20, kd: 1, " * (not fields.startswith(("kp:", "command:")))
+    groups = f"legs: {{joints: [hip], level: ideal_pd, motor: m, {gains}{fields}}}, {REST}"
+    return spec_of(groups, motors=MOTORS, more=more)
+
+
+def one(text: str) -> tuple[str, str, str | None]:
+    """Code, place and help of the only thing that is said."""
+    (found,) = said(text)
+    return found.code, found.where, found.help
+
+
+@pytest.mark.parametrize(
+    ("robot", "timing", "help"),
+    [
+        # 1 / (5 ms x 50) = 4 Hz, and 4 steps are 50 Hz; 1 / (5 ms x 40) = 5 Hz.
+        (LEGS, "physics_dt: 5 ms, decimation: 50", "did you mean 4 (50 Hz)?"),
+        (LEGS, "physics_dt: 5 ms, decimation: 40", "did you mean 5 (40 Hz)?"),
+        # 1 / (2 ms x 50) = 10 Hz, 10 steps are 50 Hz.
+        (LEGS, "physics_dt: 2 ms, decimation: 50", "did you mean 10 (50 Hz)?"),
+        # 1 / (1 ms x 50) = 20 Hz, at which an A1 learned to walk.
+        (LEGS, "physics_dt: 1 ms, decimation: 50", None),
+        # 9.8 Hz are no legs', and 50 steps of 2.05 ms no whole number of Hz; 10.2 Hz may be.
+        (LEGS, "physics_dt: 2.05 ms, decimation: 50", "decimation is the number"),
+        (LEGS, "physics_dt: 1.95 ms, decimation: 50", None),
+        # 10 Hz, and 20 is no rate of `RATES`.
+        (LEGS, "physics_dt: 5 ms, decimation: 20", None),
+        (LEGS, "physics_dt: 5 ms, decimation: 4", None),
+        # Arms are controlled at 5 Hz, too; beyond 0.5 s nothing is.
+        (ARM, "physics_dt: 5 ms, decimation: 40", None),
+        (ARM, "physics_dt: 10 ms, decimation: 100", "did you mean 1 (100 Hz)?"),
+    ],
+)
+def test_a_rate_as_a_number_of_steps(robot: str, timing: str, help: str | None) -> None:
+    groups = "a: {joints: [hip], level: ideal_pd, kp: 20, kd: 1}, " + REST
+    if robot == ARM:
+        groups = groups.replace("calf", "elbow")
+    found = said(spec_of(groups, robot=robot, more=f"timing: {{{timing}}}"))
+    assert [(item.code, item.where) for item in found] == [("SPEC186", "timing.decimation")] * (
+        help is not None
+    )
+    assert all((item.help or "").startswith(help or "") for item in found)
+
+
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        ("delay: 5 ms, randomize: {delay: {add: [0 s, 0.25 s]}}", []),
+        ("delay: 5 ms, randomize: {delay: {add: [0 s, 0.26 s]}}", ["SPEC186"]),
+        ("delay: 5 ms, randomize: {delay: {add: [0 s, 10 s]}}", ["SPEC186!"]),
+        ("delay: 5 ms, randomize: {delay: {abs: [5 s, 15 s]}}", ["SPEC186!"]),
+        ("delay: 5 ms, randomize: {delay: {abs: [2 ms, 15 ms]}}", []),
+        # 4.5 x 5 ms.
+        ("delay: 5 ms, randomize: {delay: {scale: [0.5, 4.5]}}", []),
+        # The control period is 5 ms x 4.
+        ("randomize: {kp: {scale: [0.9, 1.1], when: interval, every: [5 ms, 20 ms]}}", []),
+        ("randomize: {kp: {scale: [0.9, 1.1], when: interval, every: [5 ms, 19 ms]}}", ["SPEC186"]),
+        ("randomize: {kp: {scale: [0.9, 1.1], when: interval, every: [0 ms, 0 ms]}}", []),
+        # Of 20 N*m: half, and 5 x 2 N*m; what the drive never overcomes, whatever the kinetic one is.
+        ("effort_limit: 20, friction: {coulomb: 2, static: 9.9}", []),
+        ("effort_limit: 20, friction: {coulomb: 2, static: 10.1}", ["FRC101"]),
+        ("effort_limit: 20, friction: {coulomb: 9, static: 18}", []),
+        ("effort_limit: 20, friction: {coulomb: 9, static: 20}", ["FRC101"]),
+        ("effort_limit: 20, friction: {coulomb: 2, static: 41}", ["FRC101!"]),
+        # Without an effort limit of the spec the motor's 20 N*m.
+        ("friction: {coulomb: 2, static: 10.1}", ["FRC101"]),
+        # Each number once.
+        ("effort_limit: 20, friction: {coulomb: 12, static: 15}", ["FRC101"]),
+        ("friction: {coulomb: 0.1, static: 0.2, stribeck_velocity: 9.9 rad/s}", []),
+        ("friction: {coulomb: 0.1, static: 0.2, stribeck_velocity: 10.1 rad/s}", ["SPEC184"]),
+        # 20 x 0.0101 and 20 x 0.0099 of 0.2 N*m.
+        ("friction: {coulomb: 0.2}, action_scale: 0.0101", []),
+        ("friction: {coulomb: 0.2}, action_scale: 0.0099", ["SPEC193"]),
+        # The sign of a unit of action is what the policy was trained with.
+        ("friction: {coulomb: 0.2}, action_scale: -0.25", []),
+        ("armature: {value: 0.01, std: 0.1}", []),
+        ("armature: {value: 0.01, std: 0.101}", ["SPEC188"]),
+        ("friction: {coulomb: {value: 0.01, std: 0.11}}", ["SPEC188"]),
+        ("encoder_bias: {value: 0.0001 rad, std: 0.01 rad}", []),
+        # Five times the motor's 10 rad/s: 90 x 0.10472 = 9.4 rad/s, 119 x 0.0174533 = 2.08.
+        ("command: velocity, kd: 1, command_range: [-49 rad/s, 49 rad/s]", []),
+        ("command: velocity, kd: 1, command_range: [-90 rad/s, 90 rad/s]", ["SPEC190"]),
+        ("command: velocity, kd: 1, command_range: [-119 rad/s, 5 rad/s]", ["SPEC190"]),
+        ("command: velocity, kd: 1, command_range: [-1000 rad/s, 1000 rad/s]", []),
+        ("command: effort, command_range: [-239 N*m, 239 N*m]", []),
+        ("command: effort, command_range: [-241 N*m, 241 N*m]", ["SPEC190"]),
+    ],
+)
+def test_groups(fields: str, expected: list[str]) -> None:
+    assert codes(of_group(fields, more="timing: {physics_dt: 5 ms, decimation: 4}")) == expected
+
+
+@pytest.mark.parametrize(
+    ("fields", "where", "help"),
+    [
+        (
+            "effort_limit: 20, friction: {coulomb: 0.8, static: 12}",
+            "friction.static",
+            "did you mean 1.2 N*m?",
+        ),
+        (
+            "effort_limit: 20, friction: {coulomb: 0.8, static: 120}",
+            "friction.static",
+            "did you mean 1.2 N*m?",
+        ),
+        (
+            "delay: 5 ms, randomize: {delay: {add: [0 s, 10 s]}}",
+            "randomize.delay.add[1]",
+            "did you mean 10 ms?",
+        ),
+        # One end of two.
+        ("randomize: {kd: {scale: [0.5, 1500]}}", "randomize.kd.scale[1]", "did you mean 1.5?"),
+        # 0.00436 / 0.0174533 = 0.2498.
+        (
+            "friction: {coulomb: 0.2}, action_scale: 0.00436",
+            "action_scale",
+            "is it turned from degrees into rad twice? Once it is 0.2498.",
+        ),
+        # By 60 x 20 N*m / 0.1 rad = 12000 N*m/rad, and 0.6 x 20 / 0.001745 = 6875 N*m/rad.
+        (
+            "kp: {derive: torque_at_error, fraction: 60, error: 0.1 rad}, kd: 1, effort_limit: 20",
+            "kp.fraction",
+            "is it in %? 60 % is 0.6",
+        ),
+        (
+            "kp: {derive: torque_at_error, fraction: 0.6, error: 0.1 deg}, kd: 1, effort_limit: 20",
+            "kp.error",
+            "is it in rad? Then write 0.1 rad",
+        ),
+        # 20 x 0.6 / 57.3 rad = 0.21 N*m/rad: an error of 95 rad for the limit.
+        (
+            "kp: {derive: torque_at_error, fraction: 0.6, error: 57.3 rad}, kd: 0.1, effort_limit: 20",
+            "kp.error",
+            "is it in degrees? Then write 57.3 deg",
+        ),
+        # 628 / 2 pi = 99.95; 10 kHz / 1000.
+        (
+            "kp: {derive: natural_frequency, frequency: 628 Hz, inertia: 0.1}, kd: 1",
+            "kp.frequency",
+            "is it in rad/s? Then it is 99.95 Hz",
+        ),
+        (
+            "kp: {derive: natural_frequency, frequency: 10 kHz, inertia: 0.1}, kd: 1",
+            "kp.frequency",
+            "did you mean 10 Hz?",
+        ),
+        (
+            "command: velocity, kd: 1, command_range: [-90 rad/s, 90 rad/s]",
+            "command_range",
+            "is it in rpm? Then write [-90 rpm, 90 rpm]",
+        ),
+        ("command: velocity, kd: 1, action_scale: 400", "action_scale", "is it in deg/s? Then write 6.98132"),
+    ],
+)
+def test_what_was_meant(fields: str, where: str, help: str) -> None:
+    code, place, said_help = one(of_group(fields))
+    assert place == f"actuators.legs.{where}", code
+    assert (said_help or "").startswith(help)
+
+
+MODEL = """<mujoco><compiler angle="radian"/><worldbody><body>
+<joint name="hip" axis="0 1 0"/><inertial pos="0 0 0" mass="1" diaginertia="1 0.1 1"/></body>
+</worldbody></mujoco>"""
+"""A link of 0.1 kg*m^2 about its joint."""
+
+
+@pytest.mark.parametrize(
+    ("fields", "model", "expected"),
+    [
+        # 20 N*m turn 1.01 kg*m^2 in 1.01 x 10 / 20 = 0.505 s to 10 rad/s, which is 10.1 times the link.
+        ("kp: 60, kd: 2, armature: 1.01", MODEL, ["SPEC191"]),
+        ("kp: 60, kd: 2, armature: 0.99", MODEL, []),
+        # The link is not known: sqrt(36 / 1.01) = 5.97 rad/s, sqrt(37 / 1.01) = 6.05.
+        ("kp: 36, kd: 2, armature: 1.01", None, ["SPEC191"]),
+        ("kp: 37, kd: 2, armature: 1.01", None, []),
+    ],
+)
+def test_a_heavy_armature(fields: str, model: str | None, expected: list[str]) -> None:
+    robot = "name: leg, model: robot.xml" if model else "name: leg, model: none, joints: [hip]"
+    groups = f"legs: {{joints: [hip], level: ideal_pd, motor: m, {fields}}}"
+    assert codes(spec_of(groups, robot=robot, motors=MOTORS), model) == expected
+
+
+@pytest.mark.parametrize(
+    ("ends", "help"),
+    [
+        ("[-1.57 deg, 1.57 deg]", "is it in rad? Then write [-1.57 rad, 1.57 rad]"),
+        # pi / 4 and 2 pi / 3.
+        ("[0 deg, 2.094 deg]", "is it in rad? Then write [0 rad, 2.094 rad]"),
+        ("[-1.6 deg, 1.6 deg]", None),
+        ("[-1.57 deg, 2 deg]", None),
+        ("[-90 deg, 90 deg]", None),
+        ("[-1.57 rad, 1.57 rad]", None),
+    ],
+)
+def test_a_range_in_rad_as_degrees(ends: str, help: str | None) -> None:
+    robot = f"name: arm, model: none, joints: [{{name: hip, range: {ends}}}]"
+    found = said(spec_of("a: {joints: [hip], level: ideal_pd, kp: 1, kd: 0.1}", robot=robot))
+    assert [(item.code, item.where, item.help) for item in found] == (
+        [("SPEC190", "robot.joints[0].range", help)] if help else []
+    )
+
+
+@pytest.mark.parametrize(
+    ("bandwidth", "help"),
+    [("2 Hz", None), ("1.9 Hz", "is it in kHz? Then it is 1900 Hz"), ("0.5 Hz", "500 Hz")],
+)
+def test_a_bandwidth_in_kilohertz(bandwidth: str, help: str | None) -> None:
+    text = spec_of(
+        f"a: {{joints: [hip], level: ideal_pd, motor: m, kp: 20, kd: 1}}, {REST}",
+        motors=f"{{m: {{bandwidth: {bandwidth}}}}}",
+    )
+    found = said(text)
+    assert [item.where for item in found] == ["motors.m.bandwidth"] * (help is not None)
+    assert all((item.help or "").endswith(help or "") for item in found)
+
+
+SERVO = """<mujoco><worldbody><body><joint name="hip"/><geom size="0.1"/></body></worldbody>
+<actuator><position joint="hip" kp="25" kv="0.5"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("kp", "kd", "expected"),
+    [
+        # kp alone: 0.025 of 25, a thousandth, beside a kd that would take 0.5 / 0.025 = 20 s.
+        ("0.025", "0.5", [("SPEC194", "kp")]),
+        # Both, exchanged: 0.5 of 25 and 25 of 0.5.
+        ("0.5", "25", [("SPEC192", "kp")]),
+    ],
+)
+def test_gains_of_a_source_have_one_message(kp: str, kd: str, expected: list[tuple[str, str]]) -> None:
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, kp: {{value: {kp}, source: file}}, "
+        f"kd: {{value: {kd}, source: file}}}}",
+        robot="name: leg, model: robot.xml",
+        more="sources: {file: {title: T, page: robot.xml}}",
+    )
+    assert [(item.code, item.where.rpartition(".")[2]) for item in said(text, SERVO)] == expected
+
+
+def test_a_gain_of_a_slide_per_millimetre() -> None:
+    """2 of the file's 2000 N/m, which N/mm are; beside it kd, which the file has."""
+    text = spec_of(
+        "a: {joints: [hip], level: ideal_pd, kp: {value: 2 N/m, source: file}, kd: {value: 20 N*s/m, source: file}}",
+        robot="name: leg, model: robot.xml",
+        more="sources: {file: {title: T, page: robot.xml}}",
+    )
+    model = SERVO.replace('"hip"/><', '"hip" type="slide"/><').replace(
+        'kp="25" kv="0.5"', 'kp="2000" kv="20"'
+    )
+    (found,) = said(text, model)
+    assert (found.code, found.help) == ("SPEC194", "is it per mm? Then it is 2000 N/m")
+
+
+def validated(text: str, tmp_path: object, capsys: pytest.CaptureFixture[str]) -> tuple[int, str]:
+    """Exit code and output of `actspec validate`."""
+    path = f"{tmp_path}/s.yaml"
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    code = main(["validate", path])
+    caught = capsys.readouterr()
+    return code, caught.out + caught.err
+
+
+RANDOM = "targets: {randomization: {for: [json]}}"
+
+
+@pytest.mark.parametrize(
+    ("entry", "more", "expected"),
+    [
+        # 200 to 300 for a nominal 20 N*m/rad are all above ten times that, which is told itself; 25 to 30 are not.
+        ("kp: {abs: [25, 30]}", RANDOM, ["RND006"]),
+        ("kp: {abs: [201, 300]}", RANDOM, ["SPEC188"]),
+        ("friction.coulomb: {add: [0.8 N*m, 1.2 N*m]}", RANDOM, ["RND006"]),
+        # 20 x (0.8 - 3 x 1.2) = -56.
+        ("kp: {scale: [0.8, 1.2], distribution: gaussian}", RANDOM, ["RND005"]),
+        ("friction.coulomb: {add: [-0.3 N*m, 0.1 N*m]}", RANDOM, ["RND004"]),
+        ("kp: {scale: [0.8, 1.2]}", RANDOM, []),
+        # No target draws them.
+        ("kp: {abs: [25, 30]}", "", []),
+    ],
+)
+def test_validate_tells_what_the_target_would(
+    entry: str, more: str, expected: list[str], tmp_path: object, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Those of `compile`, each once there and here."""
+    text = of_group(f"friction: {{coulomb: 0.2}}, randomize: {{{entry}}}", more=more)
+    code, output = validated(text, tmp_path, capsys)
+    assert [word for word in output.split() if word.startswith(("RND0", "SPEC1"))] == expected
+    assert code == (2 if "RND004" in expected else 0)
+    main(["compile", f"{tmp_path}/s.yaml", "-o", f"{tmp_path}/out"])
+    caught = capsys.readouterr()
+    told = [word for word in (caught.out + caught.err).split() if word.startswith(("RND0", "SPEC1"))]
+    assert told == expected
+
+
+def test_a_gaussian_that_looks_like_a_range(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:
+    """0.8 and 1.2 rise like two ends; 1 and 0.5 do not."""
+    for ends, asked in (("[0.8, 1.2]", True), ("[1, 0.5]", False)):
+        text = of_group(f"randomize: {{kp: {{scale: {ends}, distribution: gaussian}}}}", more=RANDOM)
+        _, output = validated(text, tmp_path, capsys)
+        assert ("is it a range? `gaussian` takes mean and standard deviation" in output) is asked
+
+
+def test_an_unknown_nominal_of_a_text_may_need_a_compilation(
+    tmp_path: object, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """kp follows from the inertia of the joint, which the text of a model does not tell."""
+    with open(f"{tmp_path}/robot.xml", "w", encoding="utf-8") as file:
+        file.write(SERVO)
+    text = spec_of(
+        "legs: {joints: [hip], level: ideal_pd, kp: {derive: natural_frequency, frequency: 2 Hz, inertia: joint}, "
+        "kd: 0.5, randomize: {kp: {scale: [0.9, 1.1]}}}",
+        robot="name: leg, model: robot.xml",
+        more=RANDOM,
+    )
+    assert validated(text, tmp_path, capsys)[0] == 0
