@@ -265,7 +265,7 @@ def _resolved(
         try:
             actuators = resolve(spec, robot)
             managed = [actuator.joint for actuator in actuators.joints]
-            check_manifests(actuators, collector)
+            check_manifests(actuators, spec, collector)
             found = actuators.diagnostics
             if not spec.model.variants:
                 # Another variant may lose what this one does not.
