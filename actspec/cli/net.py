@@ -348,6 +348,7 @@ def _inspect(arguments: argparse.Namespace) -> int:
         from actspec.learn.probes import against_joints
 
         members = _members(arguments.spec, arguments.manifest)
+        assert manifest is not None
         wrong = [*found.contradictions, *against_joints(layers, manifest, found, members)]
         found = replace(found, contradictions=tuple(wrong))
     if arguments.output_format == "json":
