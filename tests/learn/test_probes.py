@@ -66,7 +66,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (
             {"velocity_scale": 241.0, "position_scale": 10.0},
             "velocity_scale",
-            "a velocity of 2.5 rad/s, as in training, gives 301.2 N*m",
+            "a velocity of 2.5 rad/s, as in training, gives 301.25 N*m",
         ),
         # 20 x 3 x 0.0051 = 0.306 N*m and x 0.0049 = 0.294 N*m.
         ({"torque_scale": 0.0051}, None, ""),
