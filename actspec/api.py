@@ -100,7 +100,7 @@ def compile(
         from actspec.learn.delta.files import check_named
 
         check_named(actuators, robot, collector)
-    check_manifests(actuators, collector)
+    check_manifests(actuators, loaded, collector)
     emissions = []
     explicit: dict[str, frozenset[str]] = {}
     for options in chosen:
@@ -121,9 +121,11 @@ def compile(
         collector.add(item)
     if any(actuator.network is not None for actuator in actuators.joints):
         from actspec.learn.notes import network_notes
+        from actspec.learn.probes import network_doubts
 
         for item in network_notes(actuators, robot):
             collector.add(item)
+        network_doubts(actuators, loaded, collector)
     collector.raise_if_failed(EmitError)
     check_accepted(loaded, actuators, chosen, emissions, collector)
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import os
+from dataclasses import replace
 from typing import Any
 
 from actspec.cli.options import Lines, add_force, add_format, describe
 from actspec.cli.recordings import add_logs, read_all, seconds_of, warned
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Span, shortened
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Span, listed, one_line, shortened
 from actspec.report.terminal import Progress, print_diagnostics, print_json, print_lines
 from actspec.units import format_number
 
@@ -288,6 +289,7 @@ def _add_inspect(command: argparse.ArgumentParser) -> None:
     )
     _add_file(command)
     command.add_argument("--manifest", metavar="NAME.json", help="its conventions")
+    command.add_argument("--spec", metavar="SPEC", help="spec that names the manifest: its joints' limits")
     add_format(command)
 
 
@@ -340,12 +342,37 @@ def _inspect(arguments: argparse.Namespace) -> int:
 
     require("onnx", *(["torch"] if arguments.trust else []))
     manifest = None if arguments.manifest is None else _manifest_of(arguments.manifest, arguments.file)
-    found = inspect(read_network_file(arguments.file, trust=arguments.trust), manifest, arguments.file)
+    layers = read_network_file(arguments.file, trust=arguments.trust)
+    found = inspect(layers, manifest, arguments.file)
+    if arguments.spec is not None:
+        from actspec.learn.probes import against_joints
+
+        members = _members(arguments.spec, arguments.manifest)
+        assert manifest is not None
+        wrong = [*found.contradictions, *against_joints(layers, manifest, found, members)]
+        found = replace(found, contradictions=tuple(wrong))
     if arguments.output_format == "json":
         print_json(inspect_record(found, arguments.file))
     else:
         print_lines(inspect_lines(found, arguments.file))
     return EXIT_FINDINGS if found.contradictions else EXIT_CLEAN
+
+
+def _members(spec: str, manifest: str | None) -> Any:
+    """The joints of a spec whose network a manifest describes."""
+    from actspec import api
+    from actspec.logs import LogError
+    from actspec.targets.kit.network import members_of
+
+    found = members_of(api.resolve(spec).joints)
+    for path, members in found.items():
+        if manifest is not None and os.path.realpath(path) == os.path.realpath(manifest):
+            return members
+    message = (
+        "--spec needs --manifest" if manifest is None else f"no group has the manifest {one_line(manifest)}"
+    )
+    help = f"name one of its manifests: {listed(sorted(found))}" if found else None
+    raise LogError.of("LRN002", message, Span(spec), where="--spec", help=help)
 
 
 def _convert(arguments: argparse.Namespace) -> int:
@@ -364,7 +391,7 @@ def _convert(arguments: argparse.Namespace) -> int:
     layers, entries = converted(read, manifest, arguments.file, arguments.manifest)
     out = Collector()
     help = "`actspec net inspect FILE` without a manifest shows what the weights tell"
-    doubts = inspect(read, manifest, arguments.file).contradictions
+    doubts = [item.text for item in inspect(read, manifest, arguments.file).contradictions]
     for text in doubts:
         out.warning("LRN034", text, span=Span(arguments.manifest), help=help)
     if doubts:

@@ -277,7 +277,7 @@ def _resolved(
         try:
             actuators = resolve(spec, robot)
             managed = [actuator.joint for actuator in actuators.joints]
-            check_manifests(actuators, collector)
+            check_manifests(actuators, spec, collector)
             found = actuators.diagnostics
             if any(options.kind == "randomization" for options in targets):
                 _check_ranges(actuators, robot.uncompiled, collector)

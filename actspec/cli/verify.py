@@ -10,6 +10,7 @@ from actspec import api
 from actspec.cli.options import add_format, add_packages, add_specs, add_targets, add_variant, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, SpecError
 from actspec.output import loss_record
+from actspec.report.doubts import doubts
 from actspec.report.terminal import Progress, diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.report.verify import github, markdown, text
 from actspec.spec.variants import named
@@ -70,6 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(_record(done))
     else:
         for compilation, agreement in done:
+            print_diagnostics(doubts(compilation.diagnostics))
             print_lines(_lines(compilation, agreement, arguments))
             print_diagnostics(_asked_for(agreement, arguments))
     return max(_code(compilation, agreement, arguments) for compilation, agreement in done)

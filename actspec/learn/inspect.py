@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from actspec.diagnostics import Collector, Span, many
 from actspec.laws.network import Layers, NetworkLaw, sequence
@@ -27,8 +27,22 @@ SETTLED = 400
 """Samples in which an LSTM comes to rest."""
 DAMPED = 1e-3
 """Damping over stiffness below which the weights do not tell the inputs apart [s]. Chosen: drives have 0.01 to 0.1."""
+DRIVEN = 0.01
+"""Drive of a velocity over stiffness that is no friction made up for, nor noise [s]. Drives damp by 0.0071 to 0.25 s,
+see SPEC192."""
 FULL = 0.95
 """Share of the largest torque at which a network counts as saturated."""
+
+
+class Contradiction(NamedTuple):
+    """What a network does otherwise than its manifest says."""
+
+    key: str
+    """Of the manifest."""
+    text: str
+    """What it does."""
+    help: str | None = None
+    """What to look at."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +75,7 @@ class Inspection:
     saturation: float
     saturates_at: float | None
     guessed: bool
-    contradictions: tuple[str, ...]
+    contradictions: tuple[Contradiction, ...]
 
     @property
     def doubtful(self) -> bool:
@@ -87,7 +101,7 @@ def inspect(layers: Layers, manifest: NetworkManifest | None, path: str = "") ->
             "errors as velocities, and one torque"
         )
         raise LogError.of("LRN013", message, Span(path))
-    wrong = [] if manifest is None else misfits(layers, manifest)
+    wrong = [Contradiction("kind", text) for text in ([] if manifest is None else misfits(layers, manifest))]
     # What a manifest says of other inputs says nothing of these.
     guessed = manifest is None or layers.inputs != 2 * len(manifest.taps)
     law = _law(layers, None if guessed else manifest)
@@ -100,10 +114,11 @@ def inspect(layers: Layers, manifest: NetworkManifest | None, path: str = "") ->
         if abs(by_velocity.sum()) > abs(by_error.sum()):
             # Both signs are of the other inputs then.
             asked = f"velocities count more than errors: are the inputs {_other(manifest.inputs)}?"
-            turned = _signs(*_slopes(replace(law, velocity_first=not law.velocity_first)))
-            wrong.append(" In that order ".join([asked, " and ".join(turned)] if turned else [asked]))
+            turned = [item.text for item in _signs(replace(law, velocity_first=not law.velocity_first))]
+            text = " In that order ".join([asked, " and ".join(turned)] if turned else [asked])
+            wrong.append(Contradiction("inputs", text))
         else:
-            wrong += _signs(by_error, by_velocity)
+            wrong += _signs(law)
     weight = abs(by_error)
     grid = _grid(law)
     most = float(abs(grid[1]).max())
@@ -125,16 +140,17 @@ def inspect(layers: Layers, manifest: NetworkManifest | None, path: str = "") ->
     )
 
 
-def _signs(by_error: Array, by_velocity: Array) -> list[str]:
-    """What is wrong with the signs of a drive."""
+def _signs(law: NetworkLaw) -> list[Contradiction]:
+    """What is wrong with the signs of a drive, beyond what play at 0 and noise make."""
+    by_error, by_velocity = (float(part.sum()) for part in _slopes(law))
+    errors, torque = _grid(law)
     wrong = []
-    if by_error.sum() <= 0.0:
-        wrong.append(
-            f"an error of target - measured gives a torque away from the target: {by_error.sum():.4g} N*m/rad; "
-            "position_scale needs the other sign"
-        )
-    if by_velocity.sum() > 0.0:
-        wrong.append(f"a velocity is driven on, not damped: {by_velocity.sum():.4g} N*m*s/rad")
+    if by_error <= 0.0 and (torque * errors).sum() <= 0.0:
+        text = f"an error of target - measured gives a torque away from the target: {by_error:.4g} N*m/rad; "
+        wrong.append(Contradiction("position_scale", f"{text}position_scale needs the other sign"))
+    if by_velocity > DRIVEN * abs(by_error):
+        text = f"a velocity is driven on, not damped: {by_velocity:.4g} N*m*s/rad"
+        wrong.append(Contradiction("velocity_scale", text))
     return wrong
 
 
@@ -180,11 +196,25 @@ def _grid(law: NetworkLaw) -> tuple[Array, Array]:
     """Errors that stay, 0 in their middle, and the torque that each ends in with the joint at rest."""
     import numpy as np
 
+    errors = np.linspace(-REACH, REACH, 121)
+    return errors, settled(law, errors, 0.0 * errors)
+
+
+def settled(law: NetworkLaw, errors: Array, velocities: Array) -> Array:
+    """The torque that errors and velocities which stay end in [N*m or N], shape (n,).
+
+    Args:
+        law: The network.
+        errors: target - measured [rad or m], shape (n,).
+        velocities: [rad/s or m/s], likewise.
+    """
+    import numpy as np
+
     # They were there before too, whatever a history begins with.
     law = replace(law, backfill=True)
-    errors = np.linspace(-REACH, REACH, 121)
-    course = np.broadcast_to(errors, (SETTLED if law.layers.recurrent else 1, len(errors)))
-    return errors, sequence(law, course, np.zeros_like(course), 1)[-1]
+    shape = (SETTLED if law.layers.recurrent else 1, len(errors))
+    found: Array = sequence(law, np.broadcast_to(errors, shape), np.broadcast_to(velocities, shape), 1)[-1]
+    return found
 
 
 def converted(

@@ -285,7 +285,7 @@ def inspect_lines(found: Inspection, path: str) -> Iterator[str]:
             ["saturation", format_number(found.saturation, 4) + at, "N*m"],
         ]
     )
-    yield from (f"contradiction: {text}" for text in found.contradictions)
+    yield from (f"contradiction: {item.text}" for item in found.contradictions)
 
 
 def inspect_record(found: Inspection, path: str) -> dict[str, Any]:
@@ -301,7 +301,7 @@ def inspect_record(found: Inspection, path: str) -> dict[str, Any]:
         **{key: json_number(record[key]) for key in ("stiffness", "damping", "delay_taps", "at_rest")},
         "saturation": {"torque": json_number(found.saturation), "error": json_number(found.saturates_at)},
         "guessed": found.guessed,
-        "contradictions": list(found.contradictions),
+        "contradictions": [item.text for item in found.contradictions],
     }
 
 

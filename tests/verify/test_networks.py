@@ -81,7 +81,7 @@ def test_another_clamp_is_found(old: str, new: str, most: float, built: Built) -
 def test_terms_that_cancel_are_no_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """50000 N*m less 50000 N*m is off by 1e-3 N*m in single precision, 20 times 1e-5 of the limit."""
     weights = np.array([netted.WEIGHTS[0] / 50.0, netted.WEIGHTS[0] / 50.0 * 1.0001])
-    monkeypatch.setattr(netted, "layers", lambda: [(weights, [0.0, 0.0], "Tanh"), ([[5e4, -5e4]], [0.0], "")])
+    monkeypatch.setattr(netted, "layers", lambda: [(weights, [0.0, 0.0], "Tanh"), ([[-5e4, 5e4]], [0.0], "")])
     netted.build(tmp_path)
     _, agreement = api.verify(tmp_path / "spec.yaml", targets=["mujoco"])
     assert [row.message for row in agreement.faults] == []

@@ -66,6 +66,8 @@ HOPELESS_LEVER = 10.0
 
 _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
+_OF_NETWORKS = frozenset(("NET017", "NET018"))
+"""Checks that need the files of networks."""
 _TO_INERTIA = frozenset(("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction"))
 """Figures of a motor from which the inertia at its joint follows."""
 _SIZES = ("_torque", ".no_load_speed")
@@ -150,6 +152,9 @@ def _check_kept(
     if any(joint.inertia_held is None for joint in joints):
         # The text of a model does not tell inertia.
         found |= _OF_INERTIA
+    if any(joint.network is not None for joint in joints):
+        # They are read afterwards.
+        found |= _OF_NETWORKS
     for key, code in kept.items():
         if code not in found:
             collector.at(f"accept.{key}", document.spans.key(("accept", key))).warning(

@@ -263,6 +263,30 @@ CHECKS = (
         "limit from 5 times on where it is a power of ten off or another linkage of the motor agrees with the file (to "
         "a quarter), from 30 times above in any case (Spot's table: 1.0).",
     ),
+    Check(
+        "NET017",
+        "network-manifest",
+        "A number of a network's manifest that its joints contradict: samples seconds apart, training data in degrees "
+        "or with torques that no joint gives, a scale of 0.",
+        "A tap period above 0.5 s, as of control periods (known networks: 5 to 20 ms). Of the training data, by its "
+        "0.999 quantile: position errors above 3 times the widest range of the joints and above a full turn, of slides "
+        "12 times the range; velocities above 10 times the fastest speed. Torques of the validation above 10 times the "
+        "largest of the joints' (chosen: degrees are 57 times, mN*m 1000). A negative scale may be right: a network "
+        "that was trained on measured - target needs it.",
+    ),
+    Check(
+        "NET018",
+        "network-weights",
+        "A network whose weights contradict its manifest or its joints: a torque away from the target, velocities and "
+        "errors exchanged, a torque that no joint gives, or hardly any.",
+        "`compile`, `verify` and `net inspect --spec` run it at rest. A torque away from the target, near 0 and over 3 "
+        "rad. A velocity that is driven on by more than 0.01 s times the stiffness (drives damp by 0.0071 to 0.25 s). "
+        "Damping above 1 s times the stiffness, as SPEC192. An error or velocity of the training data, by its 0.999 "
+        "quantile, that gives more than 10 times the largest torque of the joints; without a stated range an error of "
+        "3 rad, or of the joints' range if less, that gives more than 1000 times. Less than a hundredth of the least "
+        "effort limit up to 3 rad (chosen: dry friction alone is that, mN*m as N*m are a thousandth); powers of ten in "
+        "the robot's file are placeholders.",
+    ),
 )
 """Every check, in the order in which they are explained."""
 

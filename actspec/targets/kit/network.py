@@ -19,7 +19,9 @@ from actspec.targets.base import EmittedFile
 
 if TYPE_CHECKING:
     from actspec.laws.network import Layers, NetworkLaw
+    from actspec.spec.document import SourceMap
     from actspec.spec.network import NetworkManifest
+    from actspec.spec.validate import Spec
 
 MAX_NETWORK = 64 * 1024 * 1024
 """Largest network file [bytes]. Chosen: actuator networks have some tens of kilobytes."""
@@ -117,21 +119,34 @@ def _stride(manifest: NetworkManifest, step: float, place: Place) -> int | None:
     return stride
 
 
-def check_manifests(actuators: ActuatorSet, collector: Collector) -> None:
-    """Report networks whose manifest cannot be read or tells of doubts, and taps that are no whole physics steps apart.
+def check_manifests(actuators: ActuatorSet, spec: Spec, collector: Collector) -> None:
+    """Report manifests that cannot be read, tell of doubts, or have numbers that the spec contradicts.
 
-    Their own files are not opened: of those the targets tell that read them.
+    Such are taps that are no whole physics steps apart. Networks' own files are not opened: of those the targets tell
+    that read them.
+
+    Args:
+        actuators: The resolved spec.
+        spec: The spec, which may accept doubts.
+        collector: Takes what is found.
     """
+    from actspec.spec.plausible.networks import manifest_doubts
+    from actspec.spec.plausible.table import tell
+
+    members = members_of(actuators.joints)
     for actuator in _first_of(actuators.joints).values():
         network, step = actuator.network, actuators.physics_dt.value
         if network is None or network.manifest is None:
             continue
         place = _place(actuator, network, collector)
-        manifest = read_manifest(network.manifest, place)
-        if manifest is None:
+        read = manifest_with_places(network.manifest, place)
+        if read is None:
             continue
-        if step is not None:
-            _stride(manifest, step, place)
+        manifest, spans = read
+        # A network of several groups is judged by all of them, and told once.
+        mine = members.pop(network.manifest, None)
+        if (step is None or _stride(manifest, step, place) is not None) and mine is not None:
+            tell(manifest_doubts(manifest, spans, mine), spec.document, spec.model.accept, collector)
         for doubt in manifest.doubts:
             place.warning(
                 "NET016",
@@ -159,6 +174,16 @@ def _first_of(actuators: Iterable[JointActuator]) -> dict[Network | None, JointA
     for actuator in actuators:
         if actuator.level is Level.ACTUATOR_NET:
             found.setdefault(actuator.network, actuator)
+    return found
+
+
+def members_of(actuators: Iterable[JointActuator]) -> dict[str, list[JointActuator]]:
+    """The joints of level actuator_net by the manifest of their network."""
+    found: dict[str, list[JointActuator]] = {}
+    for actuator in actuators:
+        manifest = None if actuator.network is None else actuator.network.manifest
+        if actuator.level is Level.ACTUATOR_NET and manifest is not None:
+            found.setdefault(manifest, []).append(actuator)
     return found
 
 
@@ -361,7 +386,13 @@ def _bytes(path: str, place: Place) -> bytes | None:
 
 
 def read_manifest(path: str, place: Place) -> NetworkManifest | None:
-    """A manifest; None after an error. JSON is YAML: read as strictly as a spec, with places."""
+    """A manifest; None after an error."""
+    read = manifest_with_places(path, place)
+    return None if read is None else read[0]
+
+
+def manifest_with_places(path: str, place: Place) -> tuple[NetworkManifest, SourceMap] | None:
+    """A manifest and where its values are written; None after an error. JSON is YAML: read as strictly as a spec."""
     from actspec.spec.document import load_document
     from actspec.spec.network import NetworkManifest
     from actspec.spec.validate import checked
@@ -384,7 +415,7 @@ def read_manifest(path: str, place: Place) -> NetworkManifest | None:
     for name in wrong:
         at = replace(place, where=name, span=document.spans.value((name,)))
         at.error("NET006", f"must be finite, got {scales[name]}")
-    return None if wrong else manifest
+    return None if wrong else (manifest, document.spans)
 
 
 def network_clip(actuator: JointActuator) -> JointActuator:
