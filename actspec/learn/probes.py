@@ -22,7 +22,7 @@ from actspec.spec.plausible.networks import (
     widest,
 )
 from actspec.spec.plausible.relations import DEGREE
-from actspec.spec.plausible.table import Doubt, tell
+from actspec.spec.plausible.table import Doubt, kept_of, tell
 from actspec.spec.validate import Spec
 from actspec.targets.kit.network import manifest_with_places, members_of, onnx_of, read_network
 from actspec.units import format_number, format_quantity
@@ -61,7 +61,7 @@ def network_doubts(actuators: ActuatorSet, spec: Spec, collector: Collector) -> 
             Doubt("NET018", item.text, network_place(members), spans.value((item.key,)), item.help)
             for item in (*told, *against_joints(layers, manifest, found, members))
         )
-        tell(doubts, spec.document, spec.model.accept, collector)
+        tell(doubts, kept_of(spec.document, spec.model.accept), collector)
 
 
 def against_joints(

@@ -131,7 +131,7 @@ def check_manifests(actuators: ActuatorSet, spec: Spec, collector: Collector) ->
         collector: Takes what is found.
     """
     from actspec.spec.plausible.networks import manifest_doubts
-    from actspec.spec.plausible.table import tell
+    from actspec.spec.plausible.table import kept_of, tell
 
     members = members_of(actuators.joints)
     for actuator in _first_of(actuators.joints).values():
@@ -146,7 +146,7 @@ def check_manifests(actuators: ActuatorSet, spec: Spec, collector: Collector) ->
         # A network of several groups is judged by all of them, and told once.
         mine = members.pop(network.manifest, None)
         if (step is None or _stride(manifest, step, place) is not None) and mine is not None:
-            tell(manifest_doubts(manifest, spans, mine), spec.document, spec.model.accept, collector)
+            tell(manifest_doubts(manifest, spans, mine), kept_of(spec.document, spec.model.accept), collector)
         for doubt in manifest.doubts:
             place.warning(
                 "NET016",
