@@ -14,7 +14,14 @@ from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.fields import DAMPING_PARTS, FIELDS, Role
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.compare import EXACT, Deviation, Figure, compare, ratio_of, same
-from actspec.readings.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of, levelled
+from actspec.readings.dynamics import (
+    OF_CONTROLS,
+    SETTING_NOUNS,
+    JointDynamics,
+    RobotDynamics,
+    dynamics_of,
+    levelled,
+)
 from actspec.readings.versions import Versions
 
 SAME_INERTIA = 1e-6
@@ -32,9 +39,6 @@ UNKNOWN, NONE, NOT_STATED = "unknown", "none", "not stated"
 
 _WITH_LINKS = {FileKind.MJCF, FileKind.URDF, FileKind.SPEC}
 """Kinds of files with a model, whose links have inertia."""
-
-_OF_CONTROLS = {"gear", "torque_per_control"}
-"""What another kind of drive does not have, and a lock of an older actspec: compared where both have it."""
 
 _UNDRIVEN = {"none", "motor", "network", "other"}
 """Controls without gains: there are none, which is not the same as unknown ones."""
@@ -313,7 +317,8 @@ def _shared(old: JointDynamics, new: JointDynamics, old_kind: FileKind, new_kind
     """Fields that are compared: of one kind of file all that one of them knows, of two what both state."""
     if old_kind is new_kind:
         known = {name for side in (old, new) for name, one in side.figures.items() if one.value is not None}
-        known -= {name for name in _OF_CONTROLS if not (name in old.figures and name in new.figures)}
+        # Another kind of drive lacks them, and a lock of an older actspec.
+        known -= {name for name in OF_CONTROLS if not (name in old.figures and name in new.figures)}
         return [name for name in FIELDS if name in known]
     return [name for name in FIELDS if states(old, name, old_kind) and states(new, name, new_kind)]
 

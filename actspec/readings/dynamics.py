@@ -27,6 +27,9 @@ SETTING_NOUNS = {
 }
 """What concerns the whole robot, in words, in the order in which it is shown."""
 
+OF_CONTROLS = frozenset({"gear", "torque_per_control"})
+"""Figures of what a control of 1 does, which other kinds of drive and files do not have."""
+
 _MOST_NETWORK_BYTES = 1 << 28
 """Chosen: actuator networks have some 10 kB."""
 _OF_ROW = tuple(
