@@ -85,7 +85,7 @@ def compile(
     from actspec.audit.rules import check_actuators
     from actspec.robot.load import check_packages
     from actspec.spec.plausible.joints import doubted_drives
-    from actspec.targets.choose import check_accepted, choose_targets, emitter
+    from actspec.targets.choose import check_accepted, choose_targets, emitter, warn_unlimited
     from actspec.targets.kit.network import check_manifests
 
     loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
@@ -127,6 +127,7 @@ def compile(
             collector.add(item)
         network_doubts(actuators, loaded, collector)
     collector.raise_if_failed(EmitError)
+    warn_unlimited(actuators, chosen, emissions, collector)
     check_accepted(loaded, actuators, chosen, emissions, collector)
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
 

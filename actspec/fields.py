@@ -103,6 +103,8 @@ _TABLE = (
         summed=True, drawn=1, fitted=True,
     ),
     Field("command_gain", "command gain over kp", "", Role.COMMAND, spec="kp"),
+    Field("gear", "gear", "", Role.COMMAND),
+    Field("torque_per_control", "torque per control (gear x gain)", "", Role.COMMAND, Kind.TORQUE),
     Field(
         "kd", "drive gain kd", "kd", Role.DRIVE, Kind.VELOCITY_GAIN, "", "kd", "kd",
         summed=True, drawn=2, fitted=True,

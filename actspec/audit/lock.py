@@ -15,7 +15,7 @@ from dataclasses import fields
 from typing import Any
 
 from actspec.audit.case import Case
-from actspec.audit.difference import Difference, compare_robots
+from actspec.audit.difference import Difference, axis_text, compare_robots
 from actspec.audit.places import json_fault, json_places
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import AuditError, Collector, Path, Span, one_line, shortened
@@ -36,6 +36,9 @@ MOST_BYTES = 64 << 20
 
 _MOST = 10**300
 """Whole numbers beyond are no floats."""
+
+_TEXTS = ("hash", "control", "network", "axis")
+"""Keys of a joint that are no figures."""
 
 _HASH = 16
 """Hexadecimal digits of a hash: 64 bits, as in the baseline."""
@@ -210,6 +213,8 @@ def _joint(joint: JointDynamics) -> dict[str, Any]:
     record: dict[str, Any] = {"control": joint.control}
     if joint.network is not None:
         record["network"] = joint.network
+    if joint.axis is not None:
+        record["axis"] = axis_text(joint.axis)
     for name, figure in joint.figures.items():
         if figure.value is not None:
             record[name] = _rounded(figure.value)
@@ -241,7 +246,19 @@ def _dynamics(name: str, file: str, kind: FileKind, entry: Mapping[str, Any] | N
 def _locked_joint(name: str, entry: Mapping[str, Any], file: str) -> JointDynamics:
     place = Span(file)
     figures = {field: Figure(float(entry[field]), "", place, True) for field in FIELDS if field in entry}
-    return JointDynamics(name, entry["control"], place, figures, entry.get("network"))
+    axis = axis_of(entry["axis"]) if "axis" in entry else None
+    return JointDynamics(name, entry["control"], place, figures, entry.get("network"), axis=axis)
+
+
+def axis_of(text: object) -> tuple[float, float, float] | None:
+    """What `axis_text` wrote; None: it is none."""
+    if not isinstance(text, str):
+        return None
+    try:
+        x, y, z = map(float, text.split())
+    except ValueError:
+        return None
+    return (x, y, z) if math.isfinite(x + y + z) else None
 
 
 def _faults(lock: Mapping[str, Any], figures: bool) -> Sequence[tuple[Path, str]]:
@@ -284,9 +301,9 @@ def _robot_fault(record: Any) -> tuple[Path, str] | None:
     hashes = {}
     for name, joint in record["joints"].items():
         texts = (joint.get("control"), joint.get("network", "")) if isinstance(joint, dict) else (None,)
-        if not all(isinstance(text, str) for text in texts):
+        if not all(isinstance(text, str) for text in texts) or axis_of(joint.get("axis", "0 0 1")) is None:
             return ("joints", name), f"{shortened(name)} {shape}"
-        figures = {key: value for key, value in joint.items() if key not in ("hash", "control", "network")}
+        figures = {key: value for key, value in joint.items() if key not in _TEXTS}
         wrong = next(
             (key for key, value in figures.items() if not (key in FIELDS and _is_figure(value))), None
         )

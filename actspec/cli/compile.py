@@ -24,7 +24,7 @@ from actspec.report.compile import summary
 from actspec.report.doubts import doubts, refusal
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named, split
-from actspec.targets.base import Approximation
+from actspec.targets.base import NO_LIMIT, Approximation
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -48,8 +48,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--strict",
         action="store_true",
-        help="write nothing and exit 1 on an approximation that the spec does not accept, or a number that can hardly "
-        "be right",
+        help="write nothing and exit 1 on an approximation that the spec does not accept, a number that can hardly "
+        "be right, or a drive without an effort limit",
     )
     command.add_argument(
         "--canonical", action="store_true", help="write MuJoCo's own form, not the author's text"
@@ -79,7 +79,11 @@ def run(arguments: argparse.Namespace) -> int:
     doubtful = (
         [item for compilation in done for item in doubts(compilation.diagnostics)] if arguments.strict else []
     )
-    if not dry and not refused and not doubtful:
+    unlimited = arguments.strict and any(
+        item.code == NO_LIMIT for compilation in done for item in compilation.diagnostics
+    )
+    stopped = bool(refused or doubtful or unlimited)
+    if not dry and not stopped:
         output.write([file for group in files for file in group], force=arguments.force)
     if arguments.output_format == "json":
         print_json(_record(done, files))
@@ -93,9 +97,13 @@ def run(arguments: argparse.Namespace) -> int:
                     if file.changed:
                         print(f"{one_line(file.path)}: {'missing' if file.old is None else 'stale'}")
             else:
-                print_lines(summary(compilation, group, written=not refused and not doubtful))
+                print_lines(summary(compilation, group, written=not stopped))
         print_lines((*_refusals(refused), *refusal(doubtful)), sys.stderr)
-    if refused or doubtful or (dry and stale):
+        if unlimited:
+            print(
+                f"--strict: drives without an effort limit, which nobody states ({NO_LIMIT})", file=sys.stderr
+            )
+    if stopped or (dry and stale):
         return EXIT_FINDINGS
     return EXIT_CLEAN
 

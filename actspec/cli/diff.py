@@ -21,7 +21,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     describe(
         command,
         "Compare two robot files, or a file with an earlier revision of it, in what acts on each joint: "
-        "gains, damping, friction, limits, armature, delays, steps.",
+        "gains, damping, friction, limits, armature, delays, steps, directions.",
         "actspec diff HEAD:robots/a1/a1.xml robots/a1/a1.xml",
         "0 no change in what both state; 1 changes, or nothing to compare; 2 could not run",
     )

@@ -27,6 +27,9 @@ SETTING_NOUNS = {
 }
 """What concerns the whole robot, in words, in the order in which it is shown."""
 
+OF_CONTROLS = frozenset({"gear", "torque_per_control"})
+"""Figures of what a control of 1 does, which other kinds of drive and files do not have."""
+
 _MOST_NETWORK_BYTES = 1 << 28
 """Chosen: actuator networks have some 10 kB."""
 _OF_ROW = tuple(
@@ -50,6 +53,7 @@ class JointDynamics:
         natural_frequency: [rad/s]; None when unknown.
         damping_ratio: [-]; None when unknown.
         ranges: What is randomised to how, in words; None where nobody knows.
+        axis: As in `JointView`; None when unknown.
     """
 
     joint: str
@@ -61,6 +65,7 @@ class JointDynamics:
     natural_frequency: float | None = None
     damping_ratio: float | None = None
     ranges: Mapping[str, str] | None = None
+    axis: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +173,7 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
             place = first.place(f"{name}_range")
             add(f"{name}_low", ends[0], place)
             add(f"{name}_high", ends[1], place)
-    network = ranges = None
+    network = ranges = axis = None
     if artifact.spec is not None:
         actuator = artifact.spec.joint(first.joint)
         if actuator is not None:
@@ -180,9 +185,12 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
                 ranges["delay"] = f"drawn each {actuator.delay.sampling}"
     elif artifact.robot is not None:
         view = artifact.robot.joint(first.joint)
+        axis = None if view is None else view.axis
         drives = [a for a in artifact.robot.actuators if a.target == first.joint]
         for name, value, at in _of_model(view, drives):
             add(name, value, at)
+        for name, value, at in _of_controls(drives):
+            figures[name] = Figure(value, unit_of(name, first.kind), at, False)
     else:
         network = _network_name(artifact, first)
         for name, value in first.more.items():
@@ -199,6 +207,7 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         first.natural_frequency,
         first.damping_ratio,
         ranges,
+        axis,
     )
 
 
@@ -237,6 +246,23 @@ def _of_model(
             # A constant force of a servo is what a zero that is off makes of its stiffness.
             bias = -drive.offset * drive.gear / drive.kp
             yield "encoder_bias", bias, drive.places.get("biasprm", drive.span)
+
+
+def _of_controls(drives: Sequence[ActuatorView]) -> Iterator[tuple[str, float, Span]]:
+    """What a control of 1 does at the joint, with its sign: a motor's torque; of others the gear.
+
+    A servo's target is divided by it. Actuators of one kind that do not agree have no such figure together.
+    """
+    found: dict[str, dict[float, Span]] = {}
+    for drive in drives:
+        motor = drive.control == "motor"
+        if drive.disabled or "gear" in drive.unknown or (motor and "gain" in drive.unknown):
+            continue
+        name, value = ("torque_per_control", drive.gear * drive.gain) if motor else ("gear", drive.gear)
+        found.setdefault(name, {}).setdefault(value, drive.places.get("gear", drive.span))
+    for name, places in found.items():
+        if len(places) == 1:
+            yield (name, *next(iter(places.items())))
 
 
 def _command_gain(drive: ActuatorView) -> float | None:
@@ -317,5 +343,8 @@ def _loose(artifact: Artifact) -> Iterator[JointDynamics]:
         if drive.force_range is not None:
             values["effort_limit"] = abs(drive.gear) * max(abs(end) for end in drive.force_range)
         figures = {name: Figure(value, "", drive.span, True) for name, value in values.items()}
+        if drive.transmission == "tendon":
+            # The first number of a site's gear is one of six.
+            figures.update((name, Figure(value, "", at, False)) for name, value, at in _of_controls([drive]))
         name = f"actuator {drive.name or drive.index}"
         yield JointDynamics(name, drive.control, drive.span, figures)

@@ -6,11 +6,14 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from actspec.audit.difference import NOT_STATED, Change, Difference
+from actspec.audit.difference import NOT_STATED, SAME_AXIS, Change, Difference
 from actspec.diagnostics import Span, listed, many, one_line
 from actspec.fields import FIELDS, Role
 from actspec.report.terminal import json_number
 from actspec.units import format_number
+
+_SIGNED = ("gear", "torque_per_control", "command_gain")
+"""Figures between a control and the joint, whose sign is a direction."""
 
 _NO_RATIO = ("encoder_bias", "command_low", "command_high", "natural_frequency", "damping_ratio")
 """What is measured from a zero that means nothing, or is rough; so are poses."""
@@ -107,7 +110,21 @@ def words(change: Change) -> str:
         new += unit
     elif _has_unit(change.old):
         old += unit
-    return f"{change.noun} {old} -> {new}{_ratio(change)}"
+    return f"{change.noun} {old} -> {new}{_ratio(change)}{_reversal(change)}"
+
+
+def _reversal(change: Change) -> str:
+    """What a figure that has changed its sign does to the joint."""
+    if change.field == "axis":
+        ends = [
+            [] if side is None else [float(part) for part in str(side).split()]
+            for side in (change.old, change.new)
+        ]
+        opposite = math.dist(ends[0], [-part for part in ends[1]]) <= SAME_AXIS if all(ends) else False
+        return ": its positive positions, speeds and torques are the other way" if opposite else ""
+    if change.field in _SIGNED and change.ratio is not None and change.ratio < 0.0:
+        return ": a positive control drives the joint the other way"
+    return ""
 
 
 def _has_unit(value: float | str | None) -> bool:
@@ -197,7 +214,7 @@ def _shown(value: float | str | None, absent: str, digits: int = 6) -> str:
 def _ratio(change: Change) -> str:
     ratio = change.ratio
     field = FIELDS.get(change.field)
-    if ratio is None or change.field in _NO_RATIO or (field and field.role is Role.POSE):
+    if ratio is None or ratio < 0.0 or change.field in _NO_RATIO or (field and field.role is Role.POSE):
         return ""
     if 0.5 <= ratio <= 2.0:
         percent = (ratio - 1.0) * 100.0

@@ -296,6 +296,33 @@ def named_parents(model: ModelLists, names: Sequence[str]) -> list[str]:
     return found
 
 
+def joint_axes(model: mujoco.MjModel) -> list[tuple[float, float, float] | None]:
+    """Direction of each hinge and slide in the frame of the body at the root of its tree, all joints at `qpos0`.
+
+    Where that body stands does not matter: a scene may turn the robot.
+
+    Args:
+        model: Compiled.
+
+    Returns: Unit vectors; None for balls and free joints, and where a number is not finite.
+    """
+    import mujoco
+    import numpy as np
+
+    turned = np.tile([1.0, 0.0, 0.0, 0.0], (model.nbody, 1))
+    for body, parent in enumerate(model.body_parentid.tolist()):
+        if parent:
+            mujoco.mju_mulQuat(turned[body], turned[parent], model.body_quat[body])
+    found: list[tuple[float, float, float] | None] = []
+    for joint, kind in enumerate(model.jnt_type.tolist()):
+        axis = np.zeros(3)
+        mujoco.mju_rotVecQuat(axis, model.jnt_axis[joint], turned[model.jnt_bodyid[joint]])
+        scalar = _name(mujoco.mjtJoint, kind) in ("mjJNT_HINGE", "mjJNT_SLIDE")
+        x, y, z = axis.tolist()
+        found.append((x, y, z) if scalar and np.isfinite(axis).all() else None)
+    return found
+
+
 _INDIRECT = frozenset({"tendon", "site", "slidercrank"})
 
 

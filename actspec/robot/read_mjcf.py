@@ -15,6 +15,7 @@ from actspec.robot.compiled import (
     ModelLists,
     control,
     coupled_joints,
+    joint_axes,
     moved_joints,
     named_parents,
     reached_joints,
@@ -198,7 +199,7 @@ def _joints(
     dofs, limited, effort_limited = model.jnt_dofadr, model.jnt_limited, model.jnt_actfrclimited
     held, mobility = model.dof_M0, model.dof_invweight0
     names = [model.name("mjOBJ_JOINT", index) for index in range(model.model.njnt)]
-    parents = named_parents(model, names)
+    parents, axes = named_parents(model, names), joint_axes(model.model)
     found = []
     for index, name in enumerate(names):
         if not name:
@@ -243,6 +244,7 @@ def _joints(
             parent=parents[index],
             places=places,
             unknown=frozenset({"damping", "stiffness"}) if invented else frozenset(),
+            axis=axes[index],
             # For a hinge or slide MuJoCo's `invweight0` is the diagonal of M^-1 itself.
             zero_inertia=(held[dof], 1.0 / mobility[dof])
             if masses and scalar and mobility[dof] > 0.0

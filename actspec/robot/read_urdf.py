@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, RobotError, Span, listed, many, nearest
 from actspec.joints import JointKind
@@ -104,12 +104,7 @@ def read_urdf(
     if model is not None:
         order = _order(model)
         known = {name: index for index, name in enumerate(order)}
-        joints = [
-            replace(joint, dof=order[joint.name][0], reference_position=order[joint.name][1])
-            if joint.name in order
-            else joint
-            for joint in joints
-        ]
+        joints = [replace(joint, **order[joint.name]) if joint.name in order else joint for joint in joints]
         # MuJoCo goes through the tree; a joint that it does not have keeps its place at the end.
         joints.sort(key=lambda joint: known.get(joint.name, len(known)))
     return RobotView(
@@ -350,15 +345,20 @@ def _range(
     return (low, high) if low < high and (low > -math.inf or high < math.inf) else None
 
 
-def _order(model: mujoco.MjModel) -> dict[str, tuple[int, float]]:
+def _order(model: mujoco.MjModel) -> dict[str, dict[str, Any]]:
+    """Fields of a view that only the whole tree tells, by joint in MuJoCo's order."""
     import mujoco
 
+    from actspec.robot.compiled import joint_axes
+
     free = (int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL))
+    axes = joint_axes(model)
     found = {}
     for index in range(model.njnt):
         name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index)
         if name:
             scalar = int(model.jnt_type[index]) not in free
             position = float(model.qpos0[model.jnt_qposadr[index]]) if scalar else 0.0
-            found[name] = (int(model.jnt_dofadr[index]), position)
+            dof = int(model.jnt_dofadr[index])
+            found[name] = {"dof": dof, "reference_position": position, "axis": axes[index]}
     return found

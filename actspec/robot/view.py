@@ -72,6 +72,8 @@ class JointView:
             joint); the others are at `span`.
         unknown: Fields whose value neither the text nor, without its meshes, the compiled model tells; what stands
             in them means nothing.
+        axis: Its direction in the frame of the robot's base in the pose in which the file draws it, of length 1; None:
+            unknown, or it has none.
         zero_inertia: M_jj and 1/(M^-1)_jj at qpos0, armature included [kg*m^2 or kg], of a compiled hinge or
             slide; None: unknown.
     """
@@ -96,6 +98,7 @@ class JointView:
     parent: str = ""
     places: Mapping[str, Span] = field(default_factory=dict)
     unknown: frozenset[str] = frozenset()
+    axis: tuple[float, float, float] | None = None
     zero_inertia: tuple[float, float] | None = None
 
 

@@ -118,6 +118,10 @@ class EmittedFile:
         return hashlib.sha256(self.data).hexdigest()
 
 
+NO_LIMIT = "SPEC166"
+"""A drive is written without any limit of its torque, because nobody states one. `--strict` refuses it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Emission:
     """What a target made.
@@ -127,9 +131,11 @@ class Emission:
         approximations: What was lost, joint by joint.
         diagnostics: Warnings and notes.
         explicit: Joints whose drive the simulator integrates explicitly.
+        unlimited: Joints whose drive is written without any limit of its torque, because nobody states one.
     """
 
     files: tuple[EmittedFile, ...]
     approximations: tuple[Approximation, ...]
     diagnostics: tuple[Diagnostic, ...] = ()
     explicit: frozenset[str] = frozenset()
+    unlimited: frozenset[str] = frozenset()

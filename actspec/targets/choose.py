@@ -14,7 +14,8 @@ from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.spec.models import KINDS, IsaacSimTarget
 from actspec.spec.plausible import BY_CODE
 from actspec.spec.rules.robot import SPEC_ITSELF
-from actspec.targets.base import Emission, TargetOptions
+from actspec.targets.base import NO_LIMIT, Emission, TargetOptions
+from actspec.targets.kit.python_text import grouped
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
@@ -144,6 +145,45 @@ def _spans(spec: Spec, name: str) -> dict[str, Span]:
     return found
 
 
+LIMIT = "effort_limit"
+
+
+def warn_unlimited(
+    actuators: ActuatorSet,
+    targets: Sequence[TargetOptions],
+    emissions: Sequence[Emission],
+    collector: Collector,
+) -> None:
+    """Warn where targets are written without a limit that nobody states, and that `accept` does not name.
+
+    Args:
+        actuators: The spec, resolved.
+        targets: What was compiled.
+        emissions: What each made, in the same order.
+        collector: Takes the warnings.
+    """
+    accepted = dict(actuators.accept)
+    open_ = [
+        (options.name, emission.unlimited)
+        for options, emission in zip(targets, emissions, strict=True)
+        if emission.unlimited and f"{options.name}.{LIMIT}" not in accepted
+    ]
+    found = [
+        (actuator, tuple(name for name, joints in open_ if actuator.joint in joints))
+        for actuator in actuators.joints
+    ]
+    for (group, span, names), members in grouped(
+        [item for item in found if item[1]],
+        lambda item: (item[0].group, item[0].effort_limit.span or item[0].span, item[1]),
+    ):
+        collector.at(f"actuators.{group}.{LIMIT}", span).warning(
+            NO_LIMIT,
+            f"{listed(actuator.joint for actuator, _ in members)}: {LIMIT} is unknown, and {listed(names)} "
+            f"{'gets' if len(names) == 1 else 'get'} a drive of unlimited torque",
+            f'state it, or if no limit is meant, `accept: {{{names[0]}.{LIMIT}: "the reason"}}`',
+        )
+
+
 def check_accepted(
     spec: Spec,
     actuators: ActuatorSet,
@@ -169,6 +209,9 @@ def check_accepted(
     }
     losses[SPEC_ITSELF] = actuators.approximations
     lost = {name: dict.fromkeys(loss.field for loss in some) for name, some in losses.items()}
+    for options, emission in zip(targets, emissions, strict=True):
+        if emission.unlimited and options.name in lost:
+            lost[options.name][LIMIT] = None
     for key, reason in spec.model.accept.items():
         target, _, field = key.partition(".")
         larger = [loss for loss in losses.get(target, ()) if loss.field == field and not loss.within(reason)]

@@ -21,7 +21,7 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.compare import Figure
 from actspec.readings.config import IN_FIGURES, figures_of, rows_of_config
-from actspec.readings.dynamics import JointDynamics, dynamics_of
+from actspec.readings.dynamics import OF_CONTROLS, JointDynamics, dynamics_of
 from actspec.readings.ledger import LedgerRow, rows_of_robot, rows_of_spec
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
@@ -210,7 +210,8 @@ def _complete(
     actuators: ActuatorSet,
 ) -> dict[str, Figure]:
     """A joint's figures with those that the audit does not compare, and one for all that is passive."""
-    found = dict(joint.figures)
+    # The gear is compared by itself (`gears`).
+    found = {name: one for name, one in joint.figures.items() if name not in OF_CONTROLS}
     damping, more = found.get("joint_damping"), found.get("actuator_damping")
     if damping is not None and damping.value is not None and more is not None and more.value:
         found["joint_damping"] = replace(damping, value=damping.value + more.value)

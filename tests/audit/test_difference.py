@@ -110,6 +110,102 @@ def test_changes_in_words(old: str, new: str, expected: list[str], tmp_path: Pat
     assert told(found) == expected
 
 
+MOTOR = LEG.replace(
+    '<position name="knee" joint="knee" kp="100" kv="3"', '<motor name="knee" joint="knee" gear="2"'
+)
+"""The leg, its knee with a motor."""
+
+OTHER_WAY = ": a positive control drives the joint the other way"
+TURNED = ": its positive positions, speeds and torques are the other way"
+
+
+@pytest.mark.parametrize(
+    "text, old, new, expected",
+    [
+        # Its ctrl is a torque of 2 N*m, then of -2 N*m.
+        (
+            MOTOR,
+            'gear="2"',
+            'gear="-2"',
+            [f"torque per control (gear x gain) 2 -> -2 N*m{OTHER_WAY}"],
+        ),
+        # The limit, 30 N*m in front of the gear, was 60 N*m behind it.
+        (
+            MOTOR,
+            'gear="2" forcerange="-30 30"',
+            'gear="4" forcerange="-15 15"',
+            ["torque per control (gear x gain) 2 -> 4 N*m (+100 %)"],
+        ),
+        # kp and kd go by the square of the gear, and are what they were.
+        (LEG, 'name="knee" joint="knee"', 'gear="-1" name="knee" joint="knee"', [f"gear 1 -> -1{OTHER_WAY}"]),
+        (LEG, 'name="knee" range', 'axis="0 0 -1" name="knee" range', [f"axis {{}} 0 0 1 -> 0 0 -1{TURNED}"]),
+        (LEG, 'name="knee" range', 'axis="0 2 0" name="knee" range', ["axis {} 0 0 1 -> 0 1 0"]),
+        # 180 deg about x turn z to -z: the joint is as it was drawn, in another frame.
+        (
+            LEG,
+            '<body pos="0 0 -0.2">\n        <joint name="knee"',
+            '<body pos="0 0 -0.2" quat="0 1 0 0">\n        <joint axis="0 0 -1" name="knee"',
+            [],
+        ),
+        # And without the axis' own turn it is the other way.
+        (
+            LEG,
+            '<body pos="0 0 -0.2">',
+            '<body pos="0 0 -0.2" quat="0 1 0 0">',
+            [f"axis {{}} 0 0 1 -> 0 0 -1{TURNED}"],
+        ),
+        # 6e-4 rad are no other axis.
+        (LEG, 'name="knee" range', 'axis="0 0.0006 1" name="knee" range', []),
+        # A scene turns the whole robot.
+        (LEG, "<body>", '<body euler="90 0 0">', []),
+    ],
+    ids=[
+        *("motor", "torque per control", "servo", "axis", "other axis", "frame and axis", "frame", "nearly"),
+        "whole robot",
+    ],
+)
+def test_directions(text: str, old: str, new: str, expected: list[str], tmp_path: Path) -> None:
+    """Which way a control drives a joint, and which way a joint is positive, is part of what a policy meets."""
+    assert old in text
+    (found,) = compare(tmp_path, ("leg.xml", text), ("leg.xml", text.replace(old, new)))
+    indented = [f"  {line.format(IN_BASE)}" for line in expected]
+    # Links on another axis have another inertia about it.
+    lines = [line for line in told(found) if "inertia of the links" not in line]
+    assert lines == (["knee:", *indented] if expected else [])
+
+
+IN_BASE = "in the base's frame"
+
+
+def test_an_axis_of_a_urdf(tmp_path: Path) -> None:
+    """The knee, 90 deg about x away from the hip, turns about y of the base, and the other way."""
+    mass = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    urdf = f"""<robot name="leg"><link name="base"/><link name="thigh">{mass}</link><link name="shank">{mass}</link>
+<joint name="hip" type="continuous"><parent link="base"/><child link="thigh"/><axis xyz="1 0 0"/></joint>
+<joint name="knee" type="continuous"><parent link="thigh"/><child link="shank"/>
+<origin rpy="1.5707963267948966 0 0"/><axis xyz="0 0 -1"/></joint></robot>"""
+    (found,) = compare(tmp_path, ("leg.urdf", urdf), ("leg.urdf", urdf.replace("0 0 -1", "0 0 1")))
+    # z turned by 90 deg about x is -y.
+    assert told(found) == ["knee:", f"  axis {IN_BASE} 0 1 0 -> 0 -1 0{TURNED}"]
+
+
+def test_an_axis_that_is_not_known(tmp_path: Path) -> None:
+    """Of a file that MuJoCo refuses only the text is read."""
+    broken = LEG.replace("<geom size", '<geom mesh="gone" size')
+    (found,) = compare(tmp_path, ("leg.xml", LEG), ("leg.xml", broken))
+    assert "  not compared: axis in the base's frame at 2 joints, unknown" in list(
+        report_lines([found], "old", "new")
+    )
+
+
+def test_two_motors_of_one_joint(tmp_path: Path) -> None:
+    """An antagonist is no torque per control of both."""
+    both = MOTOR.replace("</actuator>", '<motor name="back" joint="knee" gear="-2"/></actuator>')
+    (found,) = compare(tmp_path, ("leg.xml", both), ("leg.xml", both))
+    assert found.same
+    assert "torque_per_control" not in found.new.joints["knee"].figures
+
+
 def test_a_motor_has_no_command_gain(tmp_path: Path) -> None:
     """Before it became a servo with a gain of its own there was none, and not 1."""
     servo = '<position name="knee" joint="knee" kp="100" kv="3"'

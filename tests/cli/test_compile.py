@@ -108,6 +108,23 @@ def test_strict_refuses_and_accept_takes(spec: Path, capsys: Any) -> None:
     assert OUT.exists()
 
 
+def test_strict_refuses_a_drive_without_limit(spec: Path, capsys: Any) -> None:
+    """It is a warning; with --strict nothing is written until it is stated, or accepted."""
+    text = SPEC.replace("effort_limit: 10 N*m", "effort_limit: unknown").replace("    delay: 5 ms\n", "")
+    spec.write_text(text)
+    assert main(["compile", "arm.yaml", "--strict"]) == 1
+    err = capsys.readouterr().err
+    assert "arm.yaml:9:19: SPEC166 [warning] actuators.legs.effort_limit: knee: " in err
+    assert err.endswith("--strict: drives without an effort limit, which nobody states (SPEC166)\n")
+    assert not Path("build").exists()
+    spec.write_text(text + 'accept: {mujoco.effort_limit: "a bench without a motor"}\n')
+    assert main(["compile", "arm.yaml", "--strict"]) == 0
+    assert "SPEC" not in capsys.readouterr().err
+    spec.write_text(text)
+    assert main(["compile", "arm.yaml", "--force"]) == 0
+    assert capsys.readouterr().out.endswith("no approximation; 1 warning\n")
+
+
 def test_a_file_of_somebody_else_is_not_replaced(spec: Path, capsys: Any) -> None:
     """A file that actspec did not write stays as it is, exit code 2; --force replaces it."""
     OUT.parent.mkdir(parents=True)

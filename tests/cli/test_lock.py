@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from actspec.audit.lock import _hash
 from actspec.cli.main import main
 from tests.audit.robots import CFG, LEG, SPEC
 from tests.schemas import fits
@@ -171,6 +172,10 @@ def test_in_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         (lambda d: joint(d).update(kd=True), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
         (lambda d: joint(d).update(kd=10**400), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
         (lambda d: joint(d).update(colour=1.0), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
+        (lambda d: joint(d).update(axis="0 1"), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
+        (lambda d: joint(d).update(axis="0 x 1"), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
+        (lambda d: joint(d).update(axis="0 nan 1"), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
+        (lambda d: joint(d).update(axis=[0, 0, 1]), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
         (
             lambda d: d["files"]["leg.xml"]["robots"]["leg"]["settings"].update(physics_dt=1.0),
             "LCK002: leg.xml, leg: the joints do not match their hash",
@@ -188,6 +193,10 @@ def test_in_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         "truth",
         "huge",
         "field",
+        "axis of two",
+        "axis of a word",
+        "axis of nan",
+        "axis as a list",
         "settings",
     ],
 )
@@ -280,6 +289,40 @@ def test_a_lock_from_before_command_gains(capsys: pytest.CaptureFixture[str]) ->
     assert capsys.readouterr().out == f"{SINCE}  knee:\n    command gain over kp 1 -> 1.5 (+50 %)\n{LAST}"
     main(["lock"])
     assert joint(lock())["command_gain"] == 1.5
+    assert main(["lock", "--check"]) == 0
+
+
+@pytest.mark.parametrize(
+    "old, new, told",
+    [
+        (
+            'name="knee" joint="knee"',
+            'gear="-1" name="knee" joint="knee"',
+            "gear 1 -> -1: a positive control drives the joint the other way",
+        ),
+        (
+            'name="knee" range',
+            'axis="0 0 -1" name="knee" range',
+            "axis in the base's frame 0 0 1 -> 0 0 -1: its positive positions, speeds and torques are the other way",
+        ),
+    ],
+    ids=["gear", "axis"],
+)
+def test_directions(old: str, new: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """A lock keeps them; one of an older actspec does not, and says nothing of them."""
+    main(["lock", "leg.xml"])
+    kept = lock()
+    Path("leg.xml").write_text(LEG.replace(old, new))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert capsys.readouterr().out == f"{SINCE}  knee:\n    {told}\n{LAST}"
+    robot = kept["files"]["leg.xml"]["robots"]["leg"]
+    for entry in robot["joints"].values():
+        del entry["axis"], entry["gear"], entry["hash"]
+        entry["hash"] = _hash(entry)
+    hashes = {name: entry["hash"] for name, entry in robot["joints"].items()}
+    robot["hash"] = _hash({"settings": robot["settings"], "joints": hashes})
+    Path("actspec.lock").write_text(json.dumps(kept))
     assert main(["lock", "--check"]) == 0
 
 

@@ -212,3 +212,71 @@ def test_names_that_usd_changes_have_their_place(tmp_path: Path) -> None:
     (item,) = [item for item in said if item.code == "ISL032"]
     assert item.where == "hip-1"
     assert item.span is not None and (item.span.path, item.span.line) == (str(tmp_path / "leg.xml"), 1)
+
+
+FREE = """actspec: 1
+robot: {name: leg, model: leg.xml}
+motors: {m: {side: joint, stall_torque: 20 N*m, no_load_speed: 30 rad/s}}
+actuators:
+  legs: {joints: [hip], level: ideal_pd, kp: 40, kd: 1, effort_limit: unknown, armature: 0.01}
+targets:
+  mujoco: {}
+  mjlab: {}
+  newton: {root: /World/leg, joint_paths: {".*": leg}}
+  deploy: {}
+"""
+
+
+def without_limit(said: tuple[Diagnostic, ...]) -> list[str]:
+    """What SPEC166 says."""
+    return [item.message for item in said if item.code == "SPEC166"]
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "model", "expected"),
+    [
+        ("", "", "", "mujoco, mjlab, newton get"),
+        # The file's own limit of the joint acts on what every drive gives.
+        ("", "", '<joint name="hip" actuatorfrcrange="-9 9"/>', None),
+        ("", "", '<joint name="hip" actuatorfrcrange="-1e6 1e6"/>', "mujoco, mjlab, newton get"),
+        ("effort_limit: unknown, ", "", '<joint name="hip" actuatorfrcrange="-9 9"/>', None),
+        # Left out it is as unknown, where the file says nothing.
+        ("effort_limit: unknown, ", "", "", "mujoco, mjlab, newton get"),
+        ("effort_limit: unknown", "effort_limit: 9", "", None),
+        ('  mjlab: {}\n  newton: {root: /World/leg, joint_paths: {".*": leg}}\n', "", "", "mujoco gets"),
+        ("actuators:", "accept: {mjlab.effort_limit: a bench}\nactuators:", "", "mujoco, newton get"),
+        # A line ends at the stall torque.
+        (
+            "level: ideal_pd, kp: 40, kd: 1, effort_limit: unknown",
+            "level: dc_motor, motor: m, kp: 40, kd: 1",
+            "",
+            None,
+        ),
+    ],
+    ids=["all", "joint", "placeholder", "of the file", "left out", "stated", "one", "accepted", "line"],
+)
+def test_a_drive_without_any_limit(
+    right: str, wrong: str, model: str, expected: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each target that is written without a limit is named, at the group's line; an accepted one is not."""
+    assert right in FREE
+    if model:
+        monkeypatch.setattr(f"{__name__}.MODEL", MODEL.replace('<joint name="hip"/>', model))
+    said = compiled(tmp_path, FREE.replace(right, wrong) if right else FREE)
+    whole = f"hip: effort_limit is unknown, and {expected} a drive of unlimited torque"
+    assert without_limit(said) == ([] if expected is None else [whole])
+    assert "SPEC164" not in [item.code for item in said]
+
+
+def test_a_limit_of_the_files_own_actuator(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo's drive keeps it; mjlab's has none of it, as the file's actuators are taken out."""
+    servo = '</worldbody><actuator><position joint="hip" kp="40" forcerange="-9 9"/></actuator>'
+    monkeypatch.setattr(f"{__name__}.MODEL", MODEL.replace("</worldbody>", servo))
+    (told,) = without_limit(compiled(tmp_path, FREE, "mujoco", "mjlab"))
+    assert "and mjlab gets a drive" in told
+
+
+def test_an_accepted_limit_that_is_there(tmp_path: Path) -> None:
+    """What is accepted and does not occur takes nothing."""
+    spec = FREE.replace("unknown", "9") + "accept: {mujoco.effort_limit: a bench}\n"
+    assert "SPEC164" in [item.code for item in compiled(tmp_path, spec, "mujoco")]

@@ -27,6 +27,10 @@ class Armature(SourceRule):
     groups = (("armature",),)
     needs = "an armature of one joint"
 
+    def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
+        """Never: no format has an armature in degrees or rpm, and ten times is near the 9.55 of rpm."""
+        return False
+
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces."""
         if any(_is_default(case, rows[0]) for rows in (found.rows, found.others)):

@@ -9,9 +9,12 @@ from dataclasses import replace
 from typing import Generic, TypeVar
 
 from actspec.diagnostics import Collector, listed, many
+from actspec.fields import is_placeholder
 from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
+from actspec.readings.joint import largest
 from actspec.resolution.quantities import Reports
+from actspec.robot.view import JointView, RobotView
 from actspec.targets.kit.network import network_clip
 from actspec.targets.kit.sizes import command_range_error, held_step_error, lined, static_error, viscous_error
 from actspec.units import format_number, format_quantity
@@ -311,6 +314,28 @@ def joint_by_joint(
             found.append(part)
     reports.tell(collector)
     return found
+
+
+def unlimited_joints(actuators: ActuatorSet, robot: RobotView) -> frozenset[str]:
+    """Joints whose torque neither the spec nor the joint's own limit in the robot's file bounds.
+
+    A torque-speed line bounds it, and so does a clamp of a commanded torque.
+    """
+    return frozenset(
+        actuator.joint
+        for actuator in actuators.joints
+        if not actuator.effort_limit.known
+        and (actuator.stall_torque is None or not actuator.stall_torque.known)
+        and actuator.curve is None
+        and not (actuator.command is Command.EFFORT and actuator.command_range is not None)
+        and not _is_bounded(robot.joint(actuator.joint))
+    )
+
+
+def _is_bounded(joint: JointView | None) -> bool:
+    """Whether the file's joint has a limit of its own; 0 and a placeholder are nobody's."""
+    limit = largest(joint.effort_range) if joint is not None and joint.effort_range is not None else 0.0
+    return limit > 0.0 and not is_placeholder(limit)
 
 
 def warn_unknown_armature(actuators: ActuatorSet, code: str, simulator: str, collector: Collector) -> None:

@@ -14,7 +14,7 @@ from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.check import mjlab_row
-from actspec.targets.kit.joint import delta_action_loss
+from actspec.targets.kit.joint import delta_action_loss, unlimited_joints
 from actspec.targets.kit.network import network_files
 from actspec.targets.kit.python_text import joint_patterns, module_name, stated
 from actspec.targets.mjlab.joint_cfg import cfgs_of
@@ -54,7 +54,9 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     )
     module = EmittedFile(f"{module_name(actuators.robot)}.py", text.encode("utf-8"))
     explicit = frozenset(cfg.actuator.joint for cfg in cfgs if cfg.explicit)
-    return Emission((module, *files), tuple(lost), collector.sorted(), explicit)
+    return Emission(
+        (module, *files), tuple(lost), collector.sorted(), explicit, unlimited_joints(actuators, robot)
+    )
 
 
 def _matched(actuators: ActuatorSet, robot: RobotView) -> list[str]:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, EmitError, Place, RobotError, Span, listed, nearest, one_line
+from actspec.fields import is_placeholder
 from actspec.ir import ActuatorSet
 from actspec.robot.load import names_in
 from actspec.robot.mjspec import compile_spec, open_spec
@@ -19,6 +20,7 @@ from actspec.simulators import DEFAULT_VERSIONS, text_of
 from actspec.simulators.mujoco import KEYFRAME_ACT, MujocoDialect, installed_dialect
 from actspec.targets.base import Emission, EmittedFile, PathError, TargetOptions
 from actspec.targets.check import mujoco_row
+from actspec.targets.kit.joint import unlimited_joints
 from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, text_edits, users_of
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
@@ -122,7 +124,14 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     # Its Euler integrator takes joint damping implicitly, and nothing of an actuator.
     euler = robot.integrator == "Euler" and plan.integrator is None
     explicit = frozenset(drive.joint for drive in plan.drives) if euler else frozenset()
-    return Emission(emitted, lost, collector.sorted(), explicit)
+    return Emission(emitted, lost, collector.sorted(), explicit, _unlimited(actuators, robot, plan))
+
+
+def _unlimited(actuators: ActuatorSet, robot: RobotView, plan: Plan) -> frozenset[str]:
+    """Joints without any limit; that of the file's own actuator is kept where the spec's is unknown."""
+    return unlimited_joints(actuators, robot) & {
+        d.joint for d in plan.drives if d.effort_limit is None or is_placeholder(d.effort_limit)
+    }
 
 
 def _say_lacking_meshes(document: XmlDocument, packages: Mapping[str, str], place: Place) -> None:
@@ -242,7 +251,7 @@ def _emit_fragment(
         runtime_files(actuators.joints, fragment.plan.drives, fragment.main_name, step, collector)
     )
     collector.raise_if_failed(EmitError)
-    return Emission(emitted, lost, collector.sorted())
+    return Emission(emitted, lost, collector.sorted(), unlimited=_unlimited(actuators, robot, plan))
 
 
 def compiled_model(files: Sequence[ModelFile]) -> mujoco.MjModel:

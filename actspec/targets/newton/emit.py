@@ -13,7 +13,7 @@ from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.newton import NewtonDialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 from actspec.targets.check import newton_row
-from actspec.targets.kit.joint import delta_action_loss, joint_by_joint
+from actspec.targets.kit.joint import delta_action_loss, joint_by_joint, unlimited_joints
 from actspec.targets.kit.network import network_files, read_networks
 from actspec.targets.kit.provenance import sections, written_by
 from actspec.targets.kit.python_text import comment_lines, free_name, identifier, section_lines
@@ -62,7 +62,9 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     text = overlay_text(actuators, robot, joints, layout, lost, dialect, model)
     overlay = EmittedFile(overlay_name(actuators.robot), text.encode("utf-8"))
     explicit = frozenset(actuator.joint for actuator in actuators.joints)
-    return Emission((overlay, *files), tuple(lost), collector.sorted(), explicit)
+    return Emission(
+        (overlay, *files), tuple(lost), collector.sorted(), explicit, unlimited_joints(actuators, robot)
+    )
 
 
 def _check_bodies(actuators: ActuatorSet, robot: RobotView, collector: Collector) -> None:
