@@ -112,6 +112,7 @@ def judge(
         _resolve(found, by_code, said_of, real_path, case),
         counts=lambda item: not _unsure(item.confidence, settings),
         fixed=lambda code: said_of(code) is not None,
+        whose=case.whose,
     )
     ignores = ignores_of(case.files, real_path)
     remarks = [ignore for group in ignores.values() for ignore in group]

@@ -58,6 +58,7 @@ class RequiredFieldMissing(RuleInParts):
                 f"this {group.cls} has no {' and no '.join(missing)}: it cannot be made",
                 group.span,
                 help="None takes the USD's value" if _takes_none(config, missing) else None,
+                about=" ".join(missing),
             )
 
     def _effort(self, case: Case, group: Group) -> Iterator[Finding]:
@@ -80,6 +81,7 @@ class RequiredFieldMissing(RuleInParts):
                     joint,
                     help=f"set {name} to what the motor and its drive can give",
                     severity=Severity.WARNING,
+                    about="effort_limit",
                 )
 
     def _line(self, group: Group) -> Iterator[Finding]:
@@ -98,6 +100,7 @@ class RequiredFieldMissing(RuleInParts):
                 joint,
                 help="velocity_limit is the speed at which no torque is left, saturation_effort the torque at "
                 "standstill",
+                about=" ".join(missing),
             )
 
 

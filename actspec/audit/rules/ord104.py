@@ -95,6 +95,7 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                     help=_help(near, model is None and near in free),
                     severity=severity,
                     confidence=confidence,
+                    about=f"{key} {name} {group.name}",
                 )
 
     def _patterns(
@@ -128,6 +129,7 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                 else "is it a model of another variant of the robot?",
                 severity=severity,
                 confidence=confidence,
+                about=f"{pattern} {group.name}",
             )
 
 
