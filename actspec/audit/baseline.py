@@ -23,7 +23,7 @@ FORMAT = "actspec-baseline/1"
 MOST_BYTES = 64 << 20
 """Chosen: about 300 000 entries."""
 
-_OF_RUNS = ("AUD007", "AUD011")
+_OF_RUNS = ("AUD007", "AUD011", "AUD021")
 """What is said of a run, and not of a file."""
 
 _MOST = 1e300
@@ -110,17 +110,24 @@ def relative_path(path: str, folder: str) -> str:
     return relative.replace(os.sep, "/")
 
 
-def baseline_text(findings: Iterable[Reported], path: str, said: Iterable[Diagnostic] = ()) -> str:
+def baseline_text(
+    findings: Iterable[Reported],
+    path: str,
+    said: Iterable[Diagnostic] = (),
+    kept: Mapping[Entry, int] | None = None,
+) -> str:
     """The baseline that hides these findings.
 
     Args:
         findings: To be hidden.
         path: Where it will stand.
         said: What is said of files beside them; of it the warnings are hidden.
+        kept: Entries of the one before it that stay, none of which is about these findings, with their counts.
     """
     folder = os.path.dirname(path)
     counts = Counter(entry_of(reported.finding, folder) for reported in findings)
     counts.update(filter(None, (entry_about(item, folder) for item in said)))
+    counts.update(kept or {})
     records = [_record(entry, counts[entry]) for entry in sorted(counts, key=_place)]
     lines = ",\n".join("    " + json_of(record, indent=None) for record in records)
     body = f"[\n{lines}\n  ]" if records else "[]"
@@ -141,7 +148,12 @@ def _place(entry: Entry) -> tuple[object, ...]:
 
 
 def write_baseline(
-    findings: Iterable[Reported], path: str, said: Iterable[Diagnostic] = (), *, force: bool = False
+    findings: Iterable[Reported],
+    path: str,
+    said: Iterable[Diagnostic] = (),
+    *,
+    kept: Mapping[Entry, int] | None = None,
+    force: bool = False,
 ) -> None:
     """Write the baseline that hides these findings; see `baseline_text`.
 
@@ -150,7 +162,7 @@ def write_baseline(
         EmitError: there is another file, and not `force`.
     """
     try:
-        data = baseline_text(findings, path, said).encode()
+        data = baseline_text(findings, path, said, kept).encode()
         put_file(path, data, force=force)
     except (OSError, ValueError) as err:
         reason = (getattr(err, "strerror", None) or str(err)).lower()

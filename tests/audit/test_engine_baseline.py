@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from actspec.audit.engine import audit, judge
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Report
 from actspec.audit.settings import Settings
-from actspec.diagnostics import AuditError
+from actspec.diagnostics import SEVERITIES, AuditError, Severity
 from tests.audit.making import case_of, finding, rule_of
 from tests.schemas import fits
 
@@ -189,8 +190,11 @@ def test_entries_of_a_deleted_file_are_told(folder: Path) -> None:
     assert not judge(case, settings, rules).problems
     Path("a.xml").unlink()
     (problem,) = judge(case, settings, rules).problems
-    assert problem.code == "AUD007"
+    assert problem.code == "AUD021"
     assert problem.message == "the baseline has findings of ../a.xml, which is not there: LIM901"
+    report = judge(case, settings, rules)
+    assert [report.fails(severity) for severity in (*SEVERITIES, None)] == [True, True, False, False]
+    assert not judge(case, replace(settings, ignore=("AUD021",)), rules).fails(Severity.INFO)
 
 
 def test_text_is_stable_and_valid(folder: Path) -> None:
