@@ -158,13 +158,22 @@ class _Findings:
 
 
 def _leaves_unpublished(one: Finding, other: Finding) -> bool:
-    """Whether neither figure of a finding is what the other one says is published: to follow it mends nothing."""
-    figures = [figure for figure in (one.value, one.expected) if figure is not None]
-    if other.code != _PUBLISHED or other.expected is None or len(figures) < 2 or one.unit != other.unit:
+    """Whether to follow a finding would leave what the other one says of the published figure as it is.
+
+    Of a limit that is too large any smaller one may be that of another variant.
+    """
+    told = [figure for figure in (one.value, one.expected) if figure is not None]
+    wrong, published = other.value, other.expected
+    if (
+        other.code != _PUBLISHED
+        or wrong is None
+        or published is None
+        or len(told) < 2
+        or one.unit != other.unit
+    ):
         return False
-    return not any(
-        other.expected <= PUBLISHED * figure and figure <= PUBLISHED * other.expected for figure in figures
-    )
+    least = 0.0 if wrong > published else published / PUBLISHED
+    return not any(least <= figure <= PUBLISHED * published for figure in told)
 
 
 def _keys(finding: Finding) -> set[_Key]:

@@ -26,8 +26,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "and report where they disagree with each other and with physics.",
         "actspec audit robot.xml robot_cfg.py --ledger",
         "0 nothing at or above --fail-on (default: error); 1 findings there; 2 a name stands for no file, the spec "
-        "cannot be read, a folder has nothing to audit, or actspec could not run; with --output-format sarif 0 in place "
-        "of 1",
+        "cannot be read, a folder has nothing to audit, or actspec could not run; with --output-format sarif 0 in "
+        "place of 1",
     )
     command.add_argument(
         "file", nargs="+", metavar="FILE", help="MJCF, URDF, cfg .py, deploy YAML or actspec spec"

@@ -85,22 +85,24 @@ def test_another_robot_of_the_file_explains_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("code", "expected", "explained"),
+    ("code", "wrong", "told", "published", "explained"),
     [
-        pytest.param("GEA101", 45.43, True, id="with the gear it is what is published"),
+        pytest.param("GEA101", 23.5, 45.43, 45.43, True, id="with the gear it is what is published"),
+        pytest.param("GEA101", 23.5, 35.55, 45.43, False, id="45.43 / 35.55 = 1.28: still too little"),
+        pytest.param("SRC101", 23.5, 35.55, 45.43, False, id="the other file has neither"),
+        pytest.param("SRC101", 23.5, 40.0, 45.43, True, id="45.43 / 40 = 1.14: within KNW101's 1.2"),
         pytest.param(
-            "GEA101", 35.55, False, id="45.43 / 35.55 = 1.28: the gear's figure is not published either"
+            "SRC101", 300.0, 5.0, 13.4, True, id="less than the most that is published: another variant's"
         ),
-        pytest.param("SRC101", 35.55, False, id="the other file has neither"),
-        pytest.param("SRC101", 40.0, True, id="45.43 / 40 = 1.14: within KNW101's 1.2"),
+        pytest.param("SRC101", 300.0, 20.0, 13.4, False, id="20 / 13.4 = 1.49: still too much"),
     ],
 )
 def test_what_is_published_is_not_hidden_by_another_figure(
-    code: str, expected: float, explained: bool
+    code: str, wrong: float, told: float, published: float, explained: bool
 ) -> None:
-    """A calf with the hip's 23.5 N*m, of which 45.43 are published."""
-    at = {"unit": "N*m", "value": 23.5}
-    found = _after(_of(code, held="b.urdf", expected=expected, **at), _of("KNW101", expected=45.43, **at))
+    """A calf with the hip's 23.5 N*m, of which 45.43 are published; a wrist with 300, of which 5 or 13.4 are."""
+    at = {"unit": "N*m", "value": wrong}
+    found = _after(_of(code, held="b.urdf", expected=told, **at), _of("KNW101", expected=published, **at))
     assert found[1] == (("KNW101", "info", code) if explained else ("KNW101", "warning", ""))
 
 
