@@ -403,21 +403,36 @@ def test_a_lost_file_of_the_baseline_fails(folder: Path, capsys: pytest.CaptureF
 def test_a_part_of_the_files_tells_of_nothing_that_needs_the_others(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Two files of a robot have another limit at the knee: of one of them alone nobody knows that it has gone."""
-    (folder / "actspec.toml").write_text('[audit]\nselect = ["SRC101"]\nbaseline = "known.json"\n')
+    """Two files of a walker have another limit at the knee: of one of them alone nobody knows that it has gone, though
+    the rule has two files of a crawler to look at. The baseline names both, for each has a sign that is wrong.
+    """
+    (folder / "actspec.toml").write_text('[audit]\nselect = ["SRC101", "SGN101"]\nbaseline = "known.json"\n')
     limit = '<motor joint="{}" forcerange="-{} {}" forcelimited="true"/>'
-    for name, knee in (("walker.xml", 9), ("walker_two.xml", 18)):
-        drives = "".join(limit.format(joint, least, least) for joint, least in (("hip", 9), ("knee", knee)))
-        (folder / name).write_text(
-            '<mujoco model="walker"><worldbody><body><joint name="hip"/><geom size="0.1"/><body><joint name="knee"/>'
-            f'<geom size="0.1"/></body></body></worldbody><actuator>{drives}</actuator></mujoco>'
+    for name, foot, knee in (
+        ("walker", "toe", 9),
+        ("walker_two", "toe", 18),
+        ("crawler", "heel", 9),
+        ("crawler_two", "heel", 9),
+    ):
+        drives = "".join(limit.format(*each) for each in (("hip", 9, 9), ("knee", knee, knee), (foot, 9, 9)))
+        (folder / f"{name}.xml").write_text(
+            f'<mujoco model="{name.partition("_")[0]}"><worldbody><body><joint name="hip" damping="-1"/>'
+            '<geom size="0.1"/><body><joint name="knee"/><geom size="0.1"/>'
+            f'<body><joint name="{foot}"/><geom size="0.1"/></body></body>'
+            f"</body></worldbody><actuator>{drives}</actuator></mujoco>"
         )
-    assert run("audit", "walker.xml", "walker_two.xml", "--write-baseline", "known.json") == 0
-    assert json.loads(Path("known.json").read_text())["findings"]
+    crawlers = ("crawler.xml", "crawler_two.xml")
+    assert run("audit", "walker.xml", "walker_two.xml", *crawlers, "--write-baseline", "known.json") == 0
+    before = json.loads(Path("known.json").read_text())["findings"]
+    assert {entry["code"] for entry in before} == {"SRC101", "SGN101"}
     capsys.readouterr()
     for name in ("walker.xml", "walker_two.xml"):
-        assert run("audit", name) == 0
-        assert "AUD007" not in capsys.readouterr().err
+        assert run("audit", name, *crawlers) == 0
+        found = capsys.readouterr()
+        assert "AUD007" not in found.err and "did not apply" not in found.out
+        assert run("audit", name, *crawlers, "--write-baseline", "known.json") == 0
+        assert json.loads(Path("known.json").read_text())["findings"] == before
+        capsys.readouterr()
 
 
 @pytest.mark.parametrize(
