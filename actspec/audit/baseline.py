@@ -23,7 +23,7 @@ FORMAT = "actspec-baseline/1"
 MOST_BYTES = 64 << 20
 """Chosen: about 300 000 entries."""
 
-_OF_RUNS = ("AUD007", "AUD011")
+_OF_RUNS = ("AUD007", "AUD011", "AUD021")
 """What is said of a run, and not of a file."""
 
 _MOST = 1e300
@@ -44,6 +44,8 @@ class Entry:
         value: The figure that is wrong [unit], to four digits; None where there is none, or the baseline has none.
         unit: Of the figure; None without one.
         expected: What the rule holds it to, likewise: where that changes, the same figure is wrong in another way.
+        about: What else tells it from others: a key, a pattern, a field (`Finding.about`); None where the baseline
+            has none.
     """
 
     code: str
@@ -52,10 +54,14 @@ class Entry:
     value: float | None = None
     unit: str | None = None
     expected: float | None = None
+    about: str | None = None
 
     def covers(self, other: Entry) -> bool:
         """Whether a finding is this one: a figure that has changed makes another one of it."""
         if (self.code, self.file, self.joint) != (other.code, other.file, other.joint):
+            return False
+        # Entries of earlier releases do not say it.
+        if self.about is not None and self.about != other.about:
             return False
         if self.value is None:
             return True
@@ -78,6 +84,7 @@ def entry_of(finding: Finding, folder: str) -> Entry:
         value,
         None if value is None else finding.unit or None,
         None if value is None else _figure(finding.expected),
+        name_in_file(finding.about) or None,
     )
 
 
@@ -103,17 +110,24 @@ def relative_path(path: str, folder: str) -> str:
     return relative.replace(os.sep, "/")
 
 
-def baseline_text(findings: Iterable[Reported], path: str, said: Iterable[Diagnostic] = ()) -> str:
+def baseline_text(
+    findings: Iterable[Reported],
+    path: str,
+    said: Iterable[Diagnostic] = (),
+    kept: Mapping[Entry, int] | None = None,
+) -> str:
     """The baseline that hides these findings.
 
     Args:
         findings: To be hidden.
         path: Where it will stand.
         said: What is said of files beside them; of it the warnings are hidden.
+        kept: Entries of the one before it that stay, none of which is about these findings, with their counts.
     """
     folder = os.path.dirname(path)
     counts = Counter(entry_of(reported.finding, folder) for reported in findings)
     counts.update(filter(None, (entry_about(item, folder) for item in said)))
+    counts.update(kept or {})
     records = [_record(entry, counts[entry]) for entry in sorted(counts, key=_place)]
     lines = ",\n".join("    " + json_of(record, indent=None) for record in records)
     body = f"[\n{lines}\n  ]" if records else "[]"
@@ -123,16 +137,23 @@ def baseline_text(findings: Iterable[Reported], path: str, said: Iterable[Diagno
 def _record(entry: Entry, count: int) -> dict[str, Any]:
     figure: dict[str, Any] = {} if entry.value is None else {"value": entry.value, "unit": entry.unit or ""}
     held_to = {} if entry.expected is None else {"expected": entry.expected}
-    return {"code": entry.code, "file": entry.file, "joint": entry.joint, **figure, **held_to, "count": count}
+    about = {} if entry.about is None else {"about": entry.about}
+    at = {"code": entry.code, "file": entry.file, "joint": entry.joint}
+    return {**at, **about, **figure, **held_to, "count": count}
 
 
 def _place(entry: Entry) -> tuple[object, ...]:
     figures = (entry.value or 0.0, entry.value is None, entry.expected or 0.0, entry.expected is None)
-    return entry.code, entry.file, entry.joint, entry.unit or "", *figures
+    return entry.code, entry.file, entry.joint, entry.about or "", entry.unit or "", *figures
 
 
 def write_baseline(
-    findings: Iterable[Reported], path: str, said: Iterable[Diagnostic] = (), *, force: bool = False
+    findings: Iterable[Reported],
+    path: str,
+    said: Iterable[Diagnostic] = (),
+    *,
+    kept: Mapping[Entry, int] | None = None,
+    force: bool = False,
 ) -> None:
     """Write the baseline that hides these findings; see `baseline_text`.
 
@@ -141,7 +162,7 @@ def write_baseline(
         EmitError: there is another file, and not `force`.
     """
     try:
-        data = baseline_text(findings, path, said).encode()
+        data = baseline_text(findings, path, said, kept).encode()
         put_file(path, data, force=force)
     except (OSError, ValueError) as err:
         reason = (getattr(err, "strerror", None) or str(err)).lower()
@@ -182,7 +203,8 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
     records = data.get("findings")
     for index, record in enumerate(records if isinstance(records, list) else [None]):
         known: dict[str, Any] = record if isinstance(record, dict) else {}
-        texts: list[Any] = [known.get("code"), known.get("file"), known.get("joint"), known.get("unit", "")]
+        texts: list[Any] = [known.get("code"), known.get("file"), known.get("joint")]
+        texts += [known.get("unit", ""), known.get("about", "")]
         count, value, expected = known.get("count"), known.get("value"), known.get("expected")
         if (
             not all(isinstance(text, str) for text in texts)
@@ -198,8 +220,9 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
             at = places.get(("findings", index), places.get(("findings",), (1, 1)))
             raise _error("AUD005", message, path, f"write it again with --write-baseline {path}", at)
         # Entries of earlier releases have the hash of a message in place of a figure.
-        code, file, joint, unit = texts
-        entries[Entry(former.get(code, code), file, joint, value, unit or None, expected)] += count
+        code, file, joint, unit, about = texts
+        entry = Entry(former.get(code, code), file, joint, value, unit or None, expected, about or None)
+        entries[entry] += count
     return entries
 
 
@@ -217,8 +240,8 @@ def apply_baseline(
     """
     left = Counter(entries)
     by_place: dict[tuple[str, str, str], list[Entry]] = {}
-    # Those with a figure first: one without it takes what they leave.
-    for entry in sorted(entries, key=lambda entry: (entry.value is None, entry.expected is None)):
+    # Those that say most first: one that says less takes what they leave.
+    for entry in sorted(entries, key=_says_less):
         by_place.setdefault((entry.code, entry.file, entry.joint), []).append(entry)
     kept, suppressed = [], []
     for reported in found:
@@ -231,6 +254,10 @@ def apply_baseline(
             left[known] -= 1
             suppressed.append(Suppressed(reported, Means.BASELINE))
     return tuple(kept), tuple(suppressed), +left
+
+
+def _says_less(entry: Entry) -> tuple[bool, ...]:
+    return entry.about is None, entry.value is None, entry.expected is None
 
 
 def _error(

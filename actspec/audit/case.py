@@ -113,6 +113,10 @@ class Case:
         before = [idle for line, idle in parts if line <= (place.line or 0)]
         return bool(before) and before[-1]
 
+    def whose(self, place: Span) -> frozenset[int]:
+        """Artifacts of which the ledger has a figure that is written at a place; none: nobody knows."""
+        return self.once(_whose).get(place, frozenset())
+
     def has_angle_of_another(self, artifact: int) -> bool:
         """Whether an MJCF does not state its angle and another file of the case, read or not, includes it."""
         found = self.artifacts[artifact]
@@ -155,6 +159,15 @@ class Case:
     def option(self, code: str, name: str, default: float) -> float:
         """A rule's option, or its default."""
         return self.options.get(code, {}).get(name, default)
+
+
+def _whose(case: Case) -> dict[Span, frozenset[int]]:
+    """Places of the ledger's figures, with the artifacts that take them from there."""
+    found: dict[Span, set[int]] = {}
+    for row in case.rows:
+        for place in (row.span, *row.places.values()):
+            found.setdefault(place, set()).add(row.artifact)
+    return {place: frozenset(artifacts) for place, artifacts in found.items()}
 
 
 def _files(case: Case) -> dict[str, FileReading]:

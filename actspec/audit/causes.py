@@ -24,26 +24,35 @@ not the published one; a servo that lost its gains, or damping that is counted t
 joint is slow; friction that no motor overcomes why another file has less. Chosen: from the findings of docs/survey.md
 that were true and told a second time."""
 
-_GEAR, _SIDES, _FRICTION, _LOST_GAINS = "GEA101", "SYM101", "FRC101", "VER106"
+_GEAR, _SIDES, _FRICTION, _LOST_GAINS, _PUBLISHED = "GEA101", "SYM101", "FRC101", "VER106", "KNW101"
+
+PUBLISHED = 1.2
+"""How many times the published figure another one is that still is that figure. Chosen: KNW101's `times`."""
 
 
 def by_cause(
-    found: Sequence[Reported], *, counts: Callable[[Reported], bool], fixed: Callable[[str], bool]
+    found: Sequence[Reported],
+    *,
+    counts: Callable[[Reported], bool],
+    fixed: Callable[[str], bool],
+    whose: Callable[[Span], frozenset[int]] = lambda place: frozenset(),
 ) -> tuple[Reported, ...]:
     """Findings, those that another one explains as notes that name it. None is left out.
 
     One explains another where its rule stands before the other's in `ORDER`, and both are about the same figure of a
-    joint in the file that departs from the others. It takes the worst severity of what it explains. Of findings that
-    say the same of a file, the rest is explained where most are.
+    joint of one robot in the file that departs from the others. It takes the worst severity of what it explains. Of
+    findings that say the same of a file, the rest is explained where most are.
 
     Args:
         found: Findings of all rules.
         counts: Whether a finding is reported at all: what is not, explains nothing.
         fixed: Whether the settings state the severity of a rule, by its code: it stays as it is.
+        whose: Artifacts that a place states something of, as a file has configurations of several robots; none: nobody
+            knows.
     """
-    able = _Findings(found)
+    able = _Findings(found, whose)
     causes = able.causes(counts)
-    causes |= _rest(found, causes)
+    causes |= _rest(found, causes, whose)
     causes = {at: cause for at, cause in causes.items() if not fixed(found[at].finding.code)}
     worst = {
         cause: found[cause].severity for cause in causes.values() if not fixed(found[cause].finding.code)
@@ -67,10 +76,12 @@ class _Findings:
 
     Args:
         found: All findings.
+        whose: As in `by_cause`.
     """
 
-    def __init__(self, found: Sequence[Reported]) -> None:
+    def __init__(self, found: Sequence[Reported], whose: Callable[[Span], frozenset[int]]) -> None:
         self._found = found
+        self._whose = whose
         self._ranks = {code: rank for rank, code in enumerate(ORDER)}
         self._near: dict[_Key, list[int]] = {}
         self._codes: dict[Span, set[str]] = {}
@@ -104,8 +115,23 @@ class _Findings:
     def _rank(self, at: int) -> int:
         return self._ranks[self._found[at].finding.code]
 
+    def _apart(self, one: Finding, other: Finding) -> bool:
+        """Whether all that two findings have in common are files, in each of which they are of other robots."""
+        shared = _files(one) & _files(other)
+        return bool(shared) and all(
+            bool(its := self._of(one, path)) and bool(theirs := self._of(other, path)) and not its & theirs
+            for path in shared
+        )
+
+    def _of(self, finding: Finding, path: str) -> frozenset[int]:
+        """Artifacts of a file that a finding is about; none: nobody knows."""
+        places = [self._whose(span) for span in (finding.span, *finding.related) if span.path == path]
+        return frozenset().union(*places) if all(places) else frozenset()
+
     def _explains(self, one: Finding, other: Finding) -> bool:
         """Whether what one finding says is why the other, at one of its places, is there."""
+        if self._apart(one, other) or _leaves_unpublished(one, other):
+            return False
         if one.code == _LOST_GAINS:
             # The damping is too much for the gain that is left.
             return one.joint == other.joint and other.code == "DMP101"
@@ -131,6 +157,25 @@ class _Findings:
         return one.joint == other.joint
 
 
+def _leaves_unpublished(one: Finding, other: Finding) -> bool:
+    """Whether to follow a finding would leave what the other one says of the published figure as it is.
+
+    Of a limit that is too large any smaller one may be that of another variant.
+    """
+    told = [figure for figure in (one.value, one.expected) if figure is not None]
+    wrong, published = other.value, other.expected
+    if (
+        other.code != _PUBLISHED
+        or wrong is None
+        or published is None
+        or len(told) < 2
+        or one.unit != other.unit
+    ):
+        return False
+    least = 0.0 if wrong > published else published / PUBLISHED
+    return not any(least <= figure <= PUBLISHED * published for figure in told)
+
+
 def _keys(finding: Finding) -> set[_Key]:
     """What findings of one fault have in common: joint and file, or a place of which nobody knows if it is the wrong
     side.
@@ -151,12 +196,15 @@ def _files(finding: Finding) -> frozenset[str]:
     return frozenset(span.path for span in (finding.span, *finding.related))
 
 
-def _rest(found: Sequence[Reported], causes: Mapping[int, int]) -> dict[int, int]:
-    """What says the same of the same file as findings most of which are explained."""
-    alike: dict[tuple[str, str, str], list[int]] = {}
+def _rest(
+    found: Sequence[Reported], causes: Mapping[int, int], whose: Callable[[Span], frozenset[int]]
+) -> dict[int, int]:
+    """What says the same of the same robots of a file as findings most of which are explained."""
+    alike: dict[tuple[str, str, str, frozenset[int]], list[int]] = {}
     for at, item in enumerate(found):
         if item.severity is not Severity.INFO and item.finding.code in ORDER:
-            alike.setdefault((item.finding.code, item.finding.span.path, item.finding.message), []).append(at)
+            one = item.finding
+            alike.setdefault((one.code, one.span.path, one.message, whose(one.span)), []).append(at)
     rest: dict[int, int] = {}
     for group in alike.values():
         known = [at for at in group if at in causes]

@@ -28,14 +28,14 @@ from actspec.audit.ignores import (
     unused,
     without_reason,
 )
-from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
+from actspec.audit.outcome import CONFIDENCES, LOST_FILE, Means, Report, Reported, Suppressed
+from actspec.audit.reach import Reach, reach_of
 from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
-from actspec.audit.selection import ALL, DIAGNOSTICS, NOT_JUDGED, is_selected, strength
+from actspec.audit.selection import ALL, DIAGNOSTICS, NOT_JUDGED, is_diagnostic, is_selected, strength
 from actspec.audit.settings import Settings, beyond_known, not_read
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
-from actspec.files import name_in_file, path_of_name
 from actspec.readings.artifact import FileReading
 from actspec.readings.read import PendingFiles, without_fragments
 
@@ -112,6 +112,7 @@ def judge(
         _resolve(found, by_code, said_of, real_path, case),
         counts=lambda item: not _unsure(item.confidence, settings),
         fixed=lambda code: said_of(code) is not None,
+        whose=case.whose,
     )
     ignores = ignores_of(case.files, real_path)
     remarks = [ignore for group in ignores.values() for ignore in group]
@@ -133,7 +134,11 @@ def judge(
         folder = os.path.dirname(settings.baseline or "")
         kept, known, stale = apply_baseline(kept, baseline, folder)
         suppressed += known
-        problems += _stale(stale, case, ran, settings.baseline or "", folder)
+        problems += _stale(
+            stale,
+            reach_of(baseline, case, by_code, ran, folder, own_exclude(settings)),
+            settings.baseline or "",
+        )
     kept = _split(kept, suppressed, Means.CONFIDENCE, lambda item: _unsure(item.confidence, settings))
     report = Report(case, asked, kept, tuple(suppressed), skipped, tuple(problems))
     quiet = frozenset(item for item in report.diagnostics() if not _is_wanted(item, settings))
@@ -141,6 +146,11 @@ def judge(
         folder = os.path.dirname(settings.baseline or "")
         quiet |= {item for item in report.diagnostics() if entry_about(item, folder) in baseline}
     return replace(report, problems=tuple(item for item in problems if item not in quiet), quiet=quiet)
+
+
+def own_exclude(settings: Settings) -> Exclude:
+    """What the settings leave out of every run."""
+    return Exclude(tuple((glob, settings.folder) for glob in settings.exclude), True)
 
 
 def _is_asked_for(rule: type[Rule], settings: Settings) -> bool:
@@ -321,24 +331,14 @@ def _unsure(confidence: Confidence, settings: Settings) -> bool:
     return CONFIDENCES.index(confidence) < CONFIDENCES.index(settings.min_confidence)
 
 
-def _stale(
-    entries: Counter[Entry], case: Case, ran: set[str], path: str, folder: str
-) -> Iterator[Diagnostic]:
+def _stale(stale: Counter[Entry], reach: Reach, path: str) -> Iterator[Diagnostic]:
     """Entries of the baseline no longer found, of files and rules that were looked at, or of deleted files."""
-    files = {
-        name_in_file(relative_path(file.path, folder))
-        for reading in case.files
-        if reading.readable
-        for file in reading.files
-    }
     help = f"write the baseline again with --write-baseline {path}"
-    for file in sorted({entry.file for entry in entries} - files):
-        if os.path.lexists(os.path.join(folder, path_of_name(file))):
-            continue
-        codes = sorted({entry.code for entry in entries if entry.file == file})
+    for file in sorted({entry.file for entry in reach.gone}):
+        codes = sorted({entry.code for entry in reach.gone if entry.file == file})
         message = f"the baseline has findings of {file}, which is not there: {listed(codes)}"
-        yield Diagnostic("AUD007", Severity.WARNING, message, "", Span(path), help)
-    gone = [entry for entry in entries if entry.file in files and entry.code in ran]
+        yield Diagnostic(LOST_FILE, Severity.WARNING, message, "", Span(path), help)
+    gone = [entry for entry in stale if entry in reach.within and not is_diagnostic(entry.code)]
     for code, file in sorted({(entry.code, entry.file) for entry in gone}):
         joints = sorted(item.joint for item in gone if (item.code, item.file) == (code, file) and item.joint)
         where = f" ({listed(joints)})" if joints else ""

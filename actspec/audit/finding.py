@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -81,6 +82,8 @@ class Finding:
         help: The nearest right answer.
         related: Other places that the finding is about (the other file of a disagreement).
         fix: None: no automatic fix.
+        about: What tells it from others of its rule about this joint or file where `value` does not: a key, a pattern,
+            a field, figures as written. Baselines hold it, so it has no words of the message and no line.
         noted_in_folders: Whether it is a note in a file that was met in a folder, where those of its rule are not all.
         severity: Where it differs from the rule's own; None: the rule's.
         confidence: Likewise.
@@ -92,6 +95,7 @@ class Finding:
     joint: str = ""
     joints: tuple[str, ...] = field(default=(), kw_only=True)
     fields: tuple[str, ...] = field(default=(), kw_only=True)
+    about: str = field(default="", kw_only=True)
     noted_in_folders: bool = field(default=False, kw_only=True)
     value: float | None = None
     unit: str | None = None
@@ -114,3 +118,8 @@ class Skipped:
 
     code: str
     reason: str
+
+
+def quoted(message: str) -> tuple[str, ...]:
+    """Names that stand in quotes in the message of a reader or of MuJoCo, whose other words are not a rule's."""
+    return tuple(re.findall(r"'([^']+)'", message))

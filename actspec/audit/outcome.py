@@ -30,6 +30,10 @@ UNKNOWN = frozenset({"AUD015", "CFG001", "DEPLOY002"})
 """Codes of information about figures that no rule looks at, or that are not compared."""
 
 
+LOST_FILE = "AUD021"
+"""Code of a file that the baseline has findings of and that is not there: the one remark that an exit code counts."""
+
+
 @dataclass(frozen=True, slots=True)
 class Reported:
     """A finding as it is reported.
@@ -124,6 +128,19 @@ class Report:
             return ()
         least = SEVERITIES.index(severity)
         return tuple(found for found in self.findings if SEVERITIES.index(found.severity) >= least)
+
+    def fails(self, severity: Severity | None) -> bool:
+        """Whether there is a finding of at least this severity, or a file lost of which the baseline has some."""
+        lost = severity is not None and SEVERITIES.index(severity) <= SEVERITIES.index(Severity.WARNING)
+        return bool(self.at_or_above(severity)) or (
+            lost and any(item.code == LOST_FILE for item in self.problems)
+        )
+
+    @property
+    def ran(self) -> frozenset[str]:
+        """Codes of rules that ran to their end, and had input."""
+        idle = {item.code for item in self.skipped} | {item.where for item in self.problems}
+        return frozenset(rule.code for rule in self.rules) - idle
 
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """What readers and rules have to say; why a file could not be read is a finding."""

@@ -18,6 +18,7 @@ DIAGNOSTICS = {
     "AUD011": "fix-not-made",
     "AUD013": "judged-from-text-alone",
     "AUD015": "not-compared",
+    "AUD021": "lost-file",
     "CFG001": "unknown-without-running",
     "DEPLOY001": "list-length",
     "DEPLOY002": "list-without-names",

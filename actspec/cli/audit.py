@@ -25,8 +25,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "Read MJCF, URDF, Isaac Lab, mjlab and legged_gym configurations, deploy YAML and specs, running none of them, "
         "and report where they disagree with each other and with physics.",
         "actspec audit robot.xml robot_cfg.py --ledger",
-        "0 nothing at or above --fail-on (default: error); 1 findings there; 2 a name stands for no file, a folder has "
-        "nothing to audit, or actspec could not run; with --output-format sarif 0 in place of 1",
+        "0 nothing at or above --fail-on (default: error); 1 findings there; 2 a name stands for no file, the spec "
+        "cannot be read, a folder has nothing to audit, or actspec could not run; with --output-format sarif 0 in "
+        "place of 1",
     )
     command.add_argument(
         "file", nargs="+", metavar="FILE", help="MJCF, URDF, cfg .py, deploy YAML or actspec spec"
@@ -115,7 +116,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     known.add_argument(
         "--no-baseline", action="store_true", help="show the findings in the baseline of the settings too"
     )
-    known.add_argument("--write-baseline", metavar="FILE", help="write the findings to FILE, and exit 0")
+    known.add_argument(
+        "--write-baseline",
+        metavar="FILE",
+        help="write the findings to FILE, keep those it has of other files, and exit 0",
+    )
     command.add_argument(
         "--jobs", metavar="N", type=_jobs, help="processes that read files (default: one a core)"
     )

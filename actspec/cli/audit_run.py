@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.audit.engine import audit
+from actspec.audit.engine import audit, own_exclude
 from actspec.audit.finding import Confidence
 from actspec.audit.outcome import Report
 from actspec.audit.rules import all_rules
@@ -39,6 +40,7 @@ from actspec.report.terminal import Progress, print_diagnostics, style_of
 from actspec.report.text import counted, remarks
 
 if TYPE_CHECKING:
+    from actspec.audit.baseline import Entry
     from actspec.audit.fix import FixedFile
 
 TEXT = ("full", "concise")
@@ -75,7 +77,7 @@ def report_on(
         report, fixed = _fixed(report, arguments, settings, again)
         arguments.report = report
     if arguments.write_baseline is not None:
-        return _write_baseline(report, arguments.write_baseline, arguments.force)
+        return _write_baseline(report, arguments.write_baseline, settings, arguments.force)
     options = ReportOptions(
         colour=arguments.output is None and style_of(sys.stdout).colour,
         ledger=arguments.ledger,
@@ -94,10 +96,10 @@ def report_on(
         print_diagnostics(remarks(report, options.least))
     if arguments.output is None:
         sys.stdout.write(text)
-    if _failed(report, settings):
+    if _failed(report, settings) or _is_unread(report, arguments.spec):
         return EXIT_FAILED
     # Whoever uploads SARIF has its findings judged there.
-    return EXIT_FINDINGS if output_format != "sarif" and report.at_or_above(settings.fail_on) else EXIT_CLEAN
+    return EXIT_FINDINGS if output_format != "sarif" and report.fails(settings.fail_on) else EXIT_CLEAN
 
 
 def _audited(arguments: argparse.Namespace, settings: Settings, pending: PendingFiles) -> Report:
@@ -247,7 +249,12 @@ def _check_spec(report: Report, spec: str | None) -> None:
         raise AuditError.of("AUD010", message, Span(spec), where="--spec")
 
 
-def _write_baseline(report: Report, path: str, force: bool) -> int:
+def _is_unread(report: Report, spec: str | None) -> bool:
+    """Whether nothing was held to the spec, as it cannot be read: a finding like any file's, but not all was done."""
+    return spec is not None and any(file.path == spec and not file.readable for file in report.case.files)
+
+
+def _write_baseline(report: Report, path: str, settings: Settings, force: bool) -> int:
     from actspec.audit.baseline import entry_about, write_baseline
 
     print_diagnostics(remarks(report, Severity.WARNING))
@@ -256,13 +263,46 @@ def _write_baseline(report: Report, path: str, force: bool) -> int:
         print(f"{one_line(path)}: not written: {_UNREAD}", file=sys.stderr)
         return EXIT_FAILED
     said = report.diagnostics()
-    write_baseline(report.findings, path, said, force=force)
+    kept, told = _before(report, path, settings)
+    write_baseline(report.findings, path, said, kept=kept, force=force)
     about = sum(entry_about(item, "") is not None for item in said)
     more = f" and {many(about, 'warning')} about files" if about else ""
     groups = for_people(report.findings)
     shown = f": shown as {counted(groups)}" if len(groups) < len(report.findings) else ""
     print(f"{one_line(path)}: {many(len(report.findings), 'finding')}{more} written{shown}", file=sys.stderr)
+    for line in told:
+        print(f"{one_line(path)}: {line}", file=sys.stderr)
     return EXIT_CLEAN
+
+
+def _before(report: Report, path: str, settings: Settings) -> tuple[Mapping[Entry, int], list[str]]:
+    """What stays of a baseline that is written again, and what becomes of the rest, in lines for people."""
+    from actspec.audit.baseline import apply_baseline, read_baseline
+    from actspec.audit.reach import reach_of
+
+    rules = {rule.code: rule for rule in all_rules()}
+    try:
+        old = read_baseline(path, {old: rule.code for rule in rules.values() for old in rule.aliases})
+    except AuditError:
+        # None yet, or none that anybody can read.
+        return {}, []
+    folder = os.path.dirname(path)
+    reach = reach_of(old, report.case, rules, report.ran, folder, own_exclude(settings))
+    left, _, stale = apply_baseline(report.findings, reach.other_rules, folder)
+    # Of those that are found again, the new entry stands for the old one.
+    _, _, gone = apply_baseline(left, reach.within, folder)
+    gone = Counter({entry: count for entry, count in gone.items() if entry.code in rules})
+    told = []
+    for what, entries, which in (
+        ("kept", reach.other_files, " outside of this run"),
+        ("kept", stale, ", by rules that did not run or that compare with files outside of this run"),
+        ("left out", gone, ", no longer found"),
+        ("left out", reach.gone, ", no longer there"),
+    ):
+        if entries:
+            files = many(len({entry.file for entry in entries}), "file")
+            told.append(f"{what}: {many(sum(entries.values()), 'finding')} of {files}{which}")
+    return reach.other_files + stale, told
 
 
 def _refuse_audited(report: Report, option: str, path: str) -> None:

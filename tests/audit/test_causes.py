@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,12 +31,18 @@ def _of(
 
 
 def _after(
-    *found: Finding | tuple[Finding, Severity], unsure: str = "", fixed: str = ""
+    *found: Finding | tuple[Finding, Severity],
+    unsure: str = "",
+    fixed: str = "",
+    whose: Callable[[Span], frozenset[int]] = lambda place: frozenset(),
 ) -> list[tuple[str, str, str]]:
     pairs = [item if isinstance(item, tuple) else (item, WARNING) for item in found]
     reported = [Reported(one, "made", severity, Confidence.HIGH) for one, severity in pairs]
     settled = by_cause(
-        reported, counts=lambda item: item.finding.code != unsure, fixed=lambda code: code == fixed
+        reported,
+        counts=lambda item: item.finding.code != unsure,
+        fixed=lambda code: code == fixed,
+        whose=whose,
     )
     return [
         (item.finding.code, item.severity.value, item.cause.code if item.cause else "") for item in settled
@@ -55,6 +62,48 @@ def test_the_nearest_to_the_cause_tells_the_fault() -> None:
     speed = _of("SRC102", held="c.py", fields=("no_load_speed",))
     assert _after(GEAR, speed)[1] == ("SRC102", "info", "GEA101")
     assert _after(KNOWN, DIFFER) == [("KNW101", "info", "SRC101"), ("SRC101", "warning", "")]
+
+
+def test_another_robot_of_the_file_explains_nothing() -> None:
+    """A cfg file has the Go1's knee in line 1 and the Go2's, without its gear, in line 9; both call it alike."""
+    gear, known = _of("GEA101", line=9, held="go2.urdf"), _of("KNW101")
+    rest = [_of("KNW101", joint=joint, line=line) for joint, line in (("calf", 9), ("knee", 9), ("hip", 1))]
+    robots = {1: frozenset({0}), 9: frozenset({1})}
+
+    def whose(place: Span) -> frozenset[int]:
+        return robots[place.line or 0] if place.path == "a.xml" else frozenset()
+
+    assert _after(known, gear, whose=whose)[0] == ("KNW101", "warning", "")
+    assert _after(known, gear)[0] == ("KNW101", "info", "GEA101")
+    # Of an actuator that both robots have, what is said is of both.
+    robots[1] = frozenset({0, 1})
+    assert _after(known, gear, whose=whose)[0] == ("KNW101", "info", "GEA101")
+    # Most of what says the same of the Go2 is explained, and says nothing of the Go1.
+    robots[1] = frozenset({0})
+    calf = _of("GEA101", joint="calf", line=9, held="go2.urdf")
+    assert [cause for *_, cause in _after(*rest, gear, calf, whose=whose)] == ["GEA101", "GEA101", "", "", ""]
+
+
+@pytest.mark.parametrize(
+    ("code", "wrong", "told", "published", "explained"),
+    [
+        pytest.param("GEA101", 23.5, 45.43, 45.43, True, id="with the gear it is what is published"),
+        pytest.param("GEA101", 23.5, 35.55, 45.43, False, id="45.43 / 35.55 = 1.28: still too little"),
+        pytest.param("SRC101", 23.5, 35.55, 45.43, False, id="the other file has neither"),
+        pytest.param("SRC101", 23.5, 40.0, 45.43, True, id="45.43 / 40 = 1.14: within KNW101's 1.2"),
+        pytest.param(
+            "SRC101", 300.0, 5.0, 13.4, True, id="less than the most that is published: another variant's"
+        ),
+        pytest.param("SRC101", 300.0, 20.0, 13.4, False, id="20 / 13.4 = 1.49: still too much"),
+    ],
+)
+def test_what_is_published_is_not_hidden_by_another_figure(
+    code: str, wrong: float, told: float, published: float, explained: bool
+) -> None:
+    """A calf with the hip's 23.5 N*m, of which 45.43 are published; a wrist with 300, of which 5 or 13.4 are."""
+    at = {"unit": "N*m", "value": wrong}
+    found = _after(_of(code, held="b.urdf", expected=told, **at), _of("KNW101", expected=published, **at))
+    assert found[1] == (("KNW101", "info", code) if explained else ("KNW101", "warning", ""))
 
 
 def test_a_gear_explains_what_it_multiplies() -> None:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import ast
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from actspec.audit import rules
 from actspec.audit.baseline import baseline_text, read_baseline, write_baseline
 from actspec.audit.engine import audit, judge
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Report
 from actspec.audit.settings import Settings
-from actspec.diagnostics import AuditError
+from actspec.diagnostics import SEVERITIES, AuditError, Severity
 from tests.audit.making import case_of, finding, rule_of
 from tests.schemas import fits
 
@@ -27,7 +30,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def judged(*found: Finding, baseline: str | None = None, select: tuple[str, ...] = ("ALL",)) -> Report:
     """A report of findings in a.xml."""
-    rule = rule_of("LIM901", "first-rule", *found)
+    rule = rule_of(found[0].code if found else "LIM901", "first-rule", *found)
     settings = Settings(select=select, baseline=baseline)
     return judge(case_of({"a.xml": b"<a/>"}), settings, (rule, rule_of("DMP901", "other-rule")))
 
@@ -86,6 +89,60 @@ def test_a_figure_that_is_held_to_another_one(expected: float | None, hidden: bo
     assert (len(report.findings), len(report.suppressed)) == ((0, 1) if hidden else (1, 0))
 
 
+def test_a_new_one_is_not_hidden_behind_a_mended_one(folder: Path) -> None:
+    """Without a figure, what the finding is about tells it; of one more than is known, the new one is shown."""
+    write_baseline(judged(finding("ORD901", about="left_ankel stiffness")).findings, "base.json")
+    fits("baseline", json.loads(Path("base.json").read_text()))
+    known = finding("ORD901", line=9, about="left_ankel stiffness", message="wrong, in other words")
+    new = finding("ORD901", about="left_kne damping")
+    assert not judged(known, baseline="base.json").findings
+    for found in ([new], [new, known]):
+        assert [item.finding for item in judged(*found, baseline="base.json").findings] == [new]
+    entry = {"code": "ORD901", "file": "a.xml", "joint": "", "count": 1}
+    Path("old.json").write_text(json.dumps({"format": "actspec-baseline/1", "findings": [entry]}))
+    assert not judged(new, baseline="old.json").findings
+
+
+_LEG = """from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets.articulation import ArticulationCfg
+LEG_CFG = ArticulationCfg(
+    actuators={
+        "legs": IdealPDActuatorCfg(
+            joint_names_expr=["left_hip", "left_knee"],
+            effort_limit={"left_hip": 24.0, "left_knee": 24.0},
+            stiffness={"left_hip": 40.0, "left_knee": 40.0%s},
+            damping={"left_hip": 1.0, "left_knee%s": 1.0},
+            armature=0.01,
+        ),
+    },
+)
+"""
+
+
+def test_another_key_is_another_finding(folder: Path) -> None:
+    """A key of `stiffness` is mended, and one of `damping` misspelt: both raise a ValueError, and both are ORD104."""
+    Path("leg_cfg.py").write_text(_LEG % (', "left_ankel": 40.0', ""))
+    write_baseline(audit(["leg_cfg.py"], Settings()).findings, "base.json")
+    assert not audit(["leg_cfg.py"], Settings(baseline="base.json")).findings
+    Path("leg_cfg.py").write_text(_LEG % ("", "s"))
+    report = audit(["leg_cfg.py"], Settings(baseline="base.json"))
+    assert [(item.finding.code, item.severity.value) for item in report.findings] == [("ORD104", "error")]
+    assert [item.code for item in report.diagnostics()] == ["AUD007"]
+
+
+def test_what_has_no_figure_says_what_it_is_about() -> None:
+    """Else a baseline counts the findings of a file, and cannot tell a new one from a known one."""
+    silent = []
+    for path in sorted(Path(rules.__file__).parent.glob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Finding":
+                words = {word.arg for word in node.keywords}
+                # Code, message, place, joint, value; `joints` has a finding of which a file has one.
+                if len(node.args) < 4 and not words & {"joint", "value", "about", "joints"}:
+                    silent.append(f"{path.name}:{node.lineno}")
+    assert not silent
+
+
 def test_a_baseline_of_an_earlier_release(folder: Path) -> None:
     """It has a hash of the message and no figure: rule, file and joint count, and the number of findings."""
     entry = {"code": "LIM901", "file": "a.xml", "joint": "knee", "hash": "0123456789abcdef", "count": 1}
@@ -133,8 +190,11 @@ def test_entries_of_a_deleted_file_are_told(folder: Path) -> None:
     assert not judge(case, settings, rules).problems
     Path("a.xml").unlink()
     (problem,) = judge(case, settings, rules).problems
-    assert problem.code == "AUD007"
+    assert problem.code == "AUD021"
     assert problem.message == "the baseline has findings of ../a.xml, which is not there: LIM901"
+    report = judge(case, settings, rules)
+    assert [report.fails(severity) for severity in (*SEVERITIES, None)] == [True, True, False, False]
+    assert not judge(case, replace(settings, ignore=("AUD021",)), rules).fails(Severity.INFO)
 
 
 def test_text_is_stable_and_valid(folder: Path) -> None:

@@ -124,6 +124,37 @@ def test_names_that_are_nearly_a_models(
     )
 
 
+@pytest.mark.parametrize(("pattern", "code"), [("heel_.*", "CFG102"), ("toe_.*", "ORD104")])
+def test_joints_that_lose_their_drive(
+    pattern: str, code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The model has a hip, a knee and a heel, whose positions the configuration sets; the ankle that it drives is in no
+    group, or the pattern in its place is of no joint. Certain enough for a warning of one's own files.
+    """
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    joints = ("hip_joint", "knee_joint", "heel_joint", "ankle_joint")
+    bodies = "".join(f'<body><joint name="{joint}"/><geom size="0.1"/>' for joint in joints) + "</body>" * 4
+    drives = "".join(f'<motor joint="{joint}"/>' for joint in joints)
+    Path("r/walker.xml").write_text(
+        f'<mujoco model="walker"><worldbody>{bodies}</worldbody><actuator>{drives}</actuator></mujoco>'
+    )
+    Path("r/walker.py").write_text(
+        "from isaaclab.actuators import IdealPDActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        "WALKER_CFG = ArticulationCfg(actuators={'legs': IdealPDActuatorCfg(\n"
+        f"    joint_names_expr=['hip_.*', 'knee_.*', 'heel_.*', '{pattern}'], stiffness=20.0, damping=0.5)}},\n"
+        "    init_state=ArticulationCfg.InitialStateCfg(joint_pos={'ankle_.*': 0.1}))\n"
+    )
+    for settings, severity in (
+        (Settings(select=(code,)), Severity.INFO),
+        (Settings(select=(code,), as_named=True), Severity.WARNING),
+    ):
+        (item,) = audit(["r"], settings).findings
+        assert (item.finding.code, item.severity) == (code, severity)
+    both = audit(["r"], Settings(select=("CFG102", "ORD104"), as_named=True))
+    assert len(both.at_or_above(Severity.WARNING)) == 1
+
+
 def test_a_finding_may_be_a_note_of_a_folder_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

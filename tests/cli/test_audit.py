@@ -337,6 +337,117 @@ def test_inline_ignore(folder: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert capsys.readouterr().out == SKIPPED + "no findings in 1 file; 2 ignored in the files\n"
 
 
+def test_a_baseline_is_written_again_over_part_of_a_folder(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What other runs have found stays: of another file, and by another rule; what is mended and lost does not."""
+    (folder / "actspec.toml").write_text('[audit]\nselect = ["LIM101", "SGN101"]\n')
+    for name in ("arm", "old", "shut"):
+        (folder / f"{name}.xml").write_text(LEG)
+    half = LEG.replace('name="knee"', 'name="knee" damping="-1"')
+    (folder / "leg.xml").write_text(half.replace('name="hip"', 'name="hip" damping="-1"'))
+    assert run("audit", ".", "--as-named", "--write-baseline", "known.json") == 0
+    # Of each of four files the limits of hip and knee, of leg.xml both signs.
+    assert capsys.readouterr().err.startswith("known.json: 10 findings written")
+    before = json.loads(Path("known.json").read_text())["findings"]
+    (folder / "old.xml").unlink()
+    (folder / "leg.xml").write_text(half)
+    (folder / "shut.xml").write_text(LEG[:90])
+    assert run("audit", "leg.xml", "--select", "SGN101", "--write-baseline", "known.json") == 0
+    assert capsys.readouterr().err.splitlines() == [
+        "known.json: 1 finding written",
+        "known.json: kept: 4 findings of 2 files outside of this run",
+        "known.json: kept: 2 findings of 1 file, by rules that did not run or that compare with files outside of "
+        "this run",
+        "known.json: left out: 1 finding of 1 file, no longer found",
+        "known.json: left out: 2 findings of 1 file, no longer there",
+    ]
+    after = json.loads(Path("known.json").read_text())["findings"]
+    mended = ("SGN101", "leg.xml", "hip")
+    assert after == [
+        entry
+        for entry in before
+        if entry["file"] != "old.xml" and (entry["code"], entry["file"], entry["joint"]) != mended
+    ]
+    # A file that cannot be read has its entries still, beside that it cannot.
+    assert run("audit", "shut.xml", "--write-baseline", "known.json") == 0
+    capsys.readouterr()
+    entries = json.loads(Path("known.json").read_text())["findings"]
+    assert [entry["code"] for entry in entries if entry["file"] == "shut.xml"] == [
+        "AUD008",
+        "LIM101",
+        "LIM101",
+    ]
+
+
+def test_a_lost_file_of_the_baseline_fails(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Where a warning does: it is there, in the words of --fail-on, until the baseline is written again."""
+    (folder / "arm.xml").write_text(LEG)
+    assert run("audit", ".", "--as-named", "--write-baseline", "known.json") == 0
+    (folder / "arm.xml").unlink()
+    lost = ("audit", ".", "--as-named", "--baseline", "known.json")
+    assert [run(*lost, "--fail-on", severity) for severity in ("info", "warning", "error", "never")] == [
+        1,
+        1,
+        0,
+        0,
+    ]
+    assert (
+        "AUD021 [warning]: the baseline has findings of arm.xml, which is not there: LIM101"
+        in capsys.readouterr().err
+    )
+    assert run("audit", ".", "--as-named", "--write-baseline", "known.json") == 0
+    assert run(*lost, "--fail-on", "warning") == 0
+
+
+def test_a_part_of_the_files_tells_of_nothing_that_needs_the_others(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two files of a walker have another limit at the knee: of one of them alone nobody knows that it has gone, though
+    the rule has two files of a crawler to look at. The baseline names both, for each has a sign that is wrong.
+    """
+    (folder / "actspec.toml").write_text('[audit]\nselect = ["SRC101", "SGN101"]\nbaseline = "known.json"\n')
+    limit = '<motor joint="{}" forcerange="-{} {}" forcelimited="true"/>'
+    for name, foot, knee in (
+        ("walker", "toe", 9),
+        ("walker_two", "toe", 18),
+        ("crawler", "heel", 9),
+        ("crawler_two", "heel", 9),
+    ):
+        drives = "".join(limit.format(*each) for each in (("hip", 9, 9), ("knee", knee, knee), (foot, 9, 9)))
+        (folder / f"{name}.xml").write_text(
+            f'<mujoco model="{name.partition("_")[0]}"><worldbody><body><joint name="hip" damping="-1"/>'
+            '<geom size="0.1"/><body><joint name="knee"/><geom size="0.1"/>'
+            f'<body><joint name="{foot}"/><geom size="0.1"/></body></body>'
+            f"</body></worldbody><actuator>{drives}</actuator></mujoco>"
+        )
+    crawlers = ("crawler.xml", "crawler_two.xml")
+    assert run("audit", "walker.xml", "walker_two.xml", *crawlers, "--write-baseline", "known.json") == 0
+    before = json.loads(Path("known.json").read_text())["findings"]
+    assert {entry["code"] for entry in before} == {"SRC101", "SGN101"}
+    capsys.readouterr()
+    for name in ("walker.xml", "walker_two.xml"):
+        assert run("audit", name, *crawlers) == 0
+        found = capsys.readouterr()
+        assert "AUD007" not in found.err and "did not apply" not in found.out
+        assert run("audit", name, *crawlers, "--write-baseline", "known.json") == 0
+        assert json.loads(Path("known.json").read_text())["findings"] == before
+        capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    "text", ["garbage", "joints: [", "\x00\x01", "actspec: 1\nrobot: {model: none.xml}\n"]
+)
+def test_a_spec_that_cannot_be_read_is_no_spec_to_hold_files_to(
+    text: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The rest is reported, and the exit code says that not all was done that was asked for."""
+    (folder / "bin.yaml").write_text(text)
+    for more in ((), ("--exit-zero",), ("--fail-on", "never")):
+        assert run("audit", "leg.xml", "--spec", "bin.yaml", "--output-format", "concise", *more) == 2
+        assert "AUD008" in capsys.readouterr().out
+
+
 def test_baseline(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """What is written is hidden afterwards, also when lines move; what has gone is told."""
     assert run("audit", "leg.xml", "--write-baseline", "known.json", "--fail-on", "info") == 0

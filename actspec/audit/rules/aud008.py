@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from actspec.audit.finding import quoted
 from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind, FileReading
@@ -40,7 +41,8 @@ class Unreadable(Rule):
                 item.span or Span(file.path),
                 help=help,
                 severity=severity,
+                about=" ".join((item.code, *quoted(item.message))),
             )
         if lost or not errors:
             message = f"the file cannot be read: {file.reason}"
-            yield Finding(self.code, message, file.place, severity=severity)
+            yield Finding(self.code, message, file.place, severity=severity, about=" ".join(quoted(message)))

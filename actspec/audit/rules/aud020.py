@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from actspec.audit.finding import quoted
 from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span
 
@@ -20,4 +21,5 @@ class RefusedModel(Rule):
                     self.code,
                     f"the model does not compile, and is judged from its text alone: {artifact.text_only}",
                     artifact.refused_at or Span(file.path),
+                    about=" ".join(quoted(artifact.text_only or "")),
                 )

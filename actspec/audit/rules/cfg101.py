@@ -93,6 +93,7 @@ class DictMissesJoint(RuleInParts):
                     "1",
                     help=f"add a key for it, or {{'.*': ...}}; keys: {', '.join(map(repr, keys[:8]))}",
                     severity=Severity.ERROR if name in ("effort_limit", "effort_limit_sim") else None,
+                    about=name,
                 )
                 for joint in missed
                 if is_limit or joint not in told

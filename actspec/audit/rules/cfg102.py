@@ -1,14 +1,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.configs import names_model
+from actspec.audit.rules.configs import names_model, posed
 from actspec.ir import JointKind
+from actspec.patterns import is_slip
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
+from actspec.readings.dict_keys import selects_nothing
+from actspec.readings.pair import joint_names
 from actspec.robot.view import RobotView
 
 _Subject = tuple[RobotConfig, set[str], int, RobotView, bool]
@@ -46,26 +49,79 @@ class JointNotCovered(RuleOver[_Subject]):
         driven = {row.joint for row in case.rows_of(other) if row.joint and row.control != "none"}
         loose = _loose(robot) - driven if own else driven
         if len(loose & covered) >= self.option(case, "share") * len(loose):
-            yield from self._uncovered(config, robot, loose - covered, own)
+            yield from self._uncovered(case, config, other, loose - covered, own)
 
     def _uncovered(
-        self, config: RobotConfig, robot: RobotView, joints: set[str], own: bool
+        self, case: Case, config: RobotConfig, other: int, joints: set[str], own: bool
     ) -> Iterator[Finding]:
+        robot = case.artifacts[other].robot
+        assert robot is not None
         file = basename(robot.path)
-        for joint in robot.joints:
-            if joint.name in joints:
+        loose = [joint for joint in robot.joints if joint.name in joints]
+        names = joint_names(case.artifacts[other]) or ()
+        # Another robot's USD, and a model of another variant, are of whoever has put them into one folder.
+        stated = () if own or case.is_met_at(config.span) else posed(config, names)
+        lost = any(
+            selects_nothing(config.framework, pattern, names)
+            for group in config.groups
+            for pattern in group.joints or ()
+        )
+        for joint in loose:
+            near = None if own or case.is_met_at(joint.span) else _called(case, other, joint.name, names)
+            if near is not None:
                 yield Finding(
                     self.code,
-                    f"this joint of {file} is in no actuator group, and nothing else moves it: it swings freely"
-                    if own
-                    else f"{file} drives this joint, and no actuator group selects it: where the USD has it, it swings "
-                    "freely",
-                    config.span,
+                    f"this joint is called {near[0]} in {basename(near[1])}, and no actuator group selects it by the "
+                    "name that it has here",
+                    joint.span,
                     joint.name,
-                    help="add it to a group",
-                    related=(joint.span,),
-                    severity=None if own else Severity.INFO,
+                    help=f"did you mean '{near[0]}'?",
+                    related=(config.span,),
                 )
+                continue
+            # ORD104 tells of the pattern that was meant for it.
+            sure = own or (joint.name in stated and not lost)
+            yield Finding(
+                self.code,
+                f"this joint of {file} is in no actuator group, and nothing else moves it: it swings freely"
+                if own
+                else f"{file} drives this joint, this configuration sets its position, and no actuator group selects "
+                "it: it swings freely"
+                if sure
+                else f"{file} drives this joint, and no actuator group selects it: where the USD has it, it swings "
+                "freely",
+                config.span,
+                joint.name,
+                help="add it to a group",
+                related=(joint.span,),
+                severity=None if sure else Severity.INFO,
+            )
+
+
+def _called(case: Case, index: int, joint: str, names: Sequence[str]) -> tuple[str, str] | None:
+    """How another file of the robot calls a joint of a model, where it is misspelt in one of the two; and that file."""
+    for other in case.robot_of(index).artifacts:
+        theirs = joint_names(case.artifacts[other]) or ()
+        if joint in theirs:
+            continue
+        near = next((name for name in theirs if name not in names and _is_misspelt(joint, name)), None)
+        if near is not None:
+            return near, case.artifacts[other].path
+    return None
+
+
+def _is_misspelt(one: str, other: str) -> bool:
+    """Whether two names differ by a letter inside a word. Sides, axes and numbers tell joints from each other, and are
+    shorter than the four letters of a word here, or differ in the first one.
+    """
+    words = re.findall(r"[^\W\d_]+|\d+", one), re.findall(r"[^\W\d_]+|\d+", other)
+    if len(words[0]) != len(words[1]):
+        return False
+    differing = [pair for pair in zip(*words, strict=True) if pair[0] != pair[1]]
+    if len(differing) != 1 or not is_slip(one, [other]):
+        return False
+    mine, its = differing[0]
+    return max(len(mine), len(its)) >= 4 and mine[0] == its[0]
 
 
 def _whole(config: RobotConfig) -> bool:

@@ -34,12 +34,14 @@ class UnknownField(RuleInParts):
                     f"{group.cls} has no field {shortened(name)!r}",
                     setting.span,
                     help=_nearest(name, stock.fields),
+                    about=name,
                 )
             elif _later(case, config, group, name):
                 yield Finding(
                     self.code,
                     f"mjlab {case.versions.mjlab} has no {name} in {group.cls}: it came with 1.3",
                     setting.span,
+                    about=name,
                 )
 
     def _misspelt(self, case: Case) -> Iterator[Finding]:
@@ -58,6 +60,7 @@ class UnknownField(RuleInParts):
                         f"{FRAMEWORKS[config.framework]} has no class {group.cls}",
                         group.span,
                         help=f"did you mean {right}?",
+                        about=group.cls,
                     )
 
 

@@ -58,6 +58,7 @@ class RequiredFieldMissing(RuleInParts):
                 f"this {group.cls} has no {' and no '.join(missing)}: it cannot be made",
                 group.span,
                 help="None takes the USD's value" if _takes_none(config, missing) else None,
+                about=" ".join(missing),
             )
 
     def _effort(self, case: Case, group: Group) -> Iterator[Finding]:
@@ -81,6 +82,7 @@ class RequiredFieldMissing(RuleInParts):
                     help=f"set {name} to what the motor and its drive can give",
                     severity=Severity.WARNING,
                     noted_in_folders=True,
+                    about="effort_limit",
                 )
 
     def _line(self, group: Group) -> Iterator[Finding]:
@@ -99,6 +101,7 @@ class RequiredFieldMissing(RuleInParts):
                 joint,
                 help="velocity_limit is the speed at which no torque is left, saturation_effort the torque at "
                 "standstill",
+                about=" ".join(missing),
             )
 
 

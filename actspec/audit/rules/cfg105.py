@@ -42,4 +42,5 @@ class ScalarGivenDict(RuleOver[_Subject]):
                 setting.span,
                 help="make a group for each value",
                 severity=Severity.WARNING if later and named is None else None,
+                about=name,
             )

@@ -8,7 +8,7 @@ mjlab/actuator/*.py.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os.path import basename, splitext
 
@@ -71,6 +71,15 @@ class Group:
             keys = (key for key in value if key == joint or matching(self.framework, str(key), (joint,)))
             value = value.get(next(keys, ""))
         return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+def posed(config: RobotConfig, names: Sequence[str]) -> tuple[str, ...]:
+    """Joints whose position a configuration sets by a key that not every joint has: its own robot has them, then."""
+    setting = config.settings.get("default_position")
+    value = setting.value if setting is not None else None
+    keys = [str(key) for key in value] if isinstance(value, Mapping) else []
+    meant = [found for key in keys if 0 < len(found := matching(config.framework, key, names)) < len(names)]
+    return tuple(name for name in names if any(name in found for found in meant))
 
 
 def groups_of(case: Case, framework: Framework, classes: frozenset[str] | None = None) -> Iterator[Group]:

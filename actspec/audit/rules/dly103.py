@@ -86,4 +86,5 @@ class DelayRangeLost(RuleOver[_Subject]):
                 hold.span,
                 help="for one lag an episode: delay_update_period=10**9 and delay_per_env_phase=False",
                 severity=Severity.WARNING,
+                about="delay_hold_prob",
             )

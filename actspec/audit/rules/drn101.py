@@ -4,7 +4,17 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import FIELDS, ends, nominal, range_unit, ranges, rows_in, whose, written
+from actspec.audit.rules.randomized import (
+    FIELDS,
+    about_range,
+    ends,
+    nominal,
+    range_unit,
+    ranges,
+    rows_in,
+    whose,
+    written,
+)
 from actspec.readings.artifact import RandomizedRange, RobotConfig
 from actspec.readings.ledger import LedgerRow
 from actspec.units import format_quantity
@@ -43,6 +53,7 @@ class RangeExcludesNominal(RuleOver[_Subject]):
                     f"{one.field} is randomised by {one.operation} {written(low, high)}, which leaves out "
                     f"{neutral:g}: no environment has the nominal value",
                     one.span,
+                    about=about_range(one),
                 )
         elif one.operation == "abs" and one.field in _AROUND_ZERO and not low <= 0.0 <= high:
             yield Finding(
@@ -50,6 +61,7 @@ class RangeExcludesNominal(RuleOver[_Subject]):
                 f"{one.field} is randomised from {written(low, high)}, which leaves out 0: no environment has the "
                 "nominal value",
                 one.span,
+                about=about_range(one),
             )
         elif one.operation == "abs":
             yield from self._absolute(case, index, config, one)

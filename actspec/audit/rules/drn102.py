@@ -3,7 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import ends, nominal, ranges, rows_in, written
+from actspec.audit.rules.randomized import about_range, ends, nominal, ranges, rows_in, written
 from actspec.readings.artifact import RandomizedRange
 from actspec.readings.ledger import LedgerRow
 
@@ -37,4 +37,5 @@ class ScalesZero(RuleOver[_Subject]):
                 related=(row.span,),
                 # A drive by torque or by speed has no such gain.
                 severity=Severity.INFO if one.field in ("kp", "kd") else None,
+                about=about_range(one),
             )

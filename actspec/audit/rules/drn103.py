@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import DEVIATIONS, ends, nominal, ranges, rows_in, written
+from actspec.audit.rules.randomized import DEVIATIONS, about_range, ends, nominal, ranges, rows_in, written
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import RandomizedRange
 from actspec.readings.ledger import LedgerRow
@@ -67,6 +67,7 @@ class RangeWiderThanIdentified(RuleOver[_Subject]):
             row.joint,
             help=f"three deviations are {written(low_, high_, unit)}",
             related=() if measured.span is None else (measured.span,),
+            about=about_range(one),
         )
 
 

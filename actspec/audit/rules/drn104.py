@@ -3,7 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import ends, ranges, written
+from actspec.audit.rules.randomized import about_range, ends, ranges, written
 from actspec.readings.artifact import Framework, RandomizedRange
 from actspec.readings.versions import friction_unit_of
 from actspec.simulators.isaaclab import FrictionUnit
@@ -43,4 +43,5 @@ class FrictionRangeSetsViscous(RuleOver[tuple[RandomizedRange, FrictionUnit | No
             one.span,
             help='use operation "scale", with friction, dynamic_friction and viscous_friction in the actuator cfg',
             severity=Severity.INFO if unit is None else None,
+            about=about_range(one),
         )

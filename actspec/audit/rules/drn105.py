@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import shown
-from actspec.audit.rules.randomized import ends, ranges, rows_in
+from actspec.audit.rules.randomized import about_range, ends, ranges, rows_in
 from actspec.readings.artifact import Framework, RandomizedRange
 from actspec.readings.ledger import LedgerRow
 
@@ -42,4 +42,5 @@ class EffortRangeCapped(RuleOver[_Subject]):
                 row.joint,
                 help="set effort_limit to the highest value, and scale down from there",
                 related=(row.place("effort_limit"),),
+                about=about_range(one),
             )

@@ -3,7 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import ends, nominal, range_unit, ranges, rows_in, written
+from actspec.audit.rules.randomized import about_range, ends, nominal, range_unit, ranges, rows_in, written
 from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
 from actspec.units import format_number, format_quantity
 
@@ -35,6 +35,7 @@ class RangeInvertedOrNegative(RuleOver[_Subject]):
                     f"{one.field} has a deviation of {format_number(one.high)}: for `gaussian` the range is mean and "
                     "deviation",
                     one.span,
+                    about=about_range(one),
                 )
             return
         if one.low > one.high:
@@ -44,6 +45,7 @@ class RangeInvertedOrNegative(RuleOver[_Subject]):
                 one.span,
                 help=f"({format_number(one.high)}, {format_number(one.low)})",
                 severity=Severity.WARNING,
+                about=about_range(one),
             )
         low, high = ends(one)
         if one.distribution == "log_uniform" and low <= 0.0:
@@ -52,6 +54,7 @@ class RangeInvertedOrNegative(RuleOver[_Subject]):
                 f"{one.field} is drawn log-uniformly from {written(low, high)}: the logarithm of "
                 f"{format_number(low)} is not a number",
                 one.span,
+                about=about_range(one),
             )
         elif one.field in _POSITIVE and not _clamped(config, one):
             yield from self._negative(case, index, config, one)
@@ -67,6 +70,7 @@ class RangeInvertedOrNegative(RuleOver[_Subject]):
                     f"{one.field} is randomised by {one.operation} {written(low, high)}, and is negative at its low "
                     "end",
                     one.span,
+                    about=about_range(one),
                 )
             return
         for row in rows_in(case, index, one):

@@ -3,7 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import ranges
+from actspec.audit.rules.randomized import about_range, ranges
 from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
 from actspec.readings.pair import matching
 
@@ -34,6 +34,7 @@ class WrongGroupIndex(RuleOver[_Subject]):
                 "cfgs: another group is randomised, or none",
                 one.span,
                 help="leave actuator_names out, or give actuator_ids=[number of the cfg]",
+                about=about_range(one),
             )
         elif one.joints is not None and one.actuators is None and set(one.joints) != {".*"}:
             yield Finding(
@@ -41,6 +42,7 @@ class WrongGroupIndex(RuleOver[_Subject]):
                 f"{function} does not look at joint_names: all actuators are randomised",
                 one.span,
                 help="give actuator_ids=[number of the cfg]",
+                about=about_range(one),
             )
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import ranges
+from actspec.audit.rules.randomized import about_range, ranges
 from actspec.readings.artifact import Framework, RandomizedRange
 
 
@@ -29,4 +29,5 @@ class OneDrawForAll(RuleOver[RandomizedRange]):
                 "environments of a call",
                 one.span,
                 help="use uniform or log_uniform",
+                about=about_range(one),
             )

@@ -86,6 +86,7 @@ class JointSideBehindGear(RuleOver[_Subject]):
                 help="a servo with targets at the joint wants gear 1, and kp and forcerange of the joint's "
                 "side",
                 fields=_GEARED,
+                about="ctrlrange",
             )
 
 

@@ -40,6 +40,7 @@ class RevisionOfTheRobot(RuleOver[Likeness]):
             f"the limits are those of {subject.robot.name} {_either(subject.variants)}: "
             + ", ".join(f"{part} {figure}" for part, figure in seen.items()),
             told[0][0].place("effort_limit"),
+            about=" ".join(seen.values()),
         )
 
 

@@ -210,6 +210,7 @@ class NoEffectiveLimit(RuleInParts):
             related=() if lower is None else (lower.place("effort_limit"),),
             fields=("effort_limit",),
             severity=severity,
+            about="" if bound is None else shown(row, "effort_limit", bound),
         )
 
     def _is_placeholder(self, case: Case, row: LedgerRow, field: str) -> bool:

@@ -51,6 +51,7 @@ class TwoLimits(RuleInParts):
                 help=f"leave {first} out: the solver's limit is the one that an implicit drive has",
                 related=(one.span,),
                 severity=Severity.ERROR,
+                about=f"{first} {_text(one)} {second} {_text(two)}",
             )
 
     def _explicit(self, group: Group, own: str, solver: str) -> Iterator[Finding]:

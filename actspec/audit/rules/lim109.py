@@ -57,6 +57,7 @@ class SetpointsClipped(RuleOver[list["_Clipped"]]):
                 "nothing",
                 row.place("command_range"),
                 help="let targets go beyond the range by effort limit / kp on each side, or leave the clip out",
+                about=f"{row.joint} {low} {high}",
             )
 
 

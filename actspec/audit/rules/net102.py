@@ -47,7 +47,12 @@ class NetworkScale(RuleOver[_Subject]):
         if manifest is not None:
             yield from self._against(name, value, setting.span, manifest, getattr(manifest, theirs))
         elif value == 0.0:
-            yield Finding(self.code, f"{name} is 0: {self._NOTHING[name]}", setting.span)
+            yield Finding(
+                self.code,
+                f"{name} is 0: {self._NOTHING[name]}",
+                setting.span,
+                about=name,
+            )
         elif value < 0.0 and name != "torque_scale":
             yield self._negative(name, value, setting.span)
 
@@ -60,6 +65,7 @@ class NetworkScale(RuleOver[_Subject]):
             help="write it down in a manifest beside the network; `actspec schema network` has its keys",
             severity=Severity.INFO,
             confidence=Confidence.LOW,
+            about=f"{name} {format_number(value)}",
         )
 
     def _against(

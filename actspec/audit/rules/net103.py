@@ -37,6 +37,7 @@ class NetworkFileMissing(RuleInParts):
                 confidence=self.confidence if absolute else Confidence.LOW,
                 # Weights are often kept beside a repository; whoever makes the robot without them is told at once.
                 severity=None if absolute else Severity.INFO,
+                about=network.file,
             )
 
     def _of_spec(self, network: NetworkReading) -> Iterator[Finding]:
@@ -47,4 +48,5 @@ class NetworkFileMissing(RuleInParts):
                 network.span,
                 help="name it relative to the spec",
                 confidence=Confidence.HIGH,
+                about=network.file,
             )

@@ -55,6 +55,7 @@ class NetworkInputs(RuleInParts):
                 f"{text} ({basename(manifest.path)})",
                 setting.span if setting is not None else network.span,
                 related=(Span(manifest.path),),
+                about=name,
             )
 
     def _unreadable(self, network: NetworkReading) -> Finding:
@@ -63,6 +64,7 @@ class NetworkInputs(RuleInParts):
             f"the network's manifest cannot be read: {network.problem}",
             network.span,
             severity=Severity.WARNING,
+            about="manifest",
         )
 
 

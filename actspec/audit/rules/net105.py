@@ -48,6 +48,7 @@ class GainsRandomisedOnNetwork(RuleOver[_Subject]):
                         related=(group.span,),
                         # What a configuration inherits is there for others.
                         severity=Severity.INFO if one.span.path != group.span.path else None,
+                        about=one.field,
                     )
 
 

@@ -87,6 +87,7 @@ class ActuatorsNotInJointOrder(RuleOver[_Subject]):
             "trained in",
             related=(other[1].span,) if other is not None else (),
             severity=self.severity if other is None else Severity.WARNING,
+            about=f"{driven[places[0]]} {joints[places[0]]}",
         )
 
 

@@ -95,6 +95,7 @@ class DeployOrder(RuleOver[_Subject]):
             else f"compared: {others}; if it is the SDK's, say so, and map by name where the orders meet",
             severity=Severity.INFO if same or stated else self.severity,
             confidence=Confidence.HIGH if same else Confidence.LOW if stated else self.confidence,
+            about=f"{ours[places[0]]} {theirs[places[0]]}",
         )
 
 

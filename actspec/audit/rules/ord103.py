@@ -64,6 +64,7 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
                 help="let the patterns of the groups exclude each other",
                 related=(first.span,),
                 severity=severity,
+                about=" ".join((*groups, *before)),
             )
 
 

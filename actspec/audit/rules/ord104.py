@@ -5,7 +5,7 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.configs import FRAMEWORKS
+from actspec.audit.rules.configs import FRAMEWORKS, posed
 from actspec.diagnostics import Span, listed, nearest, shortened
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.dict_keys import dead_keys, may_match, meant_for, selects_nothing
@@ -95,6 +95,7 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                     help=_help(near, model is None and near in free),
                     severity=severity,
                     confidence=confidence,
+                    about=f"{key} {name} {group.name}",
                 )
 
     def _patterns(
@@ -110,6 +111,7 @@ class PatternMatchesNothing(RuleOver[_Subject]):
         missing = [item for item in every if selects_nothing(config.framework, item[1], names)]
         # Else it is the model of another robot.
         fitting = len(every) - len(missing) >= self.option(case, "share") * len(every)
+        lost = _lost(config, joint_names(model) or ()) if fitting and missing else ()
         for group, pattern in missing:
             key = meant[group.span].get(pattern)
             if not (fitting or key):
@@ -117,7 +119,9 @@ class PatternMatchesNothing(RuleOver[_Subject]):
             near = key or meant_for(pattern, names)
             # Several names that are nearly those of a model that nobody named with the file are another robot's.
             other = near and len(missing) > 1 and case.is_met_at(group.span)
-            severity, confidence = _SURE if key else _NEAR if near and not other else _UNSURE
+            # The robot of the configuration has those joints, and so not others in their place.
+            instead = () if near or case.is_met_at(group.span) else lost
+            severity, confidence = _SURE if key else _NEAR if (near and not other) or instead else _UNSURE
             yield Finding(
                 self.code,
                 f"the pattern '{shortened(pattern)}' matches no joint of {basename(model.path)}: with these joint "
@@ -125,9 +129,12 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                 group.span,
                 help=f"did you mean '{near}'?{' Keys of the group are called so' if key else ''}"
                 if near
+                else f"no group selects {listed(instead, 4)}, whose position this configuration sets"
+                if instead
                 else "is it a model of another variant of the robot?",
                 severity=severity,
                 confidence=confidence,
+                about=f"{pattern} {group.name}",
             )
 
 
@@ -135,6 +142,18 @@ def _model(case: Case, index: int) -> Artifact | None:
     """The model of the configuration's robot."""
     members = (case.artifacts[other] for other in case.robot_of(index).artifacts)
     return next((member for member in members if member.robot is not None), None)
+
+
+def _lost(config: RobotConfig, names: Sequence[str]) -> tuple[str, ...]:
+    """Joints whose position a configuration sets and that no group of it selects; none where a group is not known."""
+    if any(group.joints is None for group in config.groups):
+        return ()
+    patterns = [pattern for group in config.groups for pattern in group.joints or ()]
+    return tuple(
+        name
+        for name in posed(config, names)
+        if not any(matching(config.framework, pattern, (name,)) for pattern in patterns)
+    )
 
 
 def _help(near: str | None, either: bool) -> str:

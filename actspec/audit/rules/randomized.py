@@ -123,6 +123,11 @@ def ends(one: RandomizedRange) -> tuple[float, float]:
     return min(one.low, one.high), max(one.low, one.high)
 
 
+def about_range(one: RandomizedRange) -> str:
+    """What tells a range from others of its file: its field, how it is drawn, and its ends as they are written."""
+    return f"{one.field} {one.operation} {one.low:.4g} {one.high:.4g}"
+
+
 def written(low: float, high: float, unit: str = "1") -> str:
     """`0.8 to 1.2`."""
     return f"{format_number(low, 3)} to {format_quantity(high, unit, 3)}"

@@ -124,6 +124,7 @@ class NotTheServoMeant(RuleInParts):
                 fix=_type_fix(found) if servo else None,
                 severity=Severity.ERROR if servo else None,
                 confidence=Confidence.HIGH,
+                about=numbers,
             )
 
 

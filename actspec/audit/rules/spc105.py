@@ -35,6 +35,7 @@ class SpecControl(RuleOver[SpecJoint]):
             help="compile the file from the spec, or correct the spec",
             related=(joint.spec.span,),
             severity=severity,
+            about=" ".join(sorted({row.control for row in joint.rows})),
         )
 
 

@@ -166,6 +166,12 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             severity=Severity.INFO if quiet else Severity.ERROR if dead else self.severity,
             confidence=Confidence.LOW if quiet else Confidence.HIGH if dead else self.confidence,
             fields=tuple(name for name, _, _ in differing),
+            about=" ".join(
+                (
+                    *(f"{one} {its}" for one, its in kinds[:1]),
+                    *(f"{name} {one:.3g} {its:.3g}" for name, one, its in differing),
+                )
+            ),
         )
 
     def _range(self, case: Case, left: LedgerRow, right: LedgerRow) -> Finding | None:
@@ -188,6 +194,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             related=(left.place("position_range"),),
             severity=Severity.INFO,
             confidence=Confidence.LOW,
+            about=" ".join(f"{end:.3g}" for end in (low, high, *ours)),
         )
 
 

@@ -98,6 +98,7 @@ class DcmotorDialect(RuleOver[_Subject]):
             help=_translation(found),
             related=related,
             severity=severity,
+            about=f"input={_input(found)}",
         )
 
 

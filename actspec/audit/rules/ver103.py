@@ -59,6 +59,7 @@ class NamesByVersion(RuleOver[tuple[str, list[ActuatorGroup]]]):
                     group.settings[name].span,
                     help=f"2.x calls it {_OLD[name]}",
                     fix=renaming(case, group, name, _OLD[name]) if _is_plain(group, name) else None,
+                    about=name,
                 )
             return
         gone = not before(release(text), OLD_NAMES_GONE)
@@ -77,6 +78,7 @@ class NamesByVersion(RuleOver[tuple[str, list[ActuatorGroup]]]):
                 ),
                 fix=renaming(case, group, name, _NEW[name]) if _is_plain(group, name) else None,
                 severity=Severity.ERROR if gone else Severity.WARNING,
+                about=name,
             )
 
     def _mixed(
@@ -91,6 +93,7 @@ class NamesByVersion(RuleOver[tuple[str, list[ActuatorGroup]]]):
             help=f"name the limits as one version does: {old_name} is {_new_name(before, old_name)} in 3.0",
             related=(before.settings[old_name].span,),
             severity=Severity.WARNING,
+            about=f"{new_name} {old_name}",
         )
 
 

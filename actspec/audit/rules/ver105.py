@@ -168,7 +168,13 @@ class NeedsAnotherMujoco(RuleOver[RobotView]):
                 help = "write actuatorfrcrange"
             else:
                 continue
-            yield Finding(self.code, f"{feature.what}{_count(places)} {text}", places[0], help=help)
+            yield Finding(
+                self.code,
+                f"{feature.what}{_count(places)} {text}",
+                places[0],
+                help=help,
+                about=feature.what,
+            )
 
     def _together(self, used: dict[Feature, list[Span]]) -> Iterator[Finding]:
         newest = max(used, key=lambda feature: feature.since, default=None)
@@ -181,6 +187,7 @@ class NeedsAnotherMujoco(RuleOver[RobotView]):
                     places[0],
                     help="write actuatorfrcrange",
                     related=(used[newest][0],),
+                    about=feature.what,
                 )
 
 
