@@ -17,13 +17,10 @@ from actspec.lift.config_joint import ConfigJoint
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
-from actspec.readings.config import control_of_group, selected
+from actspec.readings.config import control_of_group, plain_name, selected
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.versions import Versions, friction_unit_of, meant_for
 from actspec.robot.view import JointView
-
-_NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)
-"""A pattern that means one name: characters without a meaning of their own, or escaped ones."""
 
 _DRIVES = ("implicit", "ideal_pd", "dc_motor", "network", "position", "velocity", "motor", "pid")
 """Controls of the ledger for which the law has words."""
@@ -213,15 +210,6 @@ def _plain_names(config: RobotConfig) -> tuple[str, ...]:
             if name is not None:
                 found[name] = None
     return tuple(found)
-
-
-def plain_name(framework: Framework, pattern: str) -> str | None:
-    """The one name that a pattern means; None where it means more, or a part of names."""
-    if framework is Framework.LEGGED_GYM or (framework is Framework.DEPLOY and pattern == ".*"):
-        return None
-    if framework is Framework.DEPLOY:
-        return pattern
-    return re.sub(r"\\(.)", r"\1", pattern, flags=re.DOTALL) if _NAME.fullmatch(pattern) else None
 
 
 def _unnamed(config: RobotConfig, named: Sequence[str]) -> Iterator[LeftAlone]:
