@@ -16,7 +16,7 @@ from actspec.spec.plausible import number_doubts
 from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
 from actspec.spec.plausible.clamps import TURN, clamp_words, turned_words
 from actspec.spec.plausible.drive import Drive
-from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE
+from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE, unreached_limit
 from actspec.spec.plausible.gains import Gains, gain_words
 from actspec.spec.plausible.groups import friction_words, reduction_of
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE
@@ -215,7 +215,7 @@ def _joint_doubts_of(
 
 
 def _joint_doubts(joint: JointActuator, joints: Sequence[JointActuator]) -> Iterator[Found]:
-    for check in (_pose, _command_range, _scale, _velocity):
+    for check in (_pose, _command_range, _scale, _velocity, unreached_limit):
         yield from check(joint)
     yield from _friction(joint, joints)
     inertia = list(armature_found(joint)) or list(odd_armature_found(joint, joints))
