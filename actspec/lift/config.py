@@ -73,7 +73,7 @@ def lift_config(
     for group in config.groups:
         for joint, pattern in selected(config, group, named):
             members.setdefault(joint, []).append((group, pattern))
-    own_step = _physics_dt(config)
+    own_step = _time(config, "physics_dt")
     found: list[JointActuator] = []
     alone: list[LeftAlone] = []
     notes: dict[str, list[str]] = {}
@@ -112,6 +112,7 @@ def lift_config(
             unmanaged=tuple(item.joint for item in alone),
             physics_dt=own_step,
             decimation=_decimation(config),
+            control_dt=_time(config, "control_dt"),
             diagnostics=config.notes,
         ),
         tuple(alone),
@@ -234,6 +235,13 @@ def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:
         if group.joints is None:
             yield f"group {one_line(group.name)}: which joints it is for could not be read"
         yield from _refused(config, group)
+    count = _decimation(config)
+    if count is not None and not (_time(config, "physics_dt").known or _time(config, "control_dt").known):
+        own = " (5 ms in legged_gym's own)" if config.framework is Framework.LEGGED_GYM else ""
+        yield (
+            f"decimation {count} counts physics steps whose length it does not state{own}: it is left out, and no "
+            f"control rate is written; state both, timing: {{physics_dt: ..., decimation: {count}}}"
+        )
     if config.framework is not Framework.ISAACLAB:
         return
     fields = ("friction", "dynamic_friction", "viscous_friction")
@@ -256,8 +264,8 @@ def _refused(config: RobotConfig, group: ActuatorGroup) -> Iterator[str]:
             yield f"group {one_line(group.name)}: {err.message}, so it selects no joint"
 
 
-def _physics_dt(config: RobotConfig) -> Quantity:
-    setting = config.settings.get("physics_dt")
+def _time(config: RobotConfig, name: str) -> Quantity:
+    setting = config.settings.get(name)
     if setting is None:
         return unknown("s")
     step = setting.number

@@ -59,6 +59,9 @@ def time_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
             )
             help = "decimation is the number of simulation steps in one control step, such as 4"
             yield at(spans, "SPEC186", message, ("timing", "decimation"), help, path)
+    control = model.timing.control_dt
+    if control is not None:
+        yield from _time(control, ("timing", "control_dt"), CONTROL_PERIOD, "a control period", spans)
     for name, motor in model.motors.items():
         if motor.bandwidth is not None:
             path = ("motors", name, "bandwidth")
