@@ -135,7 +135,9 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
         joints=tuple(joints),
         unmanaged=tuple(name for name in order if name in alone),
         physics_dt=step,
-        decimation=whole_steps(control and control.value, step.value if stated(step) else None),
+        decimation=whole_steps(
+            None if control is None else control.value, step.value if stated(step) else None
+        ),
         control_dt=control,
         delta_action=next((s.delta_action for s in sets if s.delta_action is not None), None),
         sources=tuple(sources_of(readings, keys, sets)),

@@ -157,7 +157,7 @@ def test_every_key_was_in_the_example() -> None:
     }
     assert left_out == {
         *("note", "include", "kind", "backend", "joint_order", "joint_paths", "root", "cutoff"),
-        *("variant", "variants", "packages"),
+        *("variant", "variants", "packages", "control_dt"),
     }
 
 
