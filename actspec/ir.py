@@ -12,6 +12,7 @@ parallel motors are already in it.
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Iterator
@@ -398,6 +399,14 @@ class Source:
     note: str | None = None
 
 
+def whole_steps(period: float | None, step: float | None) -> int | None:
+    """Physics steps in a control period [s]; None where they are no whole number, or one is unknown."""
+    if not period or not step:
+        return None
+    count = round(period / step)
+    return count if math.isclose(count * step, period, rel_tol=1e-6) else None
+
+
 @dataclass(frozen=True, slots=True)
 class ActuatorSet:
     """All actuators of one robot; the compiler's IR.
@@ -409,6 +418,7 @@ class ActuatorSet:
         default_pose: The author's patterns of the default pose, in order.
         physics_dt: Simulation step [s].
         decimation: Physics steps in one control step; None when not stated.
+        control_dt: Time from one action to the next [s], where it is stated itself.
         delta_action: Robot-wide delta action; None without one.
         accept: Approximations taken knowingly: (`target.field`, reason).
         sources: What the `source` keys mean.
@@ -431,6 +441,7 @@ class ActuatorSet:
     default_pose: tuple[str, ...] = ()
     approximations: tuple[Approximation, ...] = ()
     variant: str | None = None
+    control_dt: Quantity | None = None
 
     @property
     def title(self) -> str:
@@ -442,6 +453,14 @@ class ActuatorSet:
         """Whose physics step it is where nobody states one; "" where somebody does."""
         stated = self.physics_dt.origin is not Origin.DEFAULT
         return "" if stated else "MuJoCo's default: neither the spec nor its model states one"
+
+    @property
+    def control_period(self) -> float | None:
+        """Time from one action to the next [s]; None where nobody states it: steps of a default are no rate."""
+        if self.control_dt is not None and self.control_dt.known:
+            return self.control_dt.value
+        step = None if self.assumed_step else self.physics_dt.value
+        return None if step is None or self.decimation is None else step * self.decimation
 
     @property
     def spec_lines(self) -> tuple[str, ...]:

@@ -13,7 +13,17 @@ from dataclasses import dataclass, field, replace
 
 from actspec.draft.sources import RobotReading, keyed, robot_name, source_keys, sources_of, stated
 from actspec.fields import BY_IR, Role
-from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Level, Quantity, Randomization
+from actspec.ir import (
+    ActuatorSet,
+    Command,
+    Delay,
+    JointActuator,
+    JointKind,
+    Level,
+    Quantity,
+    Randomization,
+    whole_steps,
+)
 from actspec.lift.lifted import LeftAlone
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.compare import COPIED, same
@@ -119,12 +129,16 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
     sets = [reading.lifted.actuators for reading in ranked]
     step = _first([actuators.physics_dt for actuators in sets])
     assert step is not None
+    control = _first([_control_dt(actuators) for actuators in sets])
     actuators = ActuatorSet(
         robot=robot_name(base or ranked[0]),
         joints=tuple(joints),
         unmanaged=tuple(name for name in order if name in alone),
         physics_dt=step,
-        decimation=next((s.decimation for s in sets if s.decimation is not None), None),
+        decimation=whole_steps(
+            None if control is None else control.value, step.value if stated(step) else None
+        ),
+        control_dt=control,
         delta_action=next((s.delta_action for s in sets if s.delta_action is not None), None),
         sources=tuple(sources_of(readings, keys, sets)),
     )
@@ -295,12 +309,21 @@ def _ranges(said: Sequence[JointActuator]) -> tuple[Randomization, ...]:
     return tuple(found.values())
 
 
+def _control_dt(actuators: ActuatorSet) -> Quantity | None:
+    """What one file says of the control period, itself or by steps of a time that it states, too."""
+    own, step = actuators.control_dt, actuators.physics_dt
+    if (own is not None and own.known) or actuators.decimation is None or not stated(step):
+        return own
+    return replace(step, value=step.require() * actuators.decimation, lost=())
+
+
 def _disagreements(actuators: ActuatorSet) -> Iterator[Disagreement]:
     """Fields that two files give differently, the joints with the same figures together."""
     found: dict[tuple[object, ...], list[tuple[str, Quantity, Quantity]]] = {}
     named = [(j.joint, name, q) for j in actuators.joints for name, q in j.quantities()]
-    for joint, name, taken in [*named, ("", "physics_dt", actuators.physics_dt)]:
-        for lost in taken.lost if name == "physics_dt" or name in BY_IR else ():
+    control = () if actuators.control_dt is None else (("", "control_dt", actuators.control_dt),)
+    for joint, name, taken in [*named, ("", "physics_dt", actuators.physics_dt), *control]:
+        for lost in taken.lost if not joint or name in BY_IR else ():
             key = (name, taken.value, taken.source, lost.value, lost.source)
             found.setdefault(key, []).append((joint, taken, lost))
     for figures, entries in found.items():

@@ -151,12 +151,19 @@ def timing_lines(actuators: ActuatorSet) -> tuple[list[Line], str]:
     if stated(step):
         lost = lost_text([Row("", lost=lost_of(step))])
         rows.append(line("physics_dt", sourced(step), "; ".join(filter(None, (places([step.span]), lost)))))
+    control = actuators.control_dt
+    if control is None or not control.known:
+        return rows, "decimation: 4    # physics steps in one control step; not stated" if rows else _step(
+            actuators
+        )
+    remark = lost_text([Row("", lost=lost_of(control))])
     if actuators.decimation is not None:
-        rows.append(Line("decimation", str(actuators.decimation)))
-        return rows, "" if stated(step) else _step(actuators)
-    return rows, "decimation: 4    # physics steps in one control step; not stated" if rows else _step(
-        actuators
-    )
+        rows.append(line("decimation", str(actuators.decimation), remark))
+    else:
+        rows.append(
+            line("control_dt", sourced(control), "; ".join(filter(None, (places([control.span]), remark))))
+        )
+    return rows, "" if stated(step) else _step(actuators)
 
 
 def unmanaged_lines(combined: Combined) -> Iterator[tuple[str, str]]:

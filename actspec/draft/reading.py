@@ -24,7 +24,7 @@ from actspec.draft.including import including
 from actspec.draft.sources import RobotReading
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
-from actspec.lift.config import asset_of, plain_name
+from actspec.lift.config import asset_of
 from actspec.readings.artifact import (
     Artifact,
     FileKind,
@@ -34,7 +34,7 @@ from actspec.readings.artifact import (
     Setting,
     without_comments,
 )
-from actspec.readings.config import lost_keys
+from actspec.readings.config import lost_keys, plain_name
 from actspec.readings.dict_keys import meant_for
 from actspec.readings.joint_lists import fitting, joint_lists, names_of, other_endings
 from actspec.readings.pair import joint_names, matching, pair

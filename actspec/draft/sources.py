@@ -135,6 +135,7 @@ def keyed(reading: RobotReading, keys: Mapping[str, str]) -> RobotReading:
                 actuators,
                 joints=tuple(_named(_mapped(joint, rekey), reading) for joint in actuators.joints),
                 physics_dt=rekey(actuators.physics_dt),
+                control_dt=None if actuators.control_dt is None else rekey(actuators.control_dt),
             ),
         ),
     )

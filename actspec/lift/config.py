@@ -17,13 +17,10 @@ from actspec.lift.config_joint import ConfigJoint
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
-from actspec.readings.config import control_of_group, selected
+from actspec.readings.config import control_of_group, plain_name, selected
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.versions import Versions, friction_unit_of, meant_for
 from actspec.robot.view import JointView
-
-_NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)
-"""A pattern that means one name: characters without a meaning of their own, or escaped ones."""
 
 _DRIVES = ("implicit", "ideal_pd", "dc_motor", "network", "position", "velocity", "motor", "pid")
 """Controls of the ledger for which the law has words."""
@@ -76,7 +73,7 @@ def lift_config(
     for group in config.groups:
         for joint, pattern in selected(config, group, named):
             members.setdefault(joint, []).append((group, pattern))
-    own_step = _physics_dt(config)
+    own_step = _time(config, "physics_dt")
     found: list[JointActuator] = []
     alone: list[LeftAlone] = []
     notes: dict[str, list[str]] = {}
@@ -115,6 +112,7 @@ def lift_config(
             unmanaged=tuple(item.joint for item in alone),
             physics_dt=own_step,
             decimation=_decimation(config),
+            control_dt=_time(config, "control_dt"),
             diagnostics=config.notes,
         ),
         tuple(alone),
@@ -215,15 +213,6 @@ def _plain_names(config: RobotConfig) -> tuple[str, ...]:
     return tuple(found)
 
 
-def plain_name(framework: Framework, pattern: str) -> str | None:
-    """The one name that a pattern means; None where it means more, or a part of names."""
-    if framework is Framework.LEGGED_GYM or (framework is Framework.DEPLOY and pattern == ".*"):
-        return None
-    if framework is Framework.DEPLOY:
-        return pattern
-    return re.sub(r"\\(.)", r"\1", pattern, flags=re.DOTALL) if _NAME.fullmatch(pattern) else None
-
-
 def _unnamed(config: RobotConfig, named: Sequence[str]) -> Iterator[LeftAlone]:
     """Patterns of joints that nobody names."""
     why = "a pattern, and no file names the joints: name the robot's MJCF or URDF too"
@@ -246,6 +235,13 @@ def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:
         if group.joints is None:
             yield f"group {one_line(group.name)}: which joints it is for could not be read"
         yield from _refused(config, group)
+    count = _decimation(config)
+    if count is not None and not (_time(config, "physics_dt").known or _time(config, "control_dt").known):
+        own = " (5 ms in legged_gym's own)" if config.framework is Framework.LEGGED_GYM else ""
+        yield (
+            f"decimation {count} counts physics steps whose length it does not state{own}: it is left out, and no "
+            f"control rate is written; state both, timing: {{physics_dt: ..., decimation: {count}}}"
+        )
     if config.framework is not Framework.ISAACLAB:
         return
     fields = ("friction", "dynamic_friction", "viscous_friction")
@@ -268,8 +264,8 @@ def _refused(config: RobotConfig, group: ActuatorGroup) -> Iterator[str]:
             yield f"group {one_line(group.name)}: {err.message}, so it selects no joint"
 
 
-def _physics_dt(config: RobotConfig) -> Quantity:
-    setting = config.settings.get("physics_dt")
+def _time(config: RobotConfig, name: str) -> Quantity:
+    setting = config.settings.get(name)
     if setting is None:
         return unknown("s")
     step = setting.number

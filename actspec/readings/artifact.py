@@ -191,6 +191,7 @@ class RobotConfig:
         randomize: Its ranges.
         notes: What could not be folded, each with its place and reason.
         written_for: What its groups are for, where actspec wrote them: names of `case.Versions`' fields.
+        nameless: `kp` and `kd` to the entries of lists whose joints nobody names.
     """
 
     framework: Framework
@@ -201,6 +202,7 @@ class RobotConfig:
     randomize: tuple[RandomizedRange, ...] = ()
     notes: tuple[Diagnostic, ...] = ()
     written_for: Mapping[str, str] = field(default_factory=dict)
+    nameless: Mapping[str, tuple[Setting, ...]] = field(default_factory=dict)
 
     @property
     def physics_dt(self) -> float | None:

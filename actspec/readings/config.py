@@ -2,7 +2,7 @@
 rows of that.
 
 A configuration speaks in patterns; which joints they mean, and the joints' inertia, come from the model that it is
-paired with. Without one, each pattern is a row of its own.
+paired with. Without one, each pattern is a row of its own, under the joint's name where it means one.
 
 Source for the rules by framework and version: Isaac Lab 2.2.0 and 2.3.2 classes, mjlab 1.6.0 classes,
 legged_gym's `_compute_torques`; measured.
@@ -11,6 +11,7 @@ legged_gym's `_compute_torques`; measured.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -84,6 +85,9 @@ IN_FIGURES = frozenset(
 ) - {"class_type", "physics_dt"}  # fmt: skip
 """Settings that a figure is made from."""
 
+_NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)
+"""A pattern that means one name: characters without a meaning of their own, or escaped ones."""
+
 VOLTS = "in volts: constant and resistance of the motor make a torque of it"
 """Why the gains of mjlab's `BuiltinDcMotorActuatorCfg` are none at the joint. Source: mjlab 1.6.0, its docstring."""
 
@@ -106,15 +110,27 @@ class Found:
 
 
 def selected(config: RobotConfig, group: ActuatorGroup, named: Sequence[str] | None) -> list[tuple[str, str]]:
-    """The joints of a group, each with the pattern that selects it; the patterns themselves without a model."""
+    """The joints of a group, each with the pattern that selects it; the patterns themselves without a model.
+
+    A pattern that means one name is that name.
+    """
     found: dict[str, str] = {}
     for pattern in group.joints or ():
         if named is None:
-            found.setdefault(pattern, pattern)
+            found.setdefault(plain_name(config.framework, pattern) or pattern, pattern)
         else:
             for joint in matching(config.framework, pattern, named):
                 found.setdefault(joint, pattern)
     return list(found.items())
+
+
+def plain_name(framework: Framework, pattern: str) -> str | None:
+    """The one name that a pattern means; None where it means more, or a part of names."""
+    if framework is Framework.LEGGED_GYM or (framework is Framework.DEPLOY and pattern == ".*"):
+        return None
+    if framework is Framework.DEPLOY:
+        return pattern
+    return re.sub(r"\\(.)", r"\1", pattern, flags=re.DOTALL) if _NAME.fullmatch(pattern) else None
 
 
 def lost_keys(
@@ -374,7 +390,7 @@ def value_of(
     """A setting's value for a joint.
 
     A mapping that misses a joint gives 0 in Isaac Lab (2.x, measured) and in legged_gym; elsewhere nothing.
-    Without a model only a key that is written like the group's pattern is known to cover it.
+    Without a model only a key that is written like the group's pattern is known to cover it, unless that is a name.
     """
     if setting.unknown is not None:
         return Found(None, setting.span, why=setting.unknown)
@@ -386,7 +402,7 @@ def value_of(
     if not isinstance(value, Mapping):
         return None
     numbers = {key: float(number) for key, number in value.items() if isinstance(number, int | float)}
-    if named is None:
+    if named is None and plain_name(framework, pattern) is None:
         return Found(next((numbers[key] for key in numbers if key in (pattern, ".*")), None), setting.span)
     chosen = next((key for key in numbers if matching(framework, key, (joint,))), None)
     if chosen is not None:

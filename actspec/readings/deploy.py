@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import yaml
@@ -36,6 +36,8 @@ MOST_STEPS = 200_000
 """Chosen: values visited in one file, aliases counted each time."""
 MOST_JOINTS = 2000
 """Chosen: joints that one list names; every field's list is held against every name."""
+LEAST_JOINTS = 3
+"""Chosen: entries of a list without names from which on it is one of joints; two may be the ends of a range."""
 MOST_DEPTH = 40
 """Chosen: deepest nesting that is followed."""
 
@@ -310,9 +312,30 @@ class _Reader:
             settings["joint_order"] = Setting(joints, next(iter(names.values()), self._span(node)))
         if ours:
             settings["sdk_order"] = self._sdk_order(block)
+        nameless = {} if joints is not None else self._nameless(scopes, fields)
+        at = self._span(node)
         return RobotConfig(
-            Framework.DEPLOY, name, self._span(node), tuple(groups), settings, notes=tuple(out)
+            Framework.DEPLOY, name, at, tuple(groups), settings, notes=tuple(out), nameless=nameless
         )
+
+    def _nameless(
+        self, scopes: Sequence[_Block], fields: Mapping[str, Any]
+    ) -> dict[str, tuple[Setting, ...]]:
+        """Gains of joints without names, whichever each is of: kp and kd of one length, as a pair may be a range."""
+        lists = {field: _first(scopes, PER_JOINT[field]) for field in ("kp", "kd")}
+        nodes = {field: found[1] for field, found in lists.items() if found is not None}
+        counts = {len(node.value) if isinstance(node, yaml.SequenceNode) else 0 for node in nodes.values()}
+        if len(nodes) < 2 or len(counts) > 1 or max(counts) < LEAST_JOINTS:
+            return {}
+        return {
+            field: tuple(
+                Setting(value, self._span(item))
+                for item in node.value
+                if (value := _number(item)) is not None
+            )
+            for field, node in nodes.items()
+            if field not in fields
+        }
 
     def _own_lists(self, block: _Block, joints: tuple[str, ...]) -> Iterator[tuple[str, dict[str, Setting]]]:
         """The lists that only actspec writes: setting, and joint to its value."""

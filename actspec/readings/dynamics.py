@@ -136,13 +136,15 @@ def settings_of(artifact: Artifact) -> dict[str, float | str]:
             found["physics_dt"] = artifact.spec.physics_dt.value
         if artifact.spec.decimation is not None:
             found["decimation"] = float(artifact.spec.decimation)
+        if artifact.spec.control_period is not None:
+            found["control_dt"] = artifact.spec.control_period
     elif artifact.config is not None:
         for name in ("physics_dt", "decimation", "control_dt"):
             setting = artifact.config.settings.get(name)
             if setting is not None and setting.unknown is None and isinstance(setting.value, int | float):
                 found[name] = float(setting.value)
     step, decimation = found.get("physics_dt"), found.get("decimation")
-    if isinstance(step, float) and isinstance(decimation, float):
+    if artifact.spec is None and isinstance(step, float) and isinstance(decimation, float):
         found.setdefault("control_dt", step * decimation)
     return found
 

@@ -63,8 +63,8 @@ def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
     timing = f"physics {format_quantity(step.require() * 1e3, 'ms')}"
     if actuators.assumed_step:
         timing += f" ({actuators.assumed_step})"
-    if actuators.decimation is not None:
-        timing += f", control {format_quantity(1.0 / (step.require() * actuators.decimation), 'Hz')}"
+    if actuators.control_period is not None:
+        timing += f", control {format_quantity(1.0 / actuators.control_period, 'Hz')}"
     yield (
         f"{actuators.title}: {many(len(actuators.joints), 'joint')} in {many(groups, 'group')}, "
         f"{path}, {timing}"

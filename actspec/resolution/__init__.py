@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, ResolveError, listed
-from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source
+from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source, whole_steps
 from actspec.readings.joint import read_joints
 from actspec.resolution.identified import check_gains, drawn_apart, results_sources
 from actspec.resolution.joint import actuator_of, armature_of
@@ -100,12 +100,15 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     collector.raise_if_failed(ResolveError)
     model = spec.model
     delta = model.delta_action
+    step, control = _physics_dt(spec, robot), model.timing.control_dt
     return ActuatorSet(
         robot=model.robot.name,
         joints=joints,
         unmanaged=bindings.unmanaged,
-        physics_dt=_physics_dt(spec, robot),
-        decimation=model.timing.decimation,
+        physics_dt=step,
+        decimation=model.timing.decimation
+        or whole_steps(None if control is None else control.value, step.value),
+        control_dt=None if control is None else written(control, "s", spec.span("timing", "control_dt")),
         delta_action=None
         if delta is None
         else DeltaAction(os.path.join(folder, delta.manifest), spec.span("delta_action")),

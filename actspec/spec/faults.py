@@ -174,8 +174,8 @@ _DASHED = re.compile(r"-[^\S ]?([^\s\d-]\S*)")
 _MISNOMERS = {
     "kv": "a motor's speed constant is stated as its inverse, `torque_constant`: 100 rpm/V is 0.0955 N*m/A",
     **dict.fromkeys(
-        ("control_dt", "control_period", "control_frequency"),
-        "the control period is `timing: {decimation: ...}` steps of `physics_dt`",
+        ("control_period", "control_frequency"),
+        "the control period is `timing: {control_dt: ...}`, or `decimation` steps of `physics_dt`",
     ),
     "damping": "`kd` is the drive's velocity gain; passive joint damping is `friction: {viscous: ...}`",
     "stiffness": "the drive's stiffness is `kp`",

@@ -153,6 +153,8 @@ class Timing(Strict):
     """Simulation step [s]. Default: the model's own."""
     decimation: Annotated[int, Field(ge=1, le=10000, strict=True)] | None = None
     """Physics steps in one control step."""
+    control_dt: PositiveTime | None = None
+    """Time from one action to the next, in place of decimation [s]."""
 
 
 class Curve(Strict):

@@ -95,9 +95,9 @@ def _settings(
     target: TargetFiles, actuators: ActuatorSet, fresh: FileFigures, built: FileFigures
 ) -> Iterator[Row]:
     """What concerns the whole file: its steps."""
-    step, decimation = actuators.physics_dt.value, actuators.decimation
-    spec = {"physics_dt": step, "decimation": None if decimation is None else float(decimation)}
-    spec["control_dt"] = None if step is None or decimation is None else step * decimation
+    decimation = None if actuators.decimation is None else float(actuators.decimation)
+    spec = {"physics_dt": actuators.physics_dt.value, "decimation": decimation}
+    spec["control_dt"] = actuators.control_period
     for name in dict.fromkeys((*fresh.settings, *built.settings)):
         expected = spec.get(name)
         if expected is None:

@@ -59,6 +59,8 @@ LEG = EntityArticulationInfoCfg(
 )
 """
 
+NO_STEP = MOTORS.replace('<option timestep="0.002"/>', "")
+
 DEPLOY = """joint_names: [knee, hip]
 kp: [45, 45]
 kd: [1, 1.5]
@@ -123,6 +125,53 @@ def test_gains_of_a_deploy_file_leave_the_motor(tmp_path: Path) -> None:
     assert motor["no_load_speed"] == "10 rad/s"
     plain = imported(write(tmp_path, leg_xml=MOTORS, deploy_yaml=DEPLOY), tmp_path)
     assert joint(plain, "hip")["level"] == "ideal_pd"
+
+
+LEGGED = """class LegCfg(LeggedRobotCfg):
+    class control(LeggedRobotCfg.control):
+        control_type = "P"
+        stiffness = {"hip": 40.0, "knee": 40.0}
+        damping = {"hip": 1.0, "knee": 1.0}
+        decimation = 4
+"""
+STEPPED = f"{LEGGED}    class sim(LeggedRobotCfg.sim):\n        dt = 0.005\n"
+
+
+@pytest.mark.parametrize(
+    ("config", "model", "deploy", "timing", "differ"),
+    [
+        # Of steps that the class inherits from a file that is not here; 4 of the model's 2 ms are not meant.
+        (LEGGED, NO_STEP, "", None, []),
+        (LEGGED, MOTORS, "", {"physics_dt": "2 ms"}, []),
+        (STEPPED, MOTORS, "", {"physics_dt": "5 ms", "decimation": 4}, []),
+        # The deploy file's 20 ms are 10 steps of the model's 2 ms.
+        (LEGGED, NO_STEP, DEPLOY, {"control_dt": "20 ms"}, []),
+        (LEGGED, MOTORS, DEPLOY, {"physics_dt": "2 ms", "decimation": 10}, []),
+        (STEPPED, MOTORS, DEPLOY, {"physics_dt": "5 ms", "decimation": 4}, []),
+        (
+            STEPPED,
+            MOTORS,
+            DEPLOY.replace("0.02", "0.03"),
+            {"physics_dt": "5 ms", "decimation": 4},
+            [("control_dt", (), 0.02, 0.03)],
+        ),
+    ],
+)
+def test_control_period(
+    tmp_path: Path,
+    config: str,
+    model: str,
+    deploy: str,
+    timing: dict[str, Any] | None,
+    differ: list[tuple[str, tuple[str, ...], float, float]],
+) -> None:
+    """A decimation counts the steps of its own file, and what a deploy file has is the period itself."""
+    files = {"leg_xml": model, "leg_config_py": config, **({"deploy_yaml": deploy} if deploy else {})}
+    found = imported(write(tmp_path, **files), tmp_path)
+    assert bare(found.data.get("timing")) == timing
+    assert [item for item in told(found) if item[0] == "control_dt"] == differ
+    left_out = any("decimation 4 counts physics steps" in note for note in found.combined.notes.get("", ()))
+    assert left_out is (config is LEGGED)
 
 
 def test_nominal_delay_of_another_file(tmp_path: Path) -> None:

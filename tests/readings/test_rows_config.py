@@ -192,6 +192,21 @@ def test_without_a_model_each_pattern_is_a_row() -> None:
     assert "kp" not in rows[".*_knee"].stated or rows[".*_knee"].kp is None
 
 
+def test_without_a_model_a_pattern_that_is_a_name_is_a_joint() -> None:
+    """Keys are matched against it, as `import --joints` does; one that no key selects gets Isaac Lab's 0."""
+    settings = {"stiffness": {".*_hip": 25.0, ".*_knee": 40.0}, "damping": {"l_.*": 0.5, "r_hip": 0.7}}
+    rows = _rows("DCMotorCfg", settings, joints=("l_hip", "r_hip", "l_knee", r"r\.knee", ".*_ankle"))
+    assert {joint: (row.kp, row.kd) for joint, row in rows.items()} == {
+        "l_hip": (25.0, 0.5),
+        "r_hip": (25.0, 0.7),
+        "l_knee": (40.0, 0.5),
+        # No key is for `r.knee`.
+        "r.knee": (0.0, 0.0),
+        ".*_ankle": (None, None),
+    }
+    assert "kp" in rows["l_hip"].stated and "kp" not in rows["r.knee"].stated
+
+
 def test_a_key_of_one_joint_that_a_pattern_may_select() -> None:
     """Where no file names the joints, `FL_hip` may be one that `.*_hip` selects, and `FL_hpi` is none of them."""
     group = ActuatorGroup("legs", "DCMotorCfg", AT, (".*_hip", ".*_knee"), {})

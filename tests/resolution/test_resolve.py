@@ -7,7 +7,7 @@ import math
 import pytest
 
 from actspec.ir import Command, Level, Origin
-from tests.fitting import fit, joint, model_of, refused, spec_of
+from tests.fitting import faults_of, fit, joint, model_of, refused, spec_of
 
 HIP = "name: leg, model: none, joints: [{name: hip, range: [-1 rad, 2 rad]}]"
 MOTORS = "{m: {side: joint, peak_torque: 40 N*m, bandwidth: 30 Hz}, n: {side: joint, peak_torque: 20 N*m}}"
@@ -336,6 +336,35 @@ def test_physics_dt_without_a_file() -> None:
     """Without spec or file it is MuJoCo's 2 ms, of origin default."""
     found = fit(hip("")).physics_dt
     assert (found.value, found.origin) == (0.002, Origin.DEFAULT)
+
+
+@pytest.mark.parametrize(
+    ("timing", "decimation", "period"),
+    [
+        ("", None, None),
+        # 4 x 5 ms.
+        ("{physics_dt: 5 ms, decimation: 4}", 4, 0.02),
+        # Steps of MuJoCo's 2 ms, which nobody stated, would be 8 ms.
+        ("{decimation: 4}", 4, None),
+        ("{control_dt: 20 ms}", 10, 0.02),
+        ("{physics_dt: 5 ms, control_dt: 20 ms}", 4, 0.02),
+        # 20 / 3 steps are no whole number.
+        ("{physics_dt: 3 ms, control_dt: 20 ms}", None, 0.02),
+        ("{physics_dt: 5 ms, control_dt: unknown}", None, None),
+    ],
+)
+def test_control_period(timing: str, decimation: int | None, period: float | None) -> None:
+    """It is stated, or so many steps of a length that somebody states."""
+    found = fit(hip("") + (f"timing: {timing}\n" if timing else ""))
+    assert (found.decimation, found.control_period) == (decimation, period)
+
+
+def test_the_control_period_is_said_once() -> None:
+    """Decimation and control_dt are one number."""
+    timing = "timing: {physics_dt: 5 ms, decimation: 4, control_dt: 20 ms}\n"
+    assert faults_of(hip("") + timing) == [
+        "SPEC125 timing.control_dt: decimation and control_dt are both given"
+    ]
 
 
 def test_values_keep_source_std_and_place() -> None:

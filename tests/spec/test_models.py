@@ -157,7 +157,7 @@ def test_every_key_was_in_the_example() -> None:
     }
     assert left_out == {
         *("note", "include", "kind", "backend", "joint_order", "joint_paths", "root", "cutoff"),
-        *("variant", "variants", "packages"),
+        *("variant", "variants", "packages", "control_dt"),
     }
 
 
@@ -306,8 +306,8 @@ def test_junk_anywhere_is_no_crash(turn: int) -> None:
         (
             "gear_ratio: 6",
             "kp: 1",
-            "timing: {control_dt: 20 ms}",
-            "the control period is `timing: {decimation: ...}` steps of `physics_dt`",
+            "timing: {control_period: 20 ms}",
+            "the control period is `timing: {control_dt: ...}`, or `decimation` steps of `physics_dt`",
         ),
         ("gear_ratio: 6", "randomize: {damping: {scale: [0.9, 1.1]}}", "", "did you mean 'kd'?"),
         (

@@ -41,6 +41,13 @@ class NegativeFigure(RuleOver[_Subject]):
                 value: float | None = getattr(row, field)
                 if value is not None and (field in _GAINS or field in row.stated):
                     yield row, field, value
+        # A sign is wrong whichever joint it is of.
+        for index, artifact in case.of_kind(FileKind.DEPLOY):
+            nameless = artifact.config.nameless if artifact.config is not None else {}
+            for field, entries in nameless.items():
+                for entry in entries:
+                    if (gain := entry.number) is not None:
+                        yield LedgerRow(artifact.path, index, entry.span, "", "", "ideal_pd"), field, gain
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Find gains and passive values below 0."""

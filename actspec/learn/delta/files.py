@@ -315,16 +315,13 @@ def check_model(
         if strange := sorted(set(manifest.joints) - names):
             message = f"it corrects {listed(strange)}, which the spec has not"
         out.error("LRN059", message, where="delta_action", span=place, help="train it on this spec")
-    if actuators.physics_dt.value is not None and actuators.decimation is not None:
-        period = actuators.physics_dt.value * actuators.decimation
-        if abs(manifest.period / period - 1.0) > 0.01:
-            message = (
-                f"its period is {format_number(manifest.period * 1e3, 4)} ms, the spec's control period "
-                f"{format_number(period * 1e3, 4)} ms"
-            )
-            out.error(
-                "LRN059", message, where="delta_action", span=place, help="train it at the policy's rate"
-            )
+    period = actuators.control_period
+    if period is not None and abs(manifest.period / period - 1.0) > 0.01:
+        message = (
+            f"its period is {format_number(manifest.period * 1e3, 4)} ms, the spec's control period "
+            f"{format_number(period * 1e3, 4)} ms"
+        )
+        out.error("LRN059", message, where="delta_action", span=place, help="train it at the policy's rate")
     if out.failed or manifest.model is None:
         return
     try:

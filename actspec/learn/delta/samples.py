@@ -242,12 +242,12 @@ def _check_spec(actuators: ActuatorSet, out: Collector) -> None:
 
 def _period(actuators: ActuatorSet, out: Collector) -> float:
     """The policy's [s]."""
-    if actuators.physics_dt.value is None or actuators.decimation is None:
+    if actuators.control_period is None or actuators.decimation is None:
         message = "the policy's rate is unknown"
         help = "write `timing: {physics_dt: 5 ms, decimation: 4}`: a control period is so many physics steps"
         out.error("LRN051", message, where="timing", help=help)
         return 1.0
-    return actuators.physics_dt.value * actuators.decimation
+    return actuators.control_period
 
 
 def _check_log(log: Log, names: Sequence[str], joints: Sequence[str], period: float, out: Collector) -> None:

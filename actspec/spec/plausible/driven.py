@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from actspec.diagnostics import Path
+from actspec.ir import JointActuator, Level, Origin
 from actspec.spec.document import SourceMap
 from actspec.spec.gears import Stage
 from actspec.spec.plausible.drive import Drive, Output, number, scaled, stage_path
 from actspec.spec.plausible.relations import KGF_CM, Relation
 from actspec.spec.plausible.slips import lengths
-from actspec.spec.plausible.table import Doubt, at
+from actspec.spec.plausible.table import Doubt, Found, at, found_at, shown
 from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -37,6 +39,8 @@ WITNESS = 5.0
 """A figure over what the robot's file says of it. Chosen: limits of files are up to 3 times other than the motor's."""
 AGREES = 1.25
 """The same of a corrected figure."""
+NEVER_REACHED = 1.25
+"""Effort limit over the end of a torque-speed line that acts. Chosen: a gear of 0.8 in one of the two makes so much."""
 SLOWED = 0.5
 """A velocity limit in another unit is explained from so much of motor and file on: it is often below them."""
 SPEED_LIMIT = 3.0
@@ -270,6 +274,36 @@ def limit_relations(drive: Drive, output: Output) -> Iterator[Relation]:
                 beyond=(0.0, beyond),
                 about=f"{about} {limit.path}",
             )
+
+
+def unreached_limit(joint: JointActuator) -> Iterator[Found]:
+    """An effort limit above all that the joint's torque-speed line gives, as rule LIM107 of the audit."""
+    limit, end = joint.effort_limit, joint.stall_torque
+    if joint.curve is not None:
+        end = max(joint.curve.drive_torque, joint.curve.brake_torque, key=lambda torque: torque.value or 0.0)
+    if (
+        joint.level is not Level.DC_MOTOR
+        or limit.origin is not Origin.AUTHORED
+        or end is None
+        or not end.value
+    ):
+        return
+    ratio = limit.require() / end.value
+    if ratio > NEVER_REACHED:
+        found = found_at(
+            joint,
+            "SPEC187",
+            f"actuators.{joint.group}.effort_limit",
+            ratio,
+            f"an effort limit of {shown(limit)} is never reached: the torque-speed line begins at {shown(end)}, at "
+            "standstill",
+            "are the two swapped, or is the line another motor's? Its end is the larger figure, the limit the one "
+            "below it",
+            limit,
+            end,
+        )
+        # What is doubted of the motor itself is told there.
+        yield replace(found, derived=True)
 
 
 def witness_relations(drive: Drive, output: Output) -> Iterator[Relation]:

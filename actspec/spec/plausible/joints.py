@@ -18,7 +18,7 @@ from actspec.spec.plausible.armatures import SOFT, armature_found, beside, odd_a
 from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
-from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE
+from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE, unreached_limit
 from actspec.spec.plausible.gains import Gains, blamed, gain_words
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
@@ -239,7 +239,7 @@ def _of_derivation(doubt: Doubt, model: SpecModel, spans: SourceMap) -> Doubt:
 
 
 def _joint_doubts(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept) -> Iterator[Found]:
-    for check in (pose_found, command_range_found, scale_found, _velocity, _stribeck):
+    for check in (pose_found, command_range_found, scale_found, _velocity, _stribeck, unreached_limit):
         yield from check(joint)
     yield from _friction(joint, joints, kept)
     inertia = list(armature_found(joint)) or list(odd_armature_found(joint, joints))

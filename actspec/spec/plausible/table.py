@@ -141,11 +141,13 @@ CHECKS = (
     Check(
         "SPEC187",
         "limit-of-motor",
-        "An effort limit far from what the motor gives at the joint, or a torque far from the limit of the robot's "
-        "file.",
+        "An effort limit far from what the motor gives at the joint, or at level `dc_motor` above the end of its "
+        "torque-speed line; or a torque far from the limit of the robot's file.",
         "A warning above 3 times its peak torque, or the largest of its torques where none is stated, an error above "
-        "30 times; a warning below an eighth of the least of peak and continuous torque, or a fiftieth of a stall "
-        "torque that stands alone and of what it gives behind a transmission. Published: 0.59 (STS3215) to 1.003 "
+        "30 times, and at level dc_motor above 1.25 times the end of the torque-speed line (chosen: a gear's "
+        "efficiency of 0.8 in one of the two makes so much); a warning below an eighth of the least of peak and "
+        "continuous torque, or a fiftieth of a stall torque that stands alone and of what it gives behind a "
+        "transmission. Published: 0.59 (STS3215) to 1.003 "
         "(Spot's hips). A torque against the robot's file as SPEC184, or with a line of another motor exchanged where "
         "both are more than 1.25 times off and agree to 1.05 then. An effort limit from 5 times above the file's on "
         "where it has no source and no motor's torque is known, from 30 times on in any case; below it only what is a "

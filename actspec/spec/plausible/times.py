@@ -56,6 +56,9 @@ def time_doubts(model: SpecModel, spans: SourceMap, joints: Iterable[str] = ()) 
         yield from _time(step, ("timing", "physics_dt"), STEP, "a simulation step", spans)
         if step.value <= STEP[1]:
             yield from _control(step, model, joints, spans)
+    control = model.timing.control_dt
+    if control is not None:
+        yield from _time(control, ("timing", "control_dt"), CONTROL_PERIOD, "a control period", spans)
     for name, motor in model.motors.items():
         if motor.bandwidth is not None:
             path: Path = ("motors", name, "bandwidth")

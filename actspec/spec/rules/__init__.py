@@ -11,6 +11,7 @@ from actspec.spec.rules.robot import (
     check_references,
     check_robot,
     check_targets,
+    check_timing,
     check_variants,
 )
 
@@ -27,6 +28,7 @@ def check_spec(model: SpecModel, document: Document, breaches: Breaches) -> None
             that `model` lacks because of other faults.
     """
     check_robot(model.robot, breaches)
+    check_timing(model.timing, breaches)
     check_references(document.data, model, breaches)
     for name, motor in model.motors.items():
         check_motor(name, motor, breaches)

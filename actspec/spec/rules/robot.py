@@ -9,7 +9,7 @@ from typing import Any
 from actspec.diagnostics import Path, did_you_mean, many, nearest
 from actspec.patterns import PatternError, compile_pattern
 from actspec.spec.document import Breaches
-from actspec.spec.models import KINDS, AnyTarget, Robot, SpecModel, Target
+from actspec.spec.models import KINDS, AnyTarget, Robot, SpecModel, Target, Timing
 
 
 def check_robot(robot: Robot, breaches: Breaches) -> None:
@@ -38,6 +38,17 @@ def check_robot(robot: Robot, breaches: Breaches) -> None:
         check_pattern(pattern, ("robot", "unmanaged", index), breaches)
     for pattern in robot.default_pose:
         check_pattern(pattern, ("robot", "default_pose", pattern), breaches, key=True)
+
+
+def check_timing(timing: Timing, breaches: Breaches) -> None:
+    """The control period is said once."""
+    if timing.decimation is not None and timing.control_dt is not None:
+        breaches.error(
+            "SPEC125",
+            "decimation and control_dt are both given",
+            ("timing", "control_dt"),
+            "keep decimation where the time of one physics step is known, else control_dt",
+        )
 
 
 def check_references(data: Any, model: SpecModel, breaches: Breaches) -> None:

@@ -95,12 +95,11 @@ def _map(first: str, second: str, orders: dict[str, Order | None]) -> list[str]:
 
 
 def _timing(actuators: ActuatorSet) -> Iterator[str]:
-    dt, decimation = actuators.physics_dt, actuators.decimation
-    control = None if decimation is None or dt.value is None else dt.value * decimation
+    dt = actuators.physics_dt
     origin = actuators.assumed_step or comment(origin_of(dt))
     yield f"  physics_dt: {scalar(dt.value)}  # s, of the simulation; {origin}"
-    yield f"  decimation: {scalar(decimation)}  # physics steps in one control step"
-    yield f"  control_dt: {scalar(control)}  # s, between two actions of the policy"
+    yield f"  decimation: {scalar(actuators.decimation)}  # physics steps in one control step"
+    yield f"  control_dt: {scalar(actuators.control_period)}  # s, between two actions of the policy"
 
 
 _VALUES: dict[str, Value] = {

@@ -206,7 +206,7 @@ def module_text(
 
 def _timing(actuators: ActuatorSet, groups: Sequence[CfgGroup]) -> str:
     text = f"Made for ``SimulationCfg(dt={py(actuators.physics_dt.require())})``"
-    if actuators.decimation is not None:
+    if actuators.decimation is not None and actuators.control_period is not None:
         text += f" and ``decimation={actuators.decimation}``"
     timed = {"max_delay", "physics_dt", "network_file"}
     if any(keyword.name in timed for group in groups for keyword in group.keywords):

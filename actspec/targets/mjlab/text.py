@@ -207,7 +207,11 @@ def _header(
     yield f"#     articulation={constant}_ARTICULATION,"
     yield "#   )"
     rates = f"SimulationCfg(mujoco=MujocoCfg(timestep={py(step)}))"
-    rates += f", decimation={actuators.decimation}" if actuators.decimation is not None else ""
+    rates += (
+        f", decimation={actuators.decimation}"
+        if actuators.control_period is not None and actuators.decimation is not None
+        else ""
+    )
     lags = (
         f": lags are steps of {step * 1e3:g} ms" if any(a.delay is not None for a in actuators.joints) else ""
     )

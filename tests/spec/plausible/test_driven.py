@@ -355,3 +355,39 @@ def test_a_heavy_rotor_does_not_hide_a_wrong_peak() -> None:
     assert gains("kp: 10, kd: 1", hub.format(25)) == []
     ((_, where, help),) = gains("kp: 10, kd: 1", hub.format(0.25))
     assert (where, help) == ("motors.m.peak_torque", "did you mean 25 N*m?")
+
+
+LINE = "side: joint, stall_torque: 36, no_load_speed: 20 rad/s"
+CURVE = (
+    "side: joint, curve: {drive_torque: 20, brake_torque: 36, knee_speed: 10 rad/s, no_load_speed: 20 rad/s}"
+)
+
+
+@pytest.mark.parametrize(
+    ("motor", "group", "end"),
+    [
+        # 1.25 x 36 N*m = 45 N*m.
+        (LINE, "level: dc_motor, effort_limit: 45", None),
+        (LINE, "level: dc_motor, effort_limit: 45.1", "36 N*m"),
+        # Where no line acts the limit is what a drive is asked for.
+        (LINE, "level: ideal_pd, effort_limit: 46", None),
+        # Behind a reduction of 2 the line begins at 72 N*m, and 1.25 times that are 90.
+        (LINE, "level: dc_motor, reduction: 2, effort_limit: 90", None),
+        (LINE, "level: dc_motor, reduction: 2, effort_limit: 90.1", "72 N*m"),
+        # A curve's larger torque, which brakes.
+        (CURVE, "level: dc_motor, effort_limit: 45", None),
+        (CURVE, "level: dc_motor, effort_limit: 45.1", "36 N*m"),
+        # From 3 times on the motor's torque says it: one message.
+        (LINE, "level: dc_motor, effort_limit: 109", "is 3.03 times above"),
+        # Nobody wrote the limit: it is the peak torque, which SPEC180 leaves here.
+        (f"{LINE}, peak_torque: 36.5", "level: dc_motor", None),
+    ],
+)
+def test_an_effort_limit_above_the_line(motor: str, group: str, end: str | None) -> None:
+    """At level dc_motor the line is the least that clamps: such a limit is dead, and the two may be swapped."""
+    groups = f"legs: {{joints: [hip, calf], motor: m, kp: 40, kd: 1, {group}}}, "
+    groups += "rest: {joints: [slide], level: ideal_pd, kp: 1, kd: 1}"
+    found = [d for d in fit(spec_of(groups, motors=f"{{m: {{{motor}}}}}")).diagnostics if d.code in BY_CODE]
+    assert [(d.code, d.where, str(end) in d.message) for d in found] == [
+        ("SPEC187", "actuators.legs.effort_limit", True)
+    ] * (end is not None)

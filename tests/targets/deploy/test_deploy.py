@@ -238,6 +238,15 @@ def test_robot_without_a_tree() -> None:
     assert found["timing"] == {"physics_dt": 0.005, "decimation": None, "control_dt": None}
 
 
+def test_a_control_period_that_nobody_states() -> None:
+    """Four steps of MuJoCo's default are no rate; a period that is stated is one, whatever the step."""
+    legs, robot = LEGS.replace("[lr]_(hip|knee)", ".*"), "model: none, joints: [r_hip, l_knee]"
+    found = deployed(legs, robot=robot, timing="{decimation: 4}")
+    assert found["timing"] == {"physics_dt": 0.002, "decimation": 4, "control_dt": None}
+    found = deployed(legs, robot=robot, timing="{control_dt: 25 ms}")
+    assert found["timing"] == {"physics_dt": 0.002, "decimation": None, "control_dt": 0.025}
+
+
 def test_unstated_is_null() -> None:
     """A delay or scale that nobody states, and a gain that the command has no use for, are null."""
     spec = "  legs: {joints: ['[lr]_(hip|knee)'], level: ideal_pd, command: effort}"
