@@ -302,11 +302,13 @@ def test_validate_tells_what_the_target_would(
     """Those of `compile`, each once there and here."""
     text = of_group(f"friction: {{coulomb: 0.2}}, randomize: {{{entry}}}", more=more)
     code, output = validated(text, tmp_path, capsys)
-    assert [word for word in output.split() if word.startswith(("RND0", "SPEC1"))] == expected
+    assert [word for word in output.split() if word.startswith(("RND0", "SPEC18", "SPEC19"))] == expected
     assert code == (2 if "RND004" in expected else 0)
     main(["compile", f"{tmp_path}/s.yaml", "-o", f"{tmp_path}/out"])
     caught = capsys.readouterr()
-    told = [word for word in (caught.out + caught.err).split() if word.startswith(("RND0", "SPEC1"))]
+    told = [
+        word for word in (caught.out + caught.err).split() if word.startswith(("RND0", "SPEC18", "SPEC19"))
+    ]
     assert told == expected
 
 
