@@ -19,7 +19,6 @@ class GainInJointDamping(RuleOver[_Subject]):
     name = "kd-in-joint-damping"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
-    noted_in_folders = True
     needs = "no MJCF with limited position servos among the files"
     options: ClassVar[dict[str, float]] = {"ratio": 0.1, "time": 0.01}
 
@@ -67,6 +66,7 @@ class GainInJointDamping(RuleOver[_Subject]):
             help='move it to the actuator as kv, with integrator="implicitfast", and leave the friction as damping',
             related=(row.span,),
             severity=self.severity if twin is None else Severity.WARNING,
+            noted_in_folders=True,
             confidence=self.confidence if twin is None else Confidence.HIGH,
         )
 
