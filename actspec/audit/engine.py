@@ -28,7 +28,7 @@ from actspec.audit.ignores import (
     unused,
     without_reason,
 )
-from actspec.audit.outcome import CONFIDENCES, LOST_FILE, Means, Report, Reported, Suppressed
+from actspec.audit.outcome import CONFIDENCES, LOST_FILE, Means, Report, Reported, Suppressed, codes_run
 from actspec.audit.reach import Reach, reach_of
 from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
@@ -118,7 +118,7 @@ def judge(
     remarks = [ignore for group in ignores.values() for ignore in group]
     called = {rule.code: (rule.code, *rule.names()) for rule in everything}
     after = set_aside(resolved, ignores, real_path, called)
-    ran = {rule.code for rule in asked} - {item.code for item in skipped} - {item.where for item in problems}
+    ran = codes_run(asked, skipped, problems)
     names = {name: rule for rule in everything if rule.code in ran for name in called[rule.code]}
     useless = certainly_unused(after.unused, names, case, whole, _looking(case, spec))
     about = (*without_reason(remarks), *unused(useless), *unknown(remarks, everything))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from os.path import basename
@@ -79,6 +79,14 @@ class Suppressed:
     reason: str = ""
 
 
+def codes_run(
+    rules: Iterable[type[Rule]], skipped: Iterable[Skipped], problems: Iterable[Diagnostic]
+) -> frozenset[str]:
+    """Codes of the rules that ran to their end, and had input."""
+    idle = {item.code for item in skipped} | {item.where for item in problems}
+    return frozenset(rule.code for rule in rules) - idle
+
+
 @dataclass(frozen=True, slots=True)
 class Report:
     """What an audit found.
@@ -139,8 +147,7 @@ class Report:
     @property
     def ran(self) -> frozenset[str]:
         """Codes of rules that ran to their end, and had input."""
-        idle = {item.code for item in self.skipped} | {item.where for item in self.problems}
-        return frozenset(rule.code for rule in self.rules) - idle
+        return codes_run(self.rules, self.skipped, self.problems)
 
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """What readers and rules have to say; why a file could not be read is a finding."""
