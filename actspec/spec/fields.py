@@ -26,6 +26,8 @@ EFFORT_WORDS = ("continuous", "peak")
 _EFFORTS = {"nominal": "continuous", "rated": "continuous", "max": "peak", "maximum": "peak", "stall": "peak"}
 """Words of datasheets to those of the language."""
 SAMPLINGS = ("episode", "step")
+USUAL_DELAY = (1e-3, 0.25)
+"""Of commands to a joint [s]; published: 2 to 20 ms. Of a delay and its range it tells which may be wrong."""
 
 
 class EffortField(FieldParser):
@@ -141,13 +143,7 @@ class DelayField(FieldParser):
         if pair is not None and nominal.value is not None:
             low, high = pair
             if not (low.value or 0.0) <= nominal.value <= (high.value or 0.0):
-                meant = _tenth_within(nominal.value, low.value or 0.0, high.value or 0.0)
-                help = "widen the range or move the nominal value"
-                raise fault(
-                    f"the nominal delay {nominal.written} is outside its range [{low.written}, {high.written}]",
-                    help if meant is None else f"did you mean {meant}? Or {help}",
-                    ("range",) if meant is None else ("nominal",),
-                )
+                raise _outside(nominal, low, high)
         return SpecDelay(nominal, pair, sampling)
 
     def json_schema(self) -> dict[str, Any]:
@@ -307,9 +303,23 @@ def _example(method: str) -> str:
     return f"{{derive: {', '.join([method, *written])}}}"
 
 
-def _tenth_within(delay: float, low: float, high: float) -> str | None:
-    """A delay whose point is in the wrong place, or which is in ms, as it is inside of its range [s]."""
-    for factor in (0.1, 10.0, 1e-3, 0.01, 100.0):
-        if low <= delay * factor <= high and delay:
-            return format_quantity(delay * factor * 1e3, "ms", 4)
-    return None
+def _outside(nominal: SpecValue, low: SpecValue, high: SpecValue) -> PydanticCustomError:
+    """What is wrong where a nominal delay is outside of its range: the point of the one, or that of the other."""
+    delay, ends = nominal.value or 0.0, (low.value or 0.0, high.value or 0.0)
+    message = f"the nominal delay {nominal.written} is outside its range [{low.written}, {high.written}]"
+    help = "widen the range or move the nominal value"
+    factor = next((by for by in (0.1, 10.0, 1e-3, 0.01, 100.0) if ends[0] <= delay * by <= ends[1]), None)
+    if factor is None or not delay:
+        return fault(message, help, ("range",))
+    readings = {
+        "nominal": (delay * factor, _in_ms(delay * factor)),
+        "range": (delay, f"[{', '.join(_in_ms(end / factor) for end in ends)}]"),
+    }
+    usual = {key: text for key, (size, text) in readings.items() if USUAL_DELAY[0] <= size <= USUAL_DELAY[1]}
+    usual = usual or {"nominal": readings["nominal"][1]}
+    words = " ".join(f"{key}: did you mean {text}? Or" for key, text in usual.items())
+    return fault(message, f"{words} {help}", (next(iter(usual)),))
+
+
+def _in_ms(delay: float) -> str:
+    return format_quantity(delay * 1e3, "ms", 4)

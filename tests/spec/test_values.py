@@ -188,7 +188,7 @@ def test_command_range_kind(given: Any, kind: Kind | None) -> None:
         pytest.param(
             {"nominal": "5 ms", "range": [0, "4 ms"]},
             "the nominal delay 5 ms is outside its range [0, 4 ms]",
-            ("nominal",),
+            ("range",),
             id="outside",
         ),
         pytest.param(

@@ -61,6 +61,8 @@ FASTEST_LIMIT = 200.0
 """Velocity limit of a hinge [rad/s]. Published: to 200 (gripper of the reBot), 110 at 26 N*m (Qinglong)."""
 WHOLE_ROBOT = 6
 """Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
+HOPELESS_SPEED = 3.0
+"""Times what no joint of such a torque comes to: it is told though the robot's file says it as well."""
 HOPELESS_LEVER = 10.0
 """An error from this many times the bound on."""
 
@@ -500,7 +502,8 @@ def _by_damping(
 def _velocity(joint: JointActuator) -> Iterator[Found]:
     """A velocity limit beyond any joint's, where no motor's speed stands: with one it is judged by that.
 
-    What the robot's file says as well is not mistyped, and powers of ten are placeholders.
+    What the robot's file says as well is not mistyped here, unless no joint comes near it, and powers of ten are
+    placeholders.
     """
     limit, force, own = joint.velocity_limit, joint.effort_limit, own_speed(joint)
     fast = limit.value
@@ -508,12 +511,12 @@ def _velocity(joint: JointActuator) -> Iterator[Found]:
         return
     if not fast or limit.origin is not Origin.AUTHORED or math.log10(fast).is_integer():
         return
-    if _is_files(limit):
-        return
     hinge = joint.kind is JointKind.HINGE
     strong = force.value if hinge and force.value and force.value < math.inf else 0.0
     most = FASTEST_BY_TORQUE / math.sqrt(strong) if strong else math.inf
     if fast <= min(most, FASTEST_LIMIT if hinge else FASTEST_SLIDE):
+        return
+    if _is_files(limit) and fast <= HOPELESS_SPEED * most:
         return
     words = f"a velocity limit of {shown(limit)}"
     if fast > most:

@@ -106,14 +106,14 @@ CHECKS = (
         "one of 200 kW (20 kW below 100 V); a lever arm above 3 m (chosen: large excavators have 1); a joint, behind "
         "reduction and transmission, above 1000 rad/s divided by the "
         "root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and where none is "
-        "known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s, unless the robot's file has it "
-        "too. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times root of torque "
-        "to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the H2 100.7), velocity limits to 1 times "
-        "the speed. From 5 times above or below the file's limit on, where a slip in one figure makes them agree to a "
-        "quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any case; where no slip "
-        "does, a motor that is 5 times slower than every joint of a group has it, as a slower joint is often chosen; "
-        "0, powers of ten and figures of one digit are placeholders. A stated Stribeck velocity from the motor's "
-        "no-load speed, else the velocity limit, on (published: to 1 rad/s).",
+        "known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s; where the robot's file has it "
+        "too, from 3 times that. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed "
+        "times root of torque to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the H2 100.7), velocity "
+        "limits to 1 times the speed. From 5 times above or below the file's limit on, where a slip in one figure "
+        "makes them agree to a quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any "
+        "case; where no slip does, a motor that is 5 times slower than every joint of a group has it, as a slower "
+        "joint is often chosen; 0, powers of ten and figures of one digit are placeholders. A stated Stribeck velocity "
+        "from the motor's no-load speed, else the velocity limit, on (published: to 1 rad/s).",
     ),
     Check(
         "SPEC185",

@@ -151,8 +151,15 @@ def test_a_voltage_beside_a_constant_that_gives_the_torque() -> None:
 @pytest.mark.parametrize(
     ("delay", "where", "help"),
     [
-        ("{nominal: 40 ms, range: [0 ms, 8 ms]}", "nominal", "did you mean 4 ms? Or widen"),
-        ("{nominal: 5 s, range: [1 ms, 8 ms]}", "nominal", "did you mean 5 ms? Or widen"),
+        # Either may be wrong: 4 ms of 8 ms, or 40 ms of 80 ms.
+        (
+            "{nominal: 40 ms, range: [0 ms, 8 ms]}",
+            "nominal",
+            "nominal: did you mean 4 ms? Or range: did you mean [0 ms, 80 ms]? Or widen",
+        ),
+        # No delay is 5 s, and none 0.4 ms.
+        ("{nominal: 5 s, range: [1 ms, 8 ms]}", "nominal", "nominal: did you mean 5 ms? Or widen"),
+        ("{nominal: 4 ms, range: [0 ms, 0.8 ms]}", "range", "range: did you mean [0 ms, 8 ms]? Or widen"),
         ("{nominal: 9 ms, range: [5 ms, 8 ms]}", "range", "widen the range or move"),
     ],
 )

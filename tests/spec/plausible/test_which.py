@@ -338,17 +338,26 @@ def test_a_velocity_limit_alone(fields: str, told: bool, help: str) -> None:
     assert all((item.help or "").startswith(help) for item in found)
 
 
-def test_a_velocity_limit_that_the_file_has(tmp_path: Path) -> None:
-    """3.14 rad/s are the file's; 802 of it are 255 times as many."""
-    fast = URDF.replace("3.14", "802")
+@pytest.mark.parametrize(
+    ("speed", "told"),
+    [
+        # Beside 30 N*m no joint reaches 1000 / sqrt(30) = 183 rad/s; three times that are 548 rad/s.
+        ("540", False),
+        ("802", True),
+    ],
+)
+def test_a_velocity_limit_that_the_file_has(tmp_path: Path, speed: str, told: bool) -> None:
+    """What the file says as well is not mistyped in the spec, and beyond every joint it is wrong in both."""
+    fast = URDF.replace("3.14", speed)
     (tmp_path / "fast.urdf").write_text(fast, encoding="utf-8")
     text = (
         "actspec: 1\nrobot: {name: arm, model: fast.urdf}\n"
-        "actuators: {arm: {joints: [hip, knee], level: ideal_pd, kp: 40, kd: 1, velocity_limit: 802 rad/s}}\n"
+        f"actuators: {{arm: {{joints: [hip, knee], level: ideal_pd, kp: 40, kd: 1, velocity_limit: {speed} rad/s}}}}\n"
     )
     spec = validate(document_from_text(text, str(tmp_path / "s.yaml")))
-    assert resolve(spec, joints_of_text(str(tmp_path / "fast.urdf"))).diagnostics == ()
-    (found,) = said(tmp_path, "velocity_limit: 802 rad/s")
+    own = resolve(spec, joints_of_text(str(tmp_path / "fast.urdf"))).diagnostics
+    assert [item.code for item in own] == ["SPEC184"] * told
+    (found,) = said(tmp_path, f"velocity_limit: {speed} rad/s")
     assert (found.code, found.where) == ("SPEC184", "actuators.arm.velocity_limit")
 
 
