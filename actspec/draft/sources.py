@@ -9,12 +9,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from actspec.diagnostics import RobotError, Span, listed, one_line
+from actspec.diagnostics import RobotError, Span, one_line
+from actspec.draft.names import one_pattern
 from actspec.draft.text import scalar
 from actspec.ir import ActuatorSet, AsymmetricCurve, Command, JointActuator, Level, Origin, Quantity, Source
 from actspec.lift.lifted import Lifted
+from actspec.patterns import PatternError
 from actspec.readings.artifact import Artifact, FileKind, Framework
-from actspec.readings.config import control_of_group
+from actspec.readings.config import control_of_group, selected
 from actspec.readings.versions import Versions
 from actspec.robot.view import ModelFormat
 from actspec.simulators import DEFAULT_VERSIONS
@@ -282,17 +284,12 @@ def _targets(
     if model is not None and model.kind is FileKind.URDF:
         yield DraftTarget("urdf", "{}")
     if "isaaclab" in stacks:
-        implicit, other = _classes(readings)
         options = {
             "version": versions.isaaclab or DEFAULT_VERSIONS["isaaclab"],
             "isaac_sim": versions.isaac_sim,
             "backend": versions.backend,
         }
-        remark = (
-            f"{listed(implicit)} implicit there, becomes explicit as the others" if implicit and other else ""
-        )
-        value = _mapping(options, "class: implicit" if implicit and not other else "")
-        yield DraftTarget("isaaclab", value, remark)
+        yield DraftTarget("isaaclab", _mapping(options, _class(readings, combined)))
     if "mjlab" in stacks:
         yield DraftTarget("mjlab", _mapping({"version": versions.mjlab or DEFAULT_VERSIONS["mjlab"]}))
     if FileKind.DEPLOY in kinds:
@@ -331,18 +328,25 @@ def _has_gains(combined: Combined) -> bool:
     )
 
 
-def _classes(readings: Sequence[RobotReading]) -> tuple[list[str], list[str]]:
-    """Groups of Isaac Lab configurations whose drive the solver has, and the others."""
-    implicit: list[str] = []
-    other: list[str] = []
+def _class(readings: Sequence[RobotReading], combined: Combined) -> str:
+    """The option for the joints whose drive is the solver's in an Isaac Lab configuration; "" where there are none."""
+    managed = [joint.joint for joint in combined.actuators.joints]
+    solver: set[str] = set()
     for reading in readings:
         config = reading.artifact.config
-        if config is None or config.framework is not Framework.ISAACLAB:
-            continue
-        for group in config.groups:
-            solver = control_of_group(config.framework, group) == "implicit"
-            (implicit if solver else other).append(one_line(group.name))
-    return implicit, other
+        if config is not None and config.framework is Framework.ISAACLAB:
+            for group in config.groups:
+                if control_of_group(config.framework, group) == "implicit":
+                    solver.update(joint for joint, _ in selected(config, group, managed))
+    wanted = [joint for joint in managed if joint in solver]
+    if len(wanted) == len(managed):
+        return "class: implicit" if wanted else ""
+    try:
+        patterns = one_pattern(wanted, managed) if wanted else ()
+    except PatternError:
+        # Of a name that no pattern can hold the draft says so.
+        return ""
+    return f"class: {{{', '.join(f'{scalar(pattern)}: implicit' for pattern in patterns)}}}" if wanted else ""
 
 
 def _mapping(options: dict[str, str | None], more: str = "") -> str:

@@ -376,16 +376,20 @@ class IsaacSimTarget(VersionedTarget):
     """Physics backend, for Isaac Lab 3."""
 
 
+ActuatorClass = Literal["auto", "implicit", "custom"]
+
+
 class IsaacLabTarget(IsaacSimTarget):
     """Options of the Isaac Lab target."""
 
-    class_: Literal["auto", "implicit", "custom"] | None = Field(default=None, alias="class")
-    """Kind of actuator class, for Isaac Lab."""
-
-    @property
-    def actuator_class(self) -> str:
-        """Kind of actuator class: `auto`, `implicit` or `custom`."""
-        return self.class_ or "auto"
+    class_: (
+        Annotated[
+            Annotated[dict[str, ActuatorClass], Tag("mapping")] | Annotated[ActuatorClass, Tag("word")],
+            Discriminator(_shape),
+        ]
+        | None
+    ) = Field(default=None, alias="class")
+    """Kind of actuator class, or pattern of joint names to it (the others: `auto`), for Isaac Lab."""
 
 
 class RandomizationTarget(IsaacSimTarget):

@@ -66,13 +66,13 @@ class Emitted:
         return [joint.name for joint in self.robot.joints]
 
 
-def options(version: str = "2.3", cls: str = "auto", **more: Any) -> TargetOptions:
+def options(version: str = "2.3", cls: str | dict[str, str] = "auto", **more: Any) -> TargetOptions:
     """The target at a version."""
     return target_options("isaaclab", version, class_=cls, **more)
 
 
 def compiled(
-    text: str, version: str = "2.3", cls: str = "auto", *, path: str = "s.yaml", **more: Any
+    text: str, version: str = "2.3", cls: str | dict[str, str] = "auto", *, path: str = "s.yaml", **more: Any
 ) -> Emitted:
     """Compile a spec without a model."""
     spec = validate(document_from_text(text, path))

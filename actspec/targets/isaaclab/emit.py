@@ -10,28 +10,27 @@ from actspec.diagnostics import Collector, EmitError, listed, many
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Level
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.isaaclab import IsaacLabDialect
-from actspec.spec.models import IsaacLabTarget
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.check import isaaclab_row
+from actspec.targets.isaaclab.classes import check_classes, classes_of
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_text
 from actspec.targets.kit.joint import delta_action_loss, joint_by_joint, warn_unknown_armature
 from actspec.targets.kit.network import NetworkWithManifest, check_joints, read_networks
 from actspec.targets.kit.python_text import grouped, identifier, module_name
 
-CLASSES = ("auto", "implicit", "custom")
-"""Kinds of actuator class."""
-
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
     """Compile a robot's actuators into an Isaac Lab module, for which its joints' names are used; see `choose.Emit`."""
     collector = Collector()
     dialect = isaaclab_row(options, collector)
-    _check_class(actuators, dialect, options, collector)
+    classes = classes_of(actuators, options, collector)
+    check_classes(actuators, classes, dialect, options, collector)
+    # The solver's own drive clips a joint at the USD's limit where the cfg has none.
     unlimited = [
         a
         for a in actuators.joints
-        if not a.effort_limit.known and not _has_usd_limit(a, options.of(IsaacLabTarget).actuator_class)
+        if not (a.effort_limit.known or (classes[a.joint] == "implicit" and a.level is Level.IDEAL_PD))
     ]
     _check_limits(unlimited, collector)
     networks = _networks(actuators, collector)
@@ -41,8 +40,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         network = networks.get(actuator.group)
         if actuator in unlimited or (actuator.level is Level.ACTUATOR_NET and network is None):
             return None
-        chosen = options.of(IsaacLabTarget).actuator_class
-        return cfg_of(actuator, dialect, chosen, step, options.name, own, network)
+        return cfg_of(actuator, dialect, classes[actuator.joint], step, options.name, own, network)
 
     cfgs = joint_by_joint(actuators, cfg, ("ISL011",), collector)
     collector.raise_if_failed(EmitError)
@@ -61,32 +59,6 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     files += [EmittedFile(name, data) for name, data in sorted(written.items())]
     explicit = frozenset(cfg.actuator.joint for cfg in cfgs if cfg.cls != IMPLICIT)
     return Emission(tuple(files), tuple(approximations), collector.sorted(), explicit)
-
-
-def _check_class(
-    actuators: ActuatorSet, dialect: IsaacLabDialect, options: TargetOptions, collector: Collector
-) -> None:
-    place = options.at("class", collector)
-    chosen = options.of(IsaacLabTarget).actuator_class
-    if chosen not in CLASSES:
-        place.error("ISL002", f"no actuator class is named '{chosen}'", f"write {', '.join(CLASSES)}")
-        raise EmitError(collector.sorted())
-    if chosen == "custom" and not dialect.custom:
-        place.error(
-            "ISL003",
-            f"Isaac Lab {dialect.text} runs its actuators natively and refuses classes of one's own",
-            'write class: auto, or version: "2.3"',
-        )
-    networks = [a.joint for a in actuators.joints if a.level is Level.ACTUATOR_NET]
-    if chosen == "implicit" and networks:
-        place.error(
-            "ISL004", f"the solver's own drive cannot run a network: {listed(networks)}", "write class: auto"
-        )
-
-
-def _has_usd_limit(actuator: JointActuator, chosen: str) -> bool:
-    """Whether the solver's own drive clips a joint at the USD's limit where the cfg has none."""
-    return chosen == "implicit" and actuator.level is Level.IDEAL_PD
 
 
 def _check_limits(unlimited: Sequence[JointActuator], collector: Collector) -> None:

@@ -17,13 +17,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import listed
+from actspec.diagnostics import Collector, listed
 from actspec.ir import Command, JointActuator, Level
 from actspec.sampling import FACTORS, nominal_of
 from actspec.simulators.isaaclab import FrictionUnit, IsaacLabDialect
-from actspec.spec.models import IsaacLabTarget
 from actspec.targets.base import EmittedFile
 from actspec.targets.isaaclab import dialect_for
+from actspec.targets.isaaclab.classes import classes_of
 from actspec.targets.isaaclab.fields import viscous_in_damping
 from actspec.targets.kit.draws import (
     Draw,
@@ -59,8 +59,9 @@ def write(stack: StackWriter) -> EmittedFile | None:
     if not terms:
         return None
     late = any(term.func == GAINS and term.mode != "startup" for term in terms)
-    labs = [o.of(IsaacLabTarget) for o in stack.options.siblings if o.kind == "isaaclab"]
-    implicit = any(lab.actuator_class == "implicit" for lab in labs)
+    labs = [o for o in stack.options.siblings if o.kind == "isaaclab"]
+    # What is wrong with them is reported by the target itself.
+    implicit = any("implicit" in classes_of(stack.actuators, lab, Collector()).values() for lab in labs)
     through_cpu = (
         'Gains of implicit groups are written to the simulator through the CPU: prefer mode="startup".'
     )

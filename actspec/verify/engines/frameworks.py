@@ -19,8 +19,8 @@ from actspec.simulate.experiment import Experiment
 from actspec.simulators import release_of, text_of
 from actspec.simulators.mjlab import INSTALLED, mjlab_dialect
 from actspec.simulators.newton import RELEASES, newton_dialect
-from actspec.spec.models import IsaacLabTarget
 from actspec.targets.isaaclab import dialect_for
+from actspec.targets.isaaclab.classes import classes_of
 from actspec.targets.newton.paths import lay_out
 from actspec.targets.newton.usda import path_text
 from actspec.verify.engines.asking import (
@@ -96,7 +96,7 @@ def _isaaclab(question: Question, job: Mapping[str, Any], arrays: Mapping[str, A
     release = dialect.row.wheel
     if release is None:
         raise EngineMissing(f"the registry has no package of Isaac Lab {dialect.text}")
-    if question.options.of(IsaacLabTarget).actuator_class == "implicit":
+    if "implicit" in classes_of(question.actuators, question.options, Collector()).values():
         raise EngineMissing("the drive of an implicit actuator is in PhysX, which is in no package")
     frameworks = prepared(f"Isaac Lab {release}")
     # A floating base is no joint of an articulation.

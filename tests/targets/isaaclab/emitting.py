@@ -23,7 +23,7 @@ DC = "motor: m, level: dc_motor, kp: 20 N*m/rad, kd: 0.5 N*m*s/rad, effort_limit
 def made(
     groups: str,
     version: str = "2.3",
-    cls: str = "auto",
+    cls: str | dict[str, str] = "auto",
     *,
     joints: str = "a_hip, b_hip, a_knee, b_knee",
     name: str = "bot",

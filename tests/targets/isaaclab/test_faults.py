@@ -12,6 +12,7 @@ import pytest
 from actspec.diagnostics import EmitError
 from tests.frameworks.isaaclab_asking import compiled
 from tests.network_files import torchscript
+from tests.targets.isaaclab.emitting import cfgs
 
 PLAIN = """actspec: 1
 robot: {name: bot, model: none, joints: [a]}
@@ -45,7 +46,7 @@ MANIFEST: dict[str, Any] = {
 
 
 def faults(
-    text: str, version: str = "2.3", cls: str = "auto", *, path: str = "s.yaml", **more: Any
+    text: str, version: str = "2.3", cls: str | dict[str, str] = "auto", *, path: str = "s.yaml", **more: Any
 ) -> list[str]:
     """What is said against a spec: `CODE where: message | help`."""
     with pytest.raises(EmitError) as caught:
@@ -255,3 +256,31 @@ def test_all_at_once(tmp_path: Path) -> None:
     path = written(tmp_path, {**MANIFEST, "kind": "gru", "tap_period": "7 ms"})
     codes = sorted(item.split()[0] for item in faults(text, "3.0", "custom", path=path))
     assert codes == ["ISL003", "ISL010", "ISL020", "NET007"]
+
+
+def test_a_class_of_some_joints() -> None:
+    """Of two groups in one spec one has the solver's drive; which joints, patterns say."""
+    text = NET.split("actuators:")[0].replace("joints: [a]", "joints: [a, b]") + (
+        "actuators:\n  legs: {joints: [a, b], level: ideal_pd, kp: 20, kd: 0.5, effort_limit: 9}\n"
+    )
+    emitted = compiled(text, cls={"b": "implicit"})
+    assert {name: cfg["class"] for name, cfg in cfgs(emitted.text).items()} == {
+        "legs_a": "IdealPDActuatorCfg",
+        "legs_b": "ImplicitActuatorCfg",
+    }
+    assert emitted.emission.explicit == frozenset("a")
+    said = faults(text, cls={"b": "implicit", "c": "auto", "[ab]": "implicit"})
+    assert [item.split(":")[0] for item in said] == [
+        "ISL002 targets.isaaclab.class.c",
+        "ISL002 targets.isaaclab.class.[ab]",
+    ]
+    assert "b: matched by 'b' too" in said[1]
+
+
+def test_an_unknown_limit_of_the_solvers_drive_alone() -> None:
+    """`a` has the USD's limit, `b` is explicit and must have a number."""
+    text = NET.split("actuators:")[0].replace("joints: [a]", "joints: [a, b]") + (
+        "actuators:\n  legs: {joints: [a, b], level: ideal_pd, kp: 20, kd: 0.5, effort_limit: unknown}\n"
+    )
+    (said,) = faults(text, cls={"a": "implicit"})
+    assert said.startswith("ISL010 actuators.legs.effort_limit: b: effort_limit is unknown")
