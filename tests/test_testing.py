@@ -111,6 +111,14 @@ def test_a_servo_whose_gain_is_not_its_stiffness(leg: Path) -> None:
     assert not compared("leg.yaml", model, fields="kd").differences
 
 
+def test_a_servo_whose_gear_is_negative(leg: Path) -> None:
+    """kp and kd go by the square of the gear, and the knee settles at minus its target."""
+    model = mujoco.MjModel.from_xml_string(MODEL)
+    model.actuator_gear[1, 0] = -2.0
+    ((joints, one),) = compared("leg.yaml", model).differences
+    assert (joints, one.field, one.value, one.expected) == (("knee",), "command_gain", -1.0, 1.0)
+
+
 def test_a_servo_with_a_constant_force(leg: Path) -> None:
     """5 N*m beside 40 N*m/rad: the servo rests where 40 q = 40 u + 5, 0.125 rad beyond its target; q + bias is u there.
 

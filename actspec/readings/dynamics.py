@@ -253,14 +253,15 @@ def _of_model(
 def _of_controls(drives: Sequence[ActuatorView]) -> Iterator[tuple[str, float, Span]]:
     """What a control of 1 does at the joint, with its sign: a motor's torque; of others the gear.
 
-    A servo's target is divided by it. Actuators of one kind that do not agree have no such figure together.
+    A servo's target is divided by it; of one of position its sign is the command gain's. Actuators of one kind that do not agree have no such figure together.
     """
     found: dict[str, dict[float, Span]] = {}
     for drive in drives:
         motor = drive.control == "motor"
         if drive.disabled or "gear" in drive.unknown or (motor and "gain" in drive.unknown):
             continue
-        name, value = ("torque_per_control", drive.gear * drive.gain) if motor else ("gear", drive.gear)
+        gear = abs(drive.gear) if _command_gain(drive) is not None else drive.gear
+        name, value = ("torque_per_control", drive.gear * drive.gain) if motor else ("gear", gear)
         found.setdefault(name, {}).setdefault(value, drive.places.get("gear", drive.span))
     for name, places in found.items():
         if len(places) == 1:
@@ -268,10 +269,13 @@ def _of_controls(drives: Sequence[ActuatorView]) -> Iterator[tuple[str, float, S
 
 
 def _command_gain(drive: ActuatorView) -> float | None:
-    """Where a position servo settles over its target, which is its gain over its stiffness; None: there, or unknown."""
+    """Where a position servo settles over its target; None: there, or unknown.
+
+    That is its gain over its stiffness, and on the other side of 0 where its gear is negative.
+    """
     if not _is_servo(drive) or "gain" in drive.unknown:
         return None
-    settles = drive.gain * drive.gear * drive.gear / drive.kp
+    settles = drive.gain * drive.gear * abs(drive.gear) / drive.kp
     return settles if math.isfinite(settles) and not same(settles, 1.0) else None
 
 

@@ -137,7 +137,12 @@ TURNED = ": its positive positions, speeds and torques are the other way"
             ["torque per control (gear x gain) 2 -> 4 N*m (+100 %)"],
         ),
         # kp and kd go by the square of the gear, and are what they were.
-        (LEG, 'name="knee" joint="knee"', 'gear="-1" name="knee" joint="knee"', [f"gear 1 -> -1{OTHER_WAY}"]),
+        (
+            LEG,
+            'name="knee" joint="knee"',
+            'gear="-1" name="knee" joint="knee"',
+            [f"command gain over kp 1 -> -1{OTHER_WAY}"],
+        ),
         (LEG, 'name="knee" range', 'axis="0 0 -1" name="knee" range', [f"axis {{}} 0 0 1 -> 0 0 -1{TURNED}"]),
         (LEG, 'name="knee" range', 'axis="0 2 0" name="knee" range', ["axis {} 0 0 1 -> 0 1 0"]),
         # 180 deg about x turn z to -z: the joint is as it was drawn, in another frame.
