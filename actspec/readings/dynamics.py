@@ -253,7 +253,8 @@ def _of_model(
 def _of_controls(drives: Sequence[ActuatorView]) -> Iterator[tuple[str, float, Span]]:
     """What a control of 1 does at the joint, with its sign: a motor's torque; of others the gear.
 
-    A servo's target is divided by it; of one of position its sign is the command gain's. Actuators of one kind that do not agree have no such figure together.
+    A servo's target is divided by it; of one of position its sign is the command gain's. Actuators of one kind that do
+    not agree have no such figure together.
     """
     found: dict[str, dict[float, Span]] = {}
     for drive in drives:

@@ -298,7 +298,7 @@ def test_a_lock_from_before_command_gains(capsys: pytest.CaptureFixture[str]) ->
         (
             'name="knee" joint="knee"',
             'gear="-1" name="knee" joint="knee"',
-            "gear 1 -> -1: a positive control drives the joint the other way",
+            "command gain over kp 1 -> -1: a positive control drives the joint the other way",
         ),
         (
             'name="knee" range',
