@@ -7,14 +7,14 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Reported, Suppressed
 from actspec.audit.places import json_fault, json_places
 from actspec.audit.selection import is_diagnostic
-from actspec.diagnostics import AuditError, Diagnostic, Severity, Span
+from actspec.diagnostics import SEVERITIES, AuditError, Diagnostic, Severity, Span
 from actspec.files import NotRegular, TooLarge, json_of, name_in_file, read_regular
 from actspec.owned import put_file
 
@@ -46,6 +46,7 @@ class Entry:
         expected: What the rule holds it to, likewise: where that changes, the same figure is wrong in another way.
         about: What else tells it from others: a key, a pattern, a field (`Finding.about`); None where the baseline
             has none.
+        severity: As it was reported; None where the baseline does not say. What is worse by now is reported again.
     """
 
     code: str
@@ -55,6 +56,7 @@ class Entry:
     unit: str | None = None
     expected: float | None = None
     about: str | None = None
+    severity: Severity | None = None
 
     def covers(self, other: Entry) -> bool:
         """Whether a finding is this one: a figure that has changed makes another one of it."""
@@ -125,7 +127,9 @@ def baseline_text(
         kept: Entries of the one before it that stay, none of which is about these findings, with their counts.
     """
     folder = os.path.dirname(path)
-    counts = Counter(entry_of(reported.finding, folder) for reported in findings)
+    counts = Counter(
+        replace(entry_of(reported.finding, folder), severity=reported.severity) for reported in findings
+    )
     counts.update(filter(None, (entry_about(item, folder) for item in said)))
     counts.update(kept or {})
     records = [_record(entry, counts[entry]) for entry in sorted(counts, key=_place)]
@@ -138,13 +142,15 @@ def _record(entry: Entry, count: int) -> dict[str, Any]:
     figure: dict[str, Any] = {} if entry.value is None else {"value": entry.value, "unit": entry.unit or ""}
     held_to = {} if entry.expected is None else {"expected": entry.expected}
     about = {} if entry.about is None else {"about": entry.about}
+    severity = {} if entry.severity is None else {"severity": entry.severity.value}
     at = {"code": entry.code, "file": entry.file, "joint": entry.joint}
-    return {**at, **about, **figure, **held_to, "count": count}
+    return {**at, **about, **figure, **held_to, **severity, "count": count}
 
 
 def _place(entry: Entry) -> tuple[object, ...]:
     figures = (entry.value or 0.0, entry.value is None, entry.expected or 0.0, entry.expected is None)
-    return entry.code, entry.file, entry.joint, entry.about or "", entry.unit or "", *figures
+    severity = "" if entry.severity is None else entry.severity.value
+    return entry.code, entry.file, entry.joint, entry.about or "", entry.unit or "", *figures, severity
 
 
 def write_baseline(
@@ -206,8 +212,10 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
         texts: list[Any] = [known.get("code"), known.get("file"), known.get("joint")]
         texts += [known.get("unit", ""), known.get("about", "")]
         count, value, expected = known.get("count"), known.get("value"), known.get("expected")
+        severity = known.get("severity")
         if (
             not all(isinstance(text, str) for text in texts)
+            or severity not in (None, *(one.value for one in Severity))
             or not isinstance(count, int)
             or not 0 < count < _MOST
             or not all(
@@ -221,7 +229,8 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
             raise _error("AUD005", message, path, f"write it again with --write-baseline {path}", at)
         # Entries of earlier releases have the hash of a message in place of a figure.
         code, file, joint, unit, about = texts
-        entry = Entry(former.get(code, code), file, joint, value, unit or None, expected, about or None)
+        was = None if severity is None else Severity(severity)
+        entry = Entry(former.get(code, code), file, joint, value, unit or None, expected, about or None, was)
         entries[entry] += count
     return entries
 
@@ -248,12 +257,17 @@ def apply_baseline(
         own = entry_of(reported.finding, folder)
         near = by_place.get((own.code, own.file, own.joint), ())
         known = next((entry for entry in near if left[entry] > 0 and entry.covers(own)), None)
-        if known is None:
+        if known is not None:
+            left[known] -= 1
+        if known is None or _is_worse(reported.severity, known.severity):
             kept.append(reported)
         else:
-            left[known] -= 1
             suppressed.append(Suppressed(reported, Means.BASELINE))
     return tuple(kept), tuple(suppressed), +left
+
+
+def _is_worse(now: Severity, was: Severity | None) -> bool:
+    return was is not None and SEVERITIES.index(now) > SEVERITIES.index(was)
 
 
 def _says_less(entry: Entry) -> tuple[bool, ...]:

@@ -53,6 +53,18 @@ def test_known_findings_are_hidden_wherever_they_stand(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("now", "reported"),
+    [(Severity.INFO, False), (Severity.WARNING, False), (Severity.ERROR, True)],
+)
+def test_what_is_worse_than_it_was_is_reported(now: Severity, reported: bool, folder: Path) -> None:
+    """A warning was accepted; its entry is used up by the error, and is no stale one."""
+    write_baseline(judged(finding("LIM901", joint="knee")).findings, "base.json")
+    report = judged(finding("LIM901", joint="knee", severity=now), baseline="base.json")
+    assert bool(report.findings) is reported
+    assert not [item for item in report.diagnostics() if item.code == "AUD007"]
+
+
+@pytest.mark.parametrize(
     ("figure", "unit", "hidden"),
     [
         pytest.param(24.0, "N*m", True, id="the same"),
