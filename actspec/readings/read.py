@@ -20,7 +20,7 @@ from actspec.spec.variants import split
 from actspec.spec.yaml_text import is_spec
 
 if TYPE_CHECKING:
-    from actspec.robot.xml_tree import XmlDocument
+    from actspec.robot.xml_tree import Include, XmlDocument
 
 ROBOT = (".xml", ".urdf", ".mjcf")
 """Endings of robot files; a file that is named may have any other."""
@@ -189,9 +189,25 @@ def _view(document: XmlDocument, kind: FileKind, refusal: str | None) -> RobotVi
             if err.diagnostics[0].code in (TOO_LARGE, *NOT_FOLLOWED):
                 raise
             refusal, refused_at = _first(err.diagnostics)
+            twice = _second_include(document)
+            if twice is not None:
+                message = f"{twice.name!r} is included a second time; {refusal}"
+                raise RobotError.of("ROBOT007", message, document.span(twice.element)) from err
     from actspec.robot.read_mjcf_text import read_mjcf_text
 
     return replace(read_mjcf_text(document, refusal), refused_at=refused_at)
+
+
+def _second_include(document: XmlDocument) -> Include | None:
+    """The include that brings bodies or actuators again: each figure is there twice, and no such robot is meant."""
+    moving = {element.file for element in document.walk("body", "actuator")}
+    seen = set()
+    for include in document.includes:
+        path = document.files[include.index].path
+        if path in seen and include.index in moving:
+            return include
+        seen.add(path)
+    return None
 
 
 def unreadable(path: str, kind: FileKind | None, diagnostics: Sequence[Diagnostic]) -> FileReading:

@@ -101,6 +101,21 @@ def test_what_mujoco_refuses_is_read_from_its_text() -> None:
     assert artifact.robot.actuators[0].gear == 2.0
 
 
+def test_a_robot_that_is_included_twice_is_not_read() -> None:
+    """By way of its scene and by itself: MuJoCo refuses it, and its figures would count twice."""
+    named = GOOD.replace("<geom", '<geom name="g"')
+    Path("m.xml").write_text(named)
+    Path("scene.xml").write_text('<mujoco><include file="m.xml"/></mujoco>')
+    Path("full.xml").write_text(
+        '<mujoco>\n  <include file="scene.xml"/>\n  <include file="m.xml"/>\n</mujoco>'
+    )
+    scene, full = read_files(["scene.xml", "full.xml"])
+    assert scene.artifacts[0].text_only is None
+    assert not full.artifacts
+    assert (full.reason or "").startswith("'m.xml' is included a second time; MuJoCo refuses the model: ")
+    assert str(full.refused) == "full.xml:3:3"
+
+
 def test_a_refused_urdf_says_so_too() -> None:
     """MuJoCo refuses a link without mass; limits are read, and the artifact says where they come from."""
     Path("r.urdf").write_text(URDF.replace('<mass value="1"/>', '<mass value="0"/>'))
