@@ -57,7 +57,10 @@ def table() -> str:
             entry = robots.setdefault(
                 actuators.robot, {"words": sorted(telling(actuators.robot)), "variants": {}}
             )
-            entry["variants"][actuators.variant or ""] = list(_groups(actuators))
+            rows = list(_groups(actuators))
+            # A variant of other gains is the same robot.
+            if rows not in entry["variants"].values():
+                entry["variants"][actuators.variant or ""] = rows
     for name, variants in published["variants"].items():
         for variant, more in variants.items():
             robots[name]["variants"][variant] = list(_changed(robots[name]["variants"], more, published))
