@@ -12,7 +12,7 @@ from actspec.spec.fields import DerivedGain
 from actspec.spec.models import Actuators, Friction, Motor, Randomize, SpecModel, Tunable
 from actspec.spec.plausible.drive import Drive, Limit, Train, cut_gearbox, is_one, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
-from actspec.spec.plausible.gains import Gains, derived_doubts, gain_words
+from actspec.spec.plausible.gains import STIFF_RETURN, Gains, derived_doubts, gain_words
 from actspec.spec.plausible.table import Doubt, Kept, at
 from actspec.spec.rules.groups import range_of
 from actspec.spec.rules.motors import stage_ratio
@@ -153,7 +153,10 @@ def group_doubts(
             viscous = 0.0 if friction is None or friction.viscous is None else friction.viscous.value or 0.0
             driven = stated("motor")[0] in model.motors
             force = "N" if kp.linear or kd.linear else "N*m"
-            found = gain_words(Gains(kp.value or 0.0, kd.value or 0.0, viscous, known, driven, force))
+            # Without a motor the robot's file may have such a servo, which is read at its joints.
+            stiff = STIFF_RETURN if driven else 0.0
+            gains = Gains(kp.value or 0.0, kd.value or 0.0, viscous, known, driven, stiff, force)
+            found = gain_words(gains)
             if found is not None:
                 field, message, help = found
                 places = (kp_path, kd_path) if field == "kp" else (kd_path, kp_path)

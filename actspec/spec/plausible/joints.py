@@ -19,7 +19,7 @@ from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE, unreached_limit
-from actspec.spec.plausible.gains import Gains, blamed, gain_words
+from actspec.spec.plausible.gains import STIFF_RETURN, STIFF_SERVO_RETURN, Gains, blamed, gain_words
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
 from actspec.spec.plausible.relations import DEGREE, RPM
@@ -428,6 +428,7 @@ def _gains(joint: JointActuator) -> Iterator[Found]:
         joint.friction_viscous.value or 0.0,
         limit.value if hinge else None,
         joint.motor is not None,
+        _noticed_return(joint, kp),
         "N*m" if hinge else "N",
     )
     alone = gain_words(gains)
@@ -452,6 +453,13 @@ def _gains(joint: JointActuator) -> Iterator[Found]:
         where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
         others = (other, limit, joint.armature)
         yield found_at(joint, "SPEC192", where, size, message, help, number, *others)
+
+
+def _noticed_return(joint: JointActuator, kp: Quantity) -> float:
+    """kd over kp below which a stiff joint is noticed [s]; 0: never, where file or placeholder has that kp."""
+    if joint.motor is not None:
+        return STIFF_RETURN
+    return 0.0 if _is_files(kp) or math.log10(kp.require()).is_integer() else STIFF_SERVO_RETURN
 
 
 def _by_frequency(

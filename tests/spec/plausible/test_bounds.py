@@ -260,6 +260,13 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("motor: m, kp: 1340, kd: 2.7", []),
         ("motor: m, kp: 1340, kd: 2.6", ["SPEC192"]),
         ("kp: 1340, kd: 2.6, effort_limit: 20", []),
+        # Without a motor with a kd of 0.1 ms: 0.134 of 1340, friction included; a power of ten is a placeholder.
+        ("kp: 1340, kd: 0.133, effort_limit: 20", ["SPEC192"]),
+        ("kp: 1340, kd: 0.135, effort_limit: 20", []),
+        ("kp: 1340, kd: 0.1, effort_limit: 20, friction: {viscous: 0.035}", []),
+        ("kp: 1330, kd: 0.133, effort_limit: 20", []),
+        ("kp: 10000, kd: 0.5, effort_limit: 20", []),
+        ("kp: 1340, kd: 0, effort_limit: 20", []),
         # 20 N*m / 0.4 N*m/rad = 50 rad.
         ("motor: m, kp: 0.41, kd: 0.1", []),
         ("motor: m, kp: 0.39, kd: 0.1", ["SPEC192"]),

@@ -254,6 +254,26 @@ def test_gains_of_a_source_have_one_message(kp: str, kd: str, expected: list[tup
     assert [(item.code, item.where.rpartition(".")[2]) for item in said(text, SERVO)] == expected
 
 
+@pytest.mark.parametrize(
+    ("kp", "help"),
+    [
+        # The file's own: whatever it is, it was not mistyped.
+        ("300000", None),
+        # 4 / 200000 = 2e-5 rad, 0.8 / 200000 = 4e-6 s; of 20 N*m/rad 0.2 rad and 0.04 s, both as usual.
+        ("200000", "did you mean 20 N*m/rad?"),
+    ],
+)
+def test_a_stiff_servo_without_a_motor(kp: str, help: str | None) -> None:
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, kp: {kp}, kd: 0.8, effort_limit: 4}}",
+        robot="name: leg, model: robot.xml",
+    )
+    servo = SERVO.replace('kp="25" kv="0.5"', 'kp="300000" kv="0.8" forcerange="-4 4"')
+    assert [(item.code, item.where, item.help) for item in said(text, servo)] == [
+        ("SPEC192", "actuators.legs.kp", help)
+    ] * (help is not None)
+
+
 def test_a_gain_of_a_slide_per_millimetre() -> None:
     """2 of the file's 2000 N/m, which N/mm are; beside it kd, which the file has."""
     text = spec_of(
