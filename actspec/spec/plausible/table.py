@@ -197,10 +197,13 @@ CHECKS = (
         "SPEC190",
         "pose-outside-the-range",
         "A default position outside of the joint's range, or beyond a full turn where it has none; a command range "
-        "many times as wide, or in another unit; a range of `robot.joints` in degrees or mm, or in rad as degrees.",
+        "many times as wide, in another unit, outside of the joint's range or without its default position; a range of "
+        "`robot.joints` in degrees or mm, or in rad as degrees.",
         "A warning from 0.05 rad (5 mm) beyond an end on, an error from the width of the range, or pi, beyond it. "
         "Published: to 0.02 rad beyond (calf of the B2). A range of position commands above 12 times the joint's own "
         "(chosen: degrees are 57 times, mm 1000), or its own in degrees; powers of ten for both ends are placeholders. "
+        "Also one that is 0.05 rad (5 mm) from the joint's range, or from a default position inside of that (of 4549 "
+        "published servos one by 0.016 rad, and one of 1942 with a position by 0.012). "
         "Of a hinge without a range: more than 12 turns that are one at most in degrees. Of a range of `robot.joints` "
         "more than 4 turns that are one at most in degrees, and more than 20 m (chosen); one in deg whose ends are "
         "both a multiple of pi/12, to 0.002. Of speeds and torques a range above 12 times what the joint has, or 5 "

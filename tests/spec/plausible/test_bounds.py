@@ -397,6 +397,13 @@ MODEL = """<mujoco><compiler angle="radian"/><worldbody><body>
         ("kp: 8, kd: 0.2, command_range: [-1 deg, 0.5 deg]", "", ["SPEC190"]),
         ("kp: 8, kd: 0.2, command_range: [-0.02 rad, 0.3 rad]", "", []),
         ("kp: 8, kd: 0.2, command_range: [0.01 rad, 0.02 rad]", "", []),
+        # 0.05 rad beyond the range of -1 to 0.5 rad, and beside the default position.
+        ("kp: 8, kd: 0.2, command_range: [0.54 rad, 0.8 rad]", "", []),
+        ("kp: 8, kd: 0.2, command_range: [0.56 rad, 0.8 rad]", "", ["SPEC190"]),
+        ("kp: 8, kd: 0.2, command_range: [-1.5 rad, -1.06 rad]", "", ["SPEC190"]),
+        ("kp: 8, kd: 0.2, command_range: [-1 rad, 0.36 rad]", "hip: 0.4 rad", []),
+        ("kp: 8, kd: 0.2, command_range: [-1 rad, 0.34 rad]", "hip: 0.4 rad", ["SPEC190"]),
+        ("kp: 8, kd: 0.2, command_range: [-0.3 rad, 0.5 rad]", "hip: -0.4 rad", ["SPEC190"]),
     ],
 )
 def test_joints_of_a_model(fields: str, pose: str, expected: list[str]) -> None:
@@ -480,6 +487,21 @@ def test_a_reduction_that_makes_a_limit_too_strong() -> None:
     (found,) = said(text, robot_of(6, KILO))
     assert (found.code, found.where) == ("SPEC183", "actuators.knees.reduction")
     assert found.span is not None and "reduction" in text.splitlines()[found.span.line - 1]
+
+
+def test_a_command_range_without_the_default_position() -> None:
+    """It is told at its own line; a position outside of the joint's range, -1 to 0.5 rad, is told alone."""
+    group = "legs: {joints: [hip], level: ideal_pd, kp: 8, kd: 0.2, command_range: [-0.3 rad, 0.2 rad]}"
+    robot = "name: leg, model: robot.xml, default_pose: {hip: POSE rad}"
+    (found,) = said(spec_of(group, robot=robot.replace("POSE", "0.4")), MODEL)
+    assert (found.where, found.message, found.help) == (
+        "actuators.legs.command_range",
+        "hip: a command range of -0.3 rad to 0.2 rad keeps the joint from its default position, 0.4 rad",
+        "it clamps the command itself, not its difference from the default position; `command_range: joint` is the "
+        "joint's own range",
+    )
+    (found,) = said(spec_of(group, robot=robot.replace("POSE", "0.6")), MODEL)
+    assert found.where == "robot.default_pose"
 
 
 def test_a_gear_that_makes_a_joint_slow() -> None:
