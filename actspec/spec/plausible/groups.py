@@ -71,7 +71,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
         train: Path | None = None
         if stages is not None:
             motor = model.motors.get(name)
-            if motor is None or not _turns(motor) or not all(is_one(stage) for stage in stages):
+            if motor is None or not turns(motor) or not all(is_one(stage) for stage in stages):
                 continue
             train = (*(path if fields.transmission is not None else path[:2]), "transmission")
             trains.setdefault(name, {})[train] = Train(stages, count, train)
@@ -106,7 +106,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
         )
 
 
-def _turns(motor: Motor) -> bool:
+def turns(motor: Motor) -> bool:
     """Whether what a motor gives out turns, by its gearbox and the units of its figures."""
     if any(stage_ratio(stage) is None for stage in motor.gearbox or ()):
         return False
@@ -216,7 +216,7 @@ def _most_of(
     motor = model.motors.get(name)
     if motor is None or stated("transmission")[0] is not None or (reduction and _is_geared_up(reduction)):
         return None
-    if any(isinstance(place, str) and place.startswith(f"motors.{name}.") for place in doubted) or not _turns(
+    if any(isinstance(place, str) and place.startswith(f"motors.{name}.") for place in doubted) or not turns(
         motor
     ):
         return None

@@ -206,7 +206,7 @@ def _joint_doubts_of(
     for joint in joints:
         linkage = linked.get(joint.joint)
         lever = levers[joint.joint]
-        for found in (*lever, *_viscous(joint, drives, kept), *_joint_doubts(joint, joints, kept)):
+        for found in (*lever, *_viscous(joint, drives, kept), *_joint_doubts(joint, joints, model, kept)):
             doubt = found.doubt
             reduction = reduction_of(joint.group, model.actuators[joint.group])
             if doubt.code == "SPEC183" and reduction is not None and doubt.span in sound:
@@ -240,11 +240,14 @@ def _of_derivation(doubt: Doubt, model: SpecModel, spans: SourceMap) -> Doubt:
     return doubt
 
 
-def _joint_doubts(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept) -> Iterator[Found]:
+def _joint_doubts(
+    joint: JointActuator, joints: Sequence[JointActuator], model: SpecModel, kept: Kept
+) -> Iterator[Found]:
     for check in (pose_found, command_range_found, scale_found, _velocity, _stribeck, unreached_limit):
         yield from check(joint)
     yield from _friction(joint, joints, kept)
-    inertia = list(armature_found(joint)) or list(odd_armature_found(joint, joints))
+    motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
+    inertia = list(armature_found(joint, motor, alone)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
     yield from inertia or _gains(joint)
 

@@ -215,9 +215,10 @@ CHECKS = (
         "An armature that is not the motor's inertia at the joint, or far from the links, the torque or the other "
         "joints of its group.",
         "Outside of 0.3 to 3 times what rotor inertia and gears give; of an identified one, which holds what the "
-        "motor's figures lack, of 0.1 to 10 times (fitted to a Go2: 2.8 to 5.7). Without those: effort limit over "
+        "motor's figures lack, of 0.1 to 10 times (fitted to a Go2: 2.8 to 5.7); above 300 times where no model has the "
+        "links, as what is coupled to the rotor may be meant. Without those: effort limit over "
         "armature below 5 (unless the motor's speed is reached in 0.2 s) or above 3e5 rad/s^2 (of a motor whose links "
-        "are not known 3e6); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from "
+        "are not known 3e6; a motor that travels has none); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from "
         "300 times on in any case, or from ten times above or below three or more other joints of its group, which are "
         "alike, on. Also one that the motor's torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where "
         "it is ten times the links' inertia or, of unknown links, kp swings it alone below 6 rad/s. "

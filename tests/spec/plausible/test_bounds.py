@@ -283,7 +283,8 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("effort_limit: 20, armature: 3.9", []),
         ("effort_limit: 20, armature: 4.1", ["SPEC191"]),
         ("motor: m, armature: 0.299", []),
-        ("motor: m, armature: 0.301", ["SPEC191"]),
+        # Without a model, in which links would be, what is coupled to the rotor may be meant.
+        ("motor: m, armature: 0.301", []),
         ("motor: m, armature: 0.029", ["SPEC191"]),
         ("delay: 250 ms", []),
         ("delay: 251 ms", ["SPEC186"]),
@@ -487,6 +488,48 @@ def test_a_reduction_that_makes_a_limit_too_strong() -> None:
     (found,) = said(text, robot_of(6, KILO))
     assert (found.code, found.where) == ("SPEC183", "actuators.knees.reduction")
     assert found.span is not None and "reduction" in text.splitlines()[found.span.line - 1]
+
+
+@pytest.mark.parametrize(
+    ("armature", "model", "expected"),
+    [
+        # A propeller on a rotor of 2.5e-5 kg*m^2, which has 6.4 times that; 0.8 / 1.6e-4 = 5000 rad/s^2.
+        ("1.6e-4", None, []),
+        # 300 times; 3 times where the links are known.
+        ("7.4e-3", None, []),
+        ("7.6e-3", None, ["SPEC191"]),
+        ("7.4e-5", MODEL, []),
+        ("7.6e-5", MODEL, ["SPEC191"]),
+    ],
+)
+def test_what_is_coupled_to_a_rotor(armature: str, model: str | None, expected: list[str]) -> None:
+    text = spec_of(
+        f"a: {{joints: [hip], motor: m, level: ideal_pd, kp: 1, kd: 0.02, effort_limit: peak, armature: {armature}}}",
+        robot="name: a, model: none, joints: [hip]" if model is None else "name: a, model: robot.xml",
+        motors="{m: {side: joint, peak_torque: 0.8, gear_ratio: 1, rotor_inertia: 2.5e-5}}",
+    )
+    assert [code for code in codes(text, model) if code == "SPEC191"] == expected
+
+
+@pytest.mark.parametrize(
+    ("motor", "fields", "expected"),
+    [
+        (
+            "peak_torque: 3.2 kN, no_load_speed: 0.6 m/s, reflected_inertia: 0.2 kg",
+            "transmission: [{lever_arm: 45 mm}], ",
+            [],
+        ),
+        ("peak_torque: 144, reflected_inertia: 4.05e-4", "", ["SPEC191"]),
+    ],
+)
+def test_a_cylinder_has_no_rotor(motor: str, fields: str, expected: list[str]) -> None:
+    """3.2 kN x 45 mm = 144 N*m on 0.2 kg x (45 mm)^2 = 4.05e-4 kg*m^2 are 3.6e5 rad/s^2; as of a shaft."""
+    text = spec_of(
+        f"a: {{joints: [hip], motor: m, {fields}level: ideal_pd, kp: 300, kd: 8, effort_limit: peak}}",
+        robot="name: a, model: robot.xml",
+        motors=f"{{m: {{side: joint, {motor}}}}}",
+    )
+    assert codes(text, MODEL) == expected
 
 
 def test_a_command_range_without_the_default_position() -> None:
