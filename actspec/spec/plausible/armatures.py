@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
+from actspec.diagnostics import Span
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.models import Motor
 from actspec.spec.plausible.groups import turns
+from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import Found, found_at, is_stated, shown
+from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
 OF_MOTOR = (0.3, 3.0)
@@ -44,14 +48,32 @@ SEVERAL = 3
 """Other joints from which they show what is usual."""
 
 
-def armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> Iterator[Found]:
+def armature_found(
+    joint: JointActuator, drive: Motor | None, alone: bool, written: Mapping[Span, SpecValue]
+) -> Iterator[Found]:
     """An armature against the motor's inertia, the effort limit and the links.
 
     Args:
         joint: The joint.
         drive: Its motor.
         alone: The robot has no model, in which the links would be.
+        written: Numbers as they are written, by where.
     """
+    own, held = joint.armature, joint.inertia_held
+    plain = None if own.span is None else in_si(written.get(own.span))
+    meant = None
+    if plain is not None and plain.value is not None:
+        more = plain.value - (own.value or 0.0)
+        held = None if held is None else replace(held, low=held.low + more, high=held.high + more)
+        meant = replace(joint, armature=replace(own, value=plain.value), inertia_held=held)
+    for found in _armature_found(joint, drive, alone):
+        if plain is not None and meant is not None and not any(_armature_found(meant, drive, alone)):
+            help = f"did you mean {plain.written}? Or {found.doubt.help}"
+            found = replace(found, doubt=replace(found.doubt, help=help))
+        yield found
+
+
+def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> Iterator[Found]:
     armature, limit = joint.armature, joint.effort_limit
     if not is_stated(armature) or not armature.value:
         return

@@ -45,6 +45,20 @@ def layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
             yield (*path, "overrides", pattern), override, group
 
 
+def written_numbers(model: SpecModel, spans: SourceMap) -> dict[Span, SpecValue]:
+    """The numbers of groups and overrides as they are written, by where."""
+    parts: list[tuple[Path, Any]] = []
+    for path, fields, _ in layers(model):
+        parts += [(path, fields), ((*path, "friction"), fields.friction)]
+    return {
+        spans.value((*path, key)): value
+        for path, part in parts
+        if part is not None
+        for key in part.model_fields_set
+        if isinstance(value := getattr(part, key), SpecValue)
+    }
+
+
 def drives_of(model: SpecModel) -> Iterator[Drive]:
     """Every motor, with the limits of the joints that it drives.
 

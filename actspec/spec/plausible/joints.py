@@ -20,7 +20,7 @@ from actspec.spec.plausible.commands import command_range_found, own_speed, scal
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE, unreached_limit
 from actspec.spec.plausible.gains import STIFF_RETURN, STIFF_SERVO_RETURN, Gains, blamed, gain_words
-from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words
+from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.repairs import misread_speeds
@@ -38,6 +38,7 @@ from actspec.spec.plausible.table import (
     tell,
 )
 from actspec.spec.plausible.witnesses import witnessed
+from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
@@ -200,13 +201,17 @@ def _joint_doubts_of(
     parts = (re.split(r"[.\[]", item.where) for item in told)
     reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
     places = {item.span for item in told}.union(rubbed)
-    linked = _linked(model)
+    linked, written = _linked(model), written_numbers(model, spans)
     # A motor's torque that is none too large at other joints is not what is wrong, but what reduces it here.
     sound = {joint.effort_limit.span for joint in joints if not levers[joint.joint]}
     for joint in joints:
         linkage = linked.get(joint.joint)
         lever = levers[joint.joint]
-        for found in (*lever, *_viscous(joint, drives, kept), *_joint_doubts(joint, joints, model, kept)):
+        for found in (
+            *lever,
+            *_viscous(joint, drives, kept),
+            *_joint_doubts(joint, joints, model, written, kept),
+        ):
             doubt = found.doubt
             reduction = reduction_of(joint.group, model.actuators[joint.group])
             if doubt.code == "SPEC183" and reduction is not None and doubt.span in sound:
@@ -241,13 +246,17 @@ def _of_derivation(doubt: Doubt, model: SpecModel, spans: SourceMap) -> Doubt:
 
 
 def _joint_doubts(
-    joint: JointActuator, joints: Sequence[JointActuator], model: SpecModel, kept: Kept
+    joint: JointActuator,
+    joints: Sequence[JointActuator],
+    model: SpecModel,
+    written: Mapping[Span, SpecValue],
+    kept: Kept,
 ) -> Iterator[Found]:
     for check in (pose_found, command_range_found, scale_found, _velocity, _stribeck, unreached_limit):
         yield from check(joint)
     yield from _friction(joint, joints, kept)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
-    inertia = list(armature_found(joint, motor, alone)) or list(odd_armature_found(joint, joints))
+    inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
     yield from inertia or _gains(joint)
 
