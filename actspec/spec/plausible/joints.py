@@ -24,6 +24,7 @@ from actspec.spec.plausible.groups import friction_words, layers, reduction_of, 
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.repairs import misread_speeds
+from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import (
     BY_CODE,
     Doubt,
@@ -209,7 +210,7 @@ def _joint_doubts_of(
         lever = levers[joint.joint]
         for found in (
             *lever,
-            *_viscous(joint, drives, kept),
+            *_viscous(joint, drives, written, kept),
             *_joint_doubts(joint, joints, model, written, kept),
         ):
             doubt = found.doubt
@@ -352,7 +353,9 @@ def _stribeck(joint: JointActuator) -> Iterator[Found]:
     yield found_at(joint, "SPEC184", where, size, message, help, velocity, fast)
 
 
-def _viscous(joint: JointActuator, drives: Mapping[str, Drive], kept: Kept) -> Iterator[Found]:
+def _viscous(
+    joint: JointActuator, drives: Mapping[str, Drive], written: Mapping[Span, SpecValue], kept: Kept
+) -> Iterator[Found]:
     """Viscous friction at the end of the torque-speed line, whatever the level; published: to 0.43 (ANYmal D).
 
     Where no line acts also at a stated velocity limit; what the robot's file has as well is not mistyped.
@@ -377,6 +380,10 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive], kept: Kept) -> I
     # Any of them may be: a figure would be a guess.
     times = "times 57.3, " if joint.kind is JointKind.HINGE else ""
     help = f"is it in m{viscous.unit}, {times}or the point in the wrong place?"
+    plain = None if viscous.span is None else in_si(written.get(viscous.span))
+    if plain is not None and torque * (plain.value or 0.0) < most * viscous.value:
+        # Of a friction per degree the unit is the likeliest.
+        help = f"did you mean {plain.written}?"
     own = joint.motor_line
     stall = None if own is None else own.stall_torque
     strong = 0.0 if stall is None else stall.value or 0.0

@@ -188,11 +188,12 @@ def _meant(value: SpecValue, bounds: tuple[float, float]) -> Iterator[str]:
                 yield f"{words}? Then it is {format_quantity(meant, 'Hz', 4)}"
         return
     amount, _ = amount_of(value)
-    if bounds is STEP and amount in STEP_RATES and size > high:
+    rated = bounds is STEP and amount in STEP_RATES and size > high
+    if rated:
         yield f"is it a rate? The step of {amount:g} Hz is {format_quantity(1e3 / amount, 'ms', 4)}"
     # Of less than a second the thousandth is no usual time. A step has its point in the wrong place then.
     meant = size * (1e-3 if size >= 1.0 else 0.1 if bounds is STEP else math.inf)
-    if low <= meant <= high:
+    if low <= meant <= high and not (rated and math.isclose(meant * amount, 1.0)):
         yield f"did you mean {format_quantity(meant * 1e3, 'ms', 4)}?"
 
 
