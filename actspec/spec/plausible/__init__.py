@@ -87,7 +87,7 @@ def number_doubts(
             own = list(motor_doubts(drive, spans))
             doubts += own or contradictions(drive, joints, model, spans)
     places = {doubt.span for doubt in doubts}
-    doubts += (doubt for doubt in by_number(file_doubts(joints, model)) if doubt.span not in places)
+    doubts += (doubt for doubt in by_number(file_doubts(joints, model, spans)) if doubt.span not in places)
     doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}
     doubts += linkage_doubts(model, spans, joints, doubted)
     doubts += [*range_doubts(model, spans), *time_doubts(model, spans, (joint.joint for joint in joints))]

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
+from actspec.diagnostics import Span
 from actspec.ir import JointActuator, JointKind, Origin
+from actspec.spec.models import Motor
+from actspec.spec.plausible.groups import turns
+from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import Found, found_at, is_stated, shown
+from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
 OF_MOTOR = (0.3, 3.0)
@@ -14,6 +20,9 @@ OF_MOTOR = (0.3, 3.0)
 OF_MOTOR_FITTED = (0.1, 10.0)
 """The same of an identified one, which holds gears and shafts that no sheet of the motor has, and what the links'
 masses are off by. Published: 2.8 to 5.7 times (fit of a Go2, in robots/SOURCES.md)."""
+COUPLED = 300.0
+"""The most of one where there is no model that has the links: what is coupled to the rotor may be meant. Chosen: a
+propeller has 6 times its motor's, flywheels 100, and g as kg are 1000."""
 ARMATURE_RATE = (5.0, 3e5)
 """Effort limit over armature [rad/s^2 or m/s^2]."""
 SPIN_UP = 0.2
@@ -39,8 +48,32 @@ SEVERAL = 3
 """Other joints from which they show what is usual."""
 
 
-def armature_found(joint: JointActuator) -> Iterator[Found]:
-    """An armature against the motor's inertia, the effort limit and the links."""
+def armature_found(
+    joint: JointActuator, drive: Motor | None, alone: bool, written: Mapping[Span, SpecValue]
+) -> Iterator[Found]:
+    """An armature against the motor's inertia, the effort limit and the links.
+
+    Args:
+        joint: The joint.
+        drive: Its motor.
+        alone: The robot has no model, in which the links would be.
+        written: Numbers as they are written, by where.
+    """
+    own, held = joint.armature, joint.inertia_held
+    plain = None if own.span is None else in_si(written.get(own.span))
+    meant = None
+    if plain is not None and plain.value is not None:
+        more = plain.value - (own.value or 0.0)
+        held = None if held is None else replace(held, low=held.low + more, high=held.high + more)
+        meant = replace(joint, armature=replace(own, value=plain.value), inertia_held=held)
+    for found in _armature_found(joint, drive, alone):
+        if plain is not None and meant is not None and not any(_armature_found(meant, drive, alone)):
+            help = f"did you mean {plain.written}? Or {found.doubt.help}"
+            found = replace(found, doubt=replace(found.doubt, help=help))
+        yield found
+
+
+def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> Iterator[Found]:
     armature, limit = joint.armature, joint.effort_limit
     if not is_stated(armature) or not armature.value:
         return
@@ -50,6 +83,7 @@ def armature_found(joint: JointActuator) -> Iterator[Found]:
         ratio = value / motor.value
         fitted = armature.origin is Origin.IDENTIFIED
         low, high = OF_MOTOR_FITTED if fitted else OF_MOTOR
+        high = COUPLED if alone and not fitted else high
         if not low <= ratio <= high:
             if fitted:
                 help = "look for a wrong power of ten in the results, or a wrong rotor inertia or gear of the motor"
@@ -78,8 +112,11 @@ def armature_found(joint: JointActuator) -> Iterator[Found]:
     fast = None if line is None or line.no_load_speed is None else line.no_load_speed.value
     if rate and fast and fast < SPIN_UP * rate < SPIN_UP * ARMATURE_RATE[0]:
         return
+    # A cylinder or a voice coil has no rotor that may be before a gear: what moves is stated as it is.
+    rotor = drive is None or drive.rotor_inertia is not None or turns(drive)
     if rate is not None and (
-        rate < ARMATURE_RATE[0] or (rate > ARMATURE_RATE[1] and large) or (rate > ROTOR_ALONE and unknown)
+        rate < ARMATURE_RATE[0]
+        or (rotor and ((rate > ARMATURE_RATE[1] and large) or (rate > ROTOR_ALONE and unknown)))
     ):
         words = (
             f"an armature of {shown(armature)}: the effort limit of {shown(limit)} would turn the rotor alone with "

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from actspec.diagnostics import Path, dotted
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
-from actspec.spec.plausible.relations import DEGREE, RARE, Relation, Repair, explained
+from actspec.spec.plausible.relations import ALIKE, DEGREE, RARE, Relation, Repair, explained
 from actspec.spec.plausible.table import Doubt, at
 from actspec.units import format_quantity
 
@@ -24,6 +24,9 @@ LEAST_ERROR = 0.015
 0.05 s."""
 STIFF_RETURN = 2e-3
 """[s]. A joint that swings with 100 rad/s and a damping ratio of 0.1 has it."""
+STIFF_SERVO_RETURN = 1e-4
+"""The same without a motor [s]. Published, of the 0.015 rad: 4e-4 (an so101 with 1600 N*m/rad and 3.35 N*m), from
+damping of the joint; but for stiffnesses of 1e5 and 1e7, which are placeholders of a rigid joint (2e-5, agibot)."""
 LARGEST_ERROR = 50.0
 """Effort limit over kp [rad]: where the drive gives all that it has. Published: 0.21 to 2.2, without a motor to 25."""
 USUAL_ERROR = (0.06, 10.0)
@@ -48,7 +51,8 @@ class Gains:
         kd: [N*m*s/rad or N*s/m].
         viscous: Friction [N*m*s/rad or N*s/m].
         limit: Effort limit of a hinge [N*m]; None: unknown, or of a slide.
-        driven: A motor is stated. Without one they may be a simulator's own servos, of any stiffness.
+        driven: A motor is stated. Without one they may be a simulator's own servos, of nearly any stiffness.
+        stiff: kd over kp below which a limit that is reached at `LEAST_ERROR` is noticed [s]; 0: never.
         unit: Of a joint's force, N*m or N.
     """
 
@@ -57,6 +61,7 @@ class Gains:
     viscous: float
     limit: float | None
     driven: bool
+    stiff: float
     unit: str
 
     @property
@@ -143,10 +148,10 @@ def _relations(gains: Gains) -> Iterator[Relation]:
             about="error",
         )
         damped = (gains.kd + gains.viscous) / gains.kp
-        if gains.driven and damped:
+        if gains.stiff and damped:
             yield Relation(
                 "SPEC192",
-                max(error / LEAST_ERROR, damped / STIFF_RETURN),
+                max(error / LEAST_ERROR, damped / gains.stiff),
                 (1.0, math.inf),
                 (1.0, math.inf),
                 f"kp {gains.shown_kp} asks for the effort limit of {format_quantity(gains.limit, 'N*m', 4)} at an "
@@ -162,7 +167,7 @@ def _repairs(gains: Gains) -> Iterator[Repair]:
     exchanged = "are the two exchanged? kp is the stiffness, kd the velocity gain"
     yield Repair(tuple(_relations(replace(gains, kp=kd, kd=kp))), (("kp",),), exchanged)
     for field in ("kp", "kd"):
-        factors = [(10.0**power, "did you mean {}?", RARE) for power in (-3, -2, -1, 1, 2, 3)]
+        factors = [(10.0**power, "did you mean {}?", RARE) for power in (-4, -3, -2, -1, 1, 2, 3, 4)]
         if gains.unit == "N":
             factors.append((1e3, f"is {field} per mm? Per metre it is {{}}", 0.0))
         for factor, words, rare in factors:
@@ -171,6 +176,7 @@ def _repairs(gains: Gains) -> Iterator[Repair]:
             yield Repair(tuple(_relations(other)), ((field,),), words.format(meant), rare)
     if gains.unit == "N":
         return
+    # What was multiplied by 57.3 is hardly a multiple of 100.
     for field, other, help in (
         ("kp", replace(gains, kp=kp / DEGREE), "is kp per degree? Per radian it is {0.shown_kp}"),
         ("kp", replace(gains, kp=kp * DEGREE), "is kp multiplied by 57.3? Without that it is {0.shown_kp}"),
@@ -182,7 +188,9 @@ def _repairs(gains: Gains) -> Iterator[Repair]:
             "are kp and kd per degree? Per radian they are {0.shown_kp} and {0.shown_kd}",
         ),
     ):
-        yield Repair(tuple(_relations(other)), ((field,),), help.format(other))
+        size = kp if field == "kp" else kd
+        rare = RARE + ALIKE if "57.3" in help and size and size % 100.0 == 0.0 else 0.0
+        yield Repair(tuple(_relations(other)), ((field,),), help.format(other), rare)
 
 
 def _degrees(gains: Gains) -> frozenset[str | None]:

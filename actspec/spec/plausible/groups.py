@@ -12,7 +12,7 @@ from actspec.spec.fields import DerivedGain
 from actspec.spec.models import Actuators, Friction, Motor, Randomize, SpecModel, Tunable
 from actspec.spec.plausible.drive import Drive, Limit, Train, cut_gearbox, is_one, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
-from actspec.spec.plausible.gains import Gains, derived_doubts, gain_words
+from actspec.spec.plausible.gains import STIFF_RETURN, Gains, derived_doubts, gain_words
 from actspec.spec.plausible.table import Doubt, Kept, at
 from actspec.spec.rules.groups import range_of
 from actspec.spec.rules.motors import stage_ratio
@@ -45,6 +45,20 @@ def layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
             yield (*path, "overrides", pattern), override, group
 
 
+def written_numbers(model: SpecModel, spans: SourceMap) -> dict[Span, SpecValue]:
+    """The numbers of groups and overrides as they are written, by where."""
+    parts: list[tuple[Path, Any]] = []
+    for path, fields, _ in layers(model):
+        parts += [(path, fields), ((*path, "friction"), fields.friction)]
+    return {
+        spans.value((*path, key)): value
+        for path, part in parts
+        if part is not None
+        for key in part.model_fields_set
+        if isinstance(value := getattr(part, key), SpecValue)
+    }
+
+
 def drives_of(model: SpecModel) -> Iterator[Drive]:
     """Every motor, with the limits of the joints that it drives.
 
@@ -71,7 +85,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
         train: Path | None = None
         if stages is not None:
             motor = model.motors.get(name)
-            if motor is None or not _turns(motor) or not all(is_one(stage) for stage in stages):
+            if motor is None or not turns(motor) or not all(is_one(stage) for stage in stages):
                 continue
             train = (*(path if fields.transmission is not None else path[:2]), "transmission")
             trains.setdefault(name, {})[train] = Train(stages, count, train)
@@ -106,7 +120,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
         )
 
 
-def _turns(motor: Motor) -> bool:
+def turns(motor: Motor) -> bool:
     """Whether what a motor gives out turns, by its gearbox and the units of its figures."""
     if any(stage_ratio(stage) is None for stage in motor.gearbox or ()):
         return False
@@ -153,7 +167,10 @@ def group_doubts(
             viscous = 0.0 if friction is None or friction.viscous is None else friction.viscous.value or 0.0
             driven = stated("motor")[0] in model.motors
             force = "N" if kp.linear or kd.linear else "N*m"
-            found = gain_words(Gains(kp.value or 0.0, kd.value or 0.0, viscous, known, driven, force))
+            # Without a motor the robot's file may have such a servo, which is read at its joints.
+            stiff = STIFF_RETURN if driven else 0.0
+            gains = Gains(kp.value or 0.0, kd.value or 0.0, viscous, known, driven, stiff, force)
+            found = gain_words(gains)
             if found is not None:
                 field, message, help = found
                 places = (kp_path, kd_path) if field == "kp" else (kd_path, kp_path)
@@ -213,7 +230,7 @@ def _most_of(
     motor = model.motors.get(name)
     if motor is None or stated("transmission")[0] is not None or (reduction and _is_geared_up(reduction)):
         return None
-    if any(isinstance(place, str) and place.startswith(f"motors.{name}.") for place in doubted) or not _turns(
+    if any(isinstance(place, str) and place.startswith(f"motors.{name}.") for place in doubted) or not turns(
         motor
     ):
         return None

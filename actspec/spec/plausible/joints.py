@@ -19,11 +19,12 @@ from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE, unreached_limit
-from actspec.spec.plausible.gains import Gains, blamed, gain_words
-from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words
+from actspec.spec.plausible.gains import STIFF_RETURN, STIFF_SERVO_RETURN, Gains, blamed, gain_words
+from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.repairs import misread_speeds
+from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import (
     BY_CODE,
     Doubt,
@@ -38,6 +39,7 @@ from actspec.spec.plausible.table import (
     tell,
 )
 from actspec.spec.plausible.witnesses import witnessed
+from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
@@ -200,13 +202,17 @@ def _joint_doubts_of(
     parts = (re.split(r"[.\[]", item.where) for item in told)
     reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
     places = {item.span for item in told}.union(rubbed)
-    linked = _linked(model)
+    linked, written = _linked(model), written_numbers(model, spans)
     # A motor's torque that is none too large at other joints is not what is wrong, but what reduces it here.
     sound = {joint.effort_limit.span for joint in joints if not levers[joint.joint]}
     for joint in joints:
         linkage = linked.get(joint.joint)
         lever = levers[joint.joint]
-        for found in (*lever, *_viscous(joint, drives, kept), *_joint_doubts(joint, joints, kept)):
+        for found in (
+            *lever,
+            *_viscous(joint, drives, written, kept),
+            *_joint_doubts(joint, joints, model, written, kept),
+        ):
             doubt = found.doubt
             reduction = reduction_of(joint.group, model.actuators[joint.group])
             if doubt.code == "SPEC183" and reduction is not None and doubt.span in sound:
@@ -240,11 +246,18 @@ def _of_derivation(doubt: Doubt, model: SpecModel, spans: SourceMap) -> Doubt:
     return doubt
 
 
-def _joint_doubts(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept) -> Iterator[Found]:
+def _joint_doubts(
+    joint: JointActuator,
+    joints: Sequence[JointActuator],
+    model: SpecModel,
+    written: Mapping[Span, SpecValue],
+    kept: Kept,
+) -> Iterator[Found]:
     for check in (pose_found, command_range_found, scale_found, _velocity, _stribeck, unreached_limit):
         yield from check(joint)
     yield from _friction(joint, joints, kept)
-    inertia = list(armature_found(joint)) or list(odd_armature_found(joint, joints))
+    motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
+    inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
     yield from inertia or _gains(joint)
 
@@ -340,7 +353,9 @@ def _stribeck(joint: JointActuator) -> Iterator[Found]:
     yield found_at(joint, "SPEC184", where, size, message, help, velocity, fast)
 
 
-def _viscous(joint: JointActuator, drives: Mapping[str, Drive], kept: Kept) -> Iterator[Found]:
+def _viscous(
+    joint: JointActuator, drives: Mapping[str, Drive], written: Mapping[Span, SpecValue], kept: Kept
+) -> Iterator[Found]:
     """Viscous friction at the end of the torque-speed line, whatever the level; published: to 0.43 (ANYmal D).
 
     Where no line acts also at a stated velocity limit; what the robot's file has as well is not mistyped.
@@ -365,6 +380,10 @@ def _viscous(joint: JointActuator, drives: Mapping[str, Drive], kept: Kept) -> I
     # Any of them may be: a figure would be a guess.
     times = "times 57.3, " if joint.kind is JointKind.HINGE else ""
     help = f"is it in m{viscous.unit}, {times}or the point in the wrong place?"
+    plain = None if viscous.span is None else in_si(written.get(viscous.span))
+    if plain is not None and torque * (plain.value or 0.0) < most * viscous.value:
+        # Of a friction per degree the unit is the likeliest.
+        help = f"did you mean {plain.written}?"
     own = joint.motor_line
     stall = None if own is None else own.stall_torque
     strong = 0.0 if stall is None else stall.value or 0.0
@@ -428,6 +447,7 @@ def _gains(joint: JointActuator) -> Iterator[Found]:
         joint.friction_viscous.value or 0.0,
         limit.value if hinge else None,
         joint.motor is not None,
+        _noticed_return(joint, kp),
         "N*m" if hinge else "N",
     )
     alone = gain_words(gains)
@@ -452,6 +472,13 @@ def _gains(joint: JointActuator) -> Iterator[Found]:
         where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
         others = (other, limit, joint.armature)
         yield found_at(joint, "SPEC192", where, size, message, help, number, *others)
+
+
+def _noticed_return(joint: JointActuator, kp: Quantity) -> float:
+    """kd over kp below which a stiff joint is noticed [s]; 0: never, where file or placeholder has that kp."""
+    if joint.motor is not None:
+        return STIFF_RETURN
+    return 0.0 if _is_files(kp) or math.log10(kp.require()).is_integer() else STIFF_SERVO_RETURN
 
 
 def _by_frequency(

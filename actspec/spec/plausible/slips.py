@@ -21,7 +21,7 @@ INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"), (1e-3, "g*m^
 SPEEDS = {"rpm": RPM, "rad/s": 1.0, "deg/s": DEGREE}
 """Units of speeds [rad/s]."""
 
-_WRITTEN = re.compile(r"([-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?) *([a-z].*)")
+_WRITTEN = re.compile(r"([-+]?[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?) *([A-Za-z].*)")
 
 
 def stage_slips(stage: Stage) -> Iterator[tuple[Stage, str, float]]:
@@ -100,6 +100,19 @@ def slips_of(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str
     yield from tens(value)
 
 
+def in_si(value: SpecValue | None) -> SpecValue | None:
+    """A number of another unit as it would be in the SI unit, which may be what was meant; None: it is in that."""
+    amount, unit = (0.0, "") if value is None else amount_of(value)
+    if value is None or not unit or unit == value.unit:
+        return None
+    return replace(value, value=amount, written=format_quantity(amount, value.unit))
+
+
+def thousandth(unit: str) -> str:
+    """The unit of a thousandth: mN*m, and g for kg."""
+    return unit[1:] if unit.startswith("kg") else f"m{unit}"
+
+
 def amount_of(value: SpecValue) -> tuple[float, str]:
     """Number and unit as written; without a unit the number in SI."""
     written = _WRITTEN.fullmatch(value.written)
@@ -144,12 +157,12 @@ def _of_milli(value: SpecValue) -> str:
     amount, _, unit = value.written.partition(" ")
     if unit.startswith("k") and not unit.startswith("kg"):
         return f"did you mean {amount} {unit[1:]}?"
-    return f"is it in m{value.unit}? {milli(value)}"
+    return f"is it in {thousandth(value.unit)}? {milli(value)}"
 
 
 def milli(value: SpecValue) -> str:
     size = value.value or 0.0
-    return f"{size:g} m{value.unit} is {format_quantity(size / 1000, value.unit, 3)}"
+    return f"{size:g} {thousandth(value.unit)} is {format_quantity(size / 1000, value.unit, 3)}"
 
 
 def in_unit(value: SpecValue) -> str:

@@ -11,6 +11,7 @@ from actspec.spec.document import SourceMap
 from actspec.spec.fields import SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, SpecModel
 from actspec.spec.plausible.groups import layers
+from actspec.spec.plausible.slips import amount_of
 from actspec.spec.plausible.table import Doubt, at
 from actspec.spec.rules.groups import range_of
 from actspec.spec.values import SpecValue
@@ -37,6 +38,8 @@ CUTOFF = (0.2, 5e3)
 BANDWIDTH = (2.0, 20e3)
 """Of the torque or current loop [Hz]. Chosen: drives with springs and with air have 3 Hz and more, and
 0.5 to 1.5 are of a current loop in kHz."""
+STEP_RATES = frozenset((100, 120, 200, 240, 250, 400, 500, 1000))
+"""Rates of simulations as they are quoted [Hz]."""
 ROUNDED = 1.0 - 1e-9
 """Times that differ by less are the same."""
 WRONG_BY = 10.0
@@ -161,22 +164,37 @@ def _time(
     low, high = bounds
     if value.value is None or value.value == 0.0 or low <= value.value <= high:
         return
-    # Of less than a second the thousandth is no usual time. A step has its point in the wrong place then.
-    meant = value.value * (1e-3 if value.value >= 1.0 else 0.1 if bounds is STEP else math.inf)
-    milli = value.unit == "s" and low <= meant <= high
-    kilo = value.unit == "Hz" and value.value < low <= 1e3 * value.value <= high
     yield at(
         spans,
         "SPEC186",
         f"{value.written} is no usual size of {what}: {_usual(low, value.unit)} to {_usual(high, value.unit)}",
         path,
-        f"did you mean {format_quantity(meant * 1e3, 'ms', 4)}?"
-        if milli
-        else f"is it in kHz? Then it is {format_quantity(value.value * 1e3, 'Hz', 4)}"
-        if kilo
-        else "look for a wrong unit, or the point in the wrong place",
+        "; or ".join(_meant(value, bounds)) or "look for a wrong unit, or the point in the wrong place",
         error=value.value > WRONG_BY * high or value.value < low / WRONG_BY,
     )
+
+
+def _meant(value: SpecValue, bounds: tuple[float, float]) -> Iterator[str]:
+    """What a time or frequency outside of its bounds may have been."""
+    size, (low, high) = value.value or 0.0, bounds
+    if value.unit == "Hz":
+        # Of a low-pass the time constant is quoted as well; the higher of the two is the more usual one.
+        readings = [
+            (1e3 * size, "is it in kHz"),
+            (0.5 / math.pi / size, f"is it a time constant of {size:g} s"),
+        ]
+        for meant, words in sorted(readings, reverse=True) if size < low else ():
+            if low <= meant <= high:
+                yield f"{words}? Then it is {format_quantity(meant, 'Hz', 4)}"
+        return
+    amount, _ = amount_of(value)
+    rated = bounds is STEP and amount in STEP_RATES and size > high
+    if rated:
+        yield f"is it a rate? The step of {amount:g} Hz is {format_quantity(1e3 / amount, 'ms', 4)}"
+    # Of less than a second the thousandth is no usual time. A step has its point in the wrong place then.
+    meant = size * (1e-3 if size >= 1.0 else 0.1 if bounds is STEP else math.inf)
+    if low <= meant <= high and not (rated and math.isclose(meant * amount, 1.0)):
+        yield f"did you mean {format_quantity(meant * 1e3, 'ms', 4)}?"
 
 
 def _usual(bound: float, unit: str) -> str:

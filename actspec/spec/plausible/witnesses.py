@@ -23,8 +23,9 @@ from actspec.spec.plausible.drive import (
     scaled,
 )
 from actspec.spec.plausible.driven import AGREES, WITNESS
-from actspec.spec.plausible.groups import FRICTION_SHARE, drives_of, reduction_of
+from actspec.spec.plausible.groups import FRICTION_SHARE, drives_of, reduction_of, written_numbers
 from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE, KGF_CM, RPM
+from actspec.spec.plausible.slips import in_si, thousandth
 from actspec.spec.plausible.table import Doubt, Found, Kept, in_file
 from actspec.units import format_quantity
 
@@ -53,14 +54,14 @@ def witnessed(
         yield replace(drive, witnesses=found, sure=kept.paths, large="SPEC183" in kept.codes)
 
 
-def file_doubts(joints: Sequence[JointActuator], model: SpecModel) -> Iterator[Found]:
+def file_doubts(joints: Sequence[JointActuator], model: SpecModel, spans: SourceMap) -> Iterator[Found]:
     """Numbers that the robot's file contradicts: it is named as their source, or they are limits far from its.
 
     A limit that names another source is not mistyped: Isaac Lab's hand of the Panda has 200 N of the file's 20.
     """
     name = os.path.basename(model.robot.model)
     own = {key for key, source in model.sources.items() if os.path.basename(str(source.page)) == name}
-    efforts = [limits_of_file(joint)[0] for joint in joints]
+    efforts, written = [limits_of_file(joint)[0] for joint in joints], written_numbers(model, spans)
     # One figure for every joint is often an exporter's, or its user's.
     one_for_all = len(efforts) > 1 and len(set(efforts)) == 1
     for joint in joints:
@@ -78,7 +79,15 @@ def file_doubts(joints: Sequence[JointActuator], model: SpecModel) -> Iterator[F
             ratio, slip = stated.value / said.value, None
             if stated.source in own:
                 told = not 1.0 / WITNESS < ratio < WITNESS
-                text = f"{_shown(stated)} names {stated.source} as its source, the robot's file, which has"
+                own_words = None if stated.span is None else written.get(stated.span)
+                plain, given = in_si(own_words), _shown(stated)
+                if (
+                    own_words is not None
+                    and plain is not None
+                    and _is_same((plain.value or 0.0) / said.value)
+                ):
+                    given, slip = own_words.written, f"did you mean {plain.written}?"
+                text = f"{given} names {stated.source} as its source, the robot's file, which has"
                 code = "SPEC194"
             else:
                 if field == "effort_limit" and not one_for_all and limits_of_file(joint)[0] is not None:
@@ -169,7 +178,7 @@ def _slip_of_effort(joint: JointActuator, model: SpecModel, ratio: float) -> str
 def _meant(stated: Quantity, ratio: float) -> str:
     """What is likely to be meant by a number that is so many times the file's."""
     size, unit = stated.require(), stated.unit
-    slips = [(1e3, f"is it in m{unit}")]
+    slips = [(1e3, f"is it in {thousandth(unit)}")]
     if unit == "N*m":
         slips += [(1.0 / KGF_CM, "is it in kgf*cm"), (0.01 / KGF_CM, "is it in kgf*m")]
     if unit == "rad/s":
@@ -180,9 +189,13 @@ def _meant(stated: Quantity, ratio: float) -> str:
         slips += [(1.0 / DEGREE, "is it multiplied by 57.3"), (DEGREE, "is it per degree")]
     slips += [(10.0**power, "is the point in the wrong place") for power in (1, 2, 3, -1, -2, -3)]
     factor, words = min(slips, key=lambda slip: abs(math.log(ratio / slip[0])))
-    if not 1.0 / SAME <= ratio / factor <= SAME:
+    if not _is_same(ratio / factor):
         return "look for a wrong unit"
     return f"{words}? Then it is {format_quantity(size / factor, unit, 4)}"
+
+
+def _is_same(ratio: float) -> bool:
+    return 1.0 / SAME <= ratio <= SAME
 
 
 def _is_compared(joint: JointActuator, drive: Drive) -> bool:

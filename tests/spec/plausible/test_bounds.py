@@ -260,6 +260,13 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("motor: m, kp: 1340, kd: 2.7", []),
         ("motor: m, kp: 1340, kd: 2.6", ["SPEC192"]),
         ("kp: 1340, kd: 2.6, effort_limit: 20", []),
+        # Without a motor with a kd of 0.1 ms: 0.134 of 1340, friction included; a power of ten is a placeholder.
+        ("kp: 1340, kd: 0.133, effort_limit: 20", ["SPEC192"]),
+        ("kp: 1340, kd: 0.135, effort_limit: 20", []),
+        ("kp: 1340, kd: 0.1, effort_limit: 20, friction: {viscous: 0.035}", []),
+        ("kp: 1330, kd: 0.133, effort_limit: 20", []),
+        ("kp: 10000, kd: 0.5, effort_limit: 20", []),
+        ("kp: 1340, kd: 0, effort_limit: 20", []),
         # 20 N*m / 0.4 N*m/rad = 50 rad.
         ("motor: m, kp: 0.41, kd: 0.1", []),
         ("motor: m, kp: 0.39, kd: 0.1", ["SPEC192"]),
@@ -276,7 +283,8 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("effort_limit: 20, armature: 3.9", []),
         ("effort_limit: 20, armature: 4.1", ["SPEC191"]),
         ("motor: m, armature: 0.299", []),
-        ("motor: m, armature: 0.301", ["SPEC191"]),
+        # Without a model, in which links would be, what is coupled to the rotor may be meant.
+        ("motor: m, armature: 0.301", []),
         ("motor: m, armature: 0.029", ["SPEC191"]),
         ("delay: 250 ms", []),
         ("delay: 251 ms", ["SPEC186"]),
@@ -390,6 +398,13 @@ MODEL = """<mujoco><compiler angle="radian"/><worldbody><body>
         ("kp: 8, kd: 0.2, command_range: [-1 deg, 0.5 deg]", "", ["SPEC190"]),
         ("kp: 8, kd: 0.2, command_range: [-0.02 rad, 0.3 rad]", "", []),
         ("kp: 8, kd: 0.2, command_range: [0.01 rad, 0.02 rad]", "", []),
+        # 0.05 rad beyond the range of -1 to 0.5 rad, and beside the default position.
+        ("kp: 8, kd: 0.2, command_range: [0.54 rad, 0.8 rad]", "", []),
+        ("kp: 8, kd: 0.2, command_range: [0.56 rad, 0.8 rad]", "", ["SPEC190"]),
+        ("kp: 8, kd: 0.2, command_range: [-1.5 rad, -1.06 rad]", "", ["SPEC190"]),
+        ("kp: 8, kd: 0.2, command_range: [-1 rad, 0.36 rad]", "hip: 0.4 rad", []),
+        ("kp: 8, kd: 0.2, command_range: [-1 rad, 0.34 rad]", "hip: 0.4 rad", ["SPEC190"]),
+        ("kp: 8, kd: 0.2, command_range: [-0.3 rad, 0.5 rad]", "hip: -0.4 rad", ["SPEC190"]),
     ],
 )
 def test_joints_of_a_model(fields: str, pose: str, expected: list[str]) -> None:
@@ -473,6 +488,63 @@ def test_a_reduction_that_makes_a_limit_too_strong() -> None:
     (found,) = said(text, robot_of(6, KILO))
     assert (found.code, found.where) == ("SPEC183", "actuators.knees.reduction")
     assert found.span is not None and "reduction" in text.splitlines()[found.span.line - 1]
+
+
+@pytest.mark.parametrize(
+    ("armature", "model", "expected"),
+    [
+        # A propeller on a rotor of 2.5e-5 kg*m^2, which has 6.4 times that; 0.8 / 1.6e-4 = 5000 rad/s^2.
+        ("1.6e-4", None, []),
+        # 300 times; 3 times where the links are known.
+        ("7.4e-3", None, []),
+        ("7.6e-3", None, ["SPEC191"]),
+        ("7.4e-5", MODEL, []),
+        ("7.6e-5", MODEL, ["SPEC191"]),
+    ],
+)
+def test_what_is_coupled_to_a_rotor(armature: str, model: str | None, expected: list[str]) -> None:
+    text = spec_of(
+        f"a: {{joints: [hip], motor: m, level: ideal_pd, kp: 1, kd: 0.02, effort_limit: peak, armature: {armature}}}",
+        robot="name: a, model: none, joints: [hip]" if model is None else "name: a, model: robot.xml",
+        motors="{m: {side: joint, peak_torque: 0.8, gear_ratio: 1, rotor_inertia: 2.5e-5}}",
+    )
+    assert [code for code in codes(text, model) if code == "SPEC191"] == expected
+
+
+@pytest.mark.parametrize(
+    ("motor", "fields", "expected"),
+    [
+        (
+            "peak_torque: 3.2 kN, no_load_speed: 0.6 m/s, reflected_inertia: 0.2 kg",
+            "transmission: [{lever_arm: 45 mm}], ",
+            [],
+        ),
+        ("peak_torque: 144, reflected_inertia: 4.05e-4", "", ["SPEC191"]),
+    ],
+)
+def test_a_cylinder_has_no_rotor(motor: str, fields: str, expected: list[str]) -> None:
+    """3.2 kN x 45 mm = 144 N*m on 0.2 kg x (45 mm)^2 = 4.05e-4 kg*m^2 are 3.6e5 rad/s^2; as of a shaft."""
+    text = spec_of(
+        f"a: {{joints: [hip], motor: m, {fields}level: ideal_pd, kp: 300, kd: 8, effort_limit: peak}}",
+        robot="name: a, model: robot.xml",
+        motors=f"{{m: {{side: joint, {motor}}}}}",
+    )
+    assert codes(text, MODEL) == expected
+
+
+def test_a_command_range_without_the_default_position() -> None:
+    """It is told at its own line; a position outside of the joint's range, -1 to 0.5 rad, is told alone."""
+    group = "legs: {joints: [hip], level: ideal_pd, kp: 8, kd: 0.2, command_range: [-0.3 rad, 0.2 rad]}"
+    robot = "name: leg, model: robot.xml, default_pose: {hip: POSE rad}"
+    (found,) = said(spec_of(group, robot=robot.replace("POSE", "0.4")), MODEL)
+    assert (found.where, found.message, found.help) == (
+        "actuators.legs.command_range",
+        "hip: a command range of -0.3 rad to 0.2 rad keeps the joint from its default position, 0.4 rad",
+        "it clamps the command itself, not its difference from the default position; `command_range: joint` is the "
+        "joint's own range",
+    )
+    (found,) = said(spec_of(group, robot=robot.replace("POSE", "0.6")), MODEL)
+    assert found.where == "robot.default_pose"
 
 
 def test_a_gear_that_makes_a_joint_slow() -> None:

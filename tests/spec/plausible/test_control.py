@@ -254,6 +254,142 @@ def test_gains_of_a_source_have_one_message(kp: str, kd: str, expected: list[tup
     assert [(item.code, item.where.rpartition(".")[2]) for item in said(text, SERVO)] == expected
 
 
+@pytest.mark.parametrize(
+    ("step", "help"),
+    [
+        # 1 / 200 Hz = 5 ms; a tenth of 200 ms.
+        ("200 ms", "is it a rate? The step of 200 Hz is 5 ms; or did you mean 20 ms?"),
+        ("500 s", "is it a rate? The step of 500 Hz is 2 ms"),
+        # 1 / 100 Hz and a tenth of 100 ms, a thousandth of 1000 ms and 1 / 1000 Hz are one.
+        ("100 ms", "is it a rate? The step of 100 Hz is 10 ms"),
+        ("1000 ms", "is it a rate? The step of 1000 Hz is 1 ms"),
+        ("220 ms", "did you mean 22 ms?"),
+        ("0.2 s", "did you mean 20 ms?"),
+    ],
+)
+def test_a_step_that_is_a_rate(step: str, help: str) -> None:
+    groups = f"a: {{joints: [hip], level: ideal_pd, kp: 20, kd: 1}}, {REST}"
+    assert one(spec_of(groups, more=f"timing: {{physics_dt: {step}}}")) == (
+        "SPEC186",
+        "timing.physics_dt",
+        help,
+    )
+
+
+@pytest.mark.parametrize(
+    ("cutoff", "help"),
+    [
+        # 1 / (2 pi 0.0053 s) = 30.03 Hz, and 0.0053 kHz.
+        (
+            "0.0053 Hz",
+            "is it a time constant of 0.0053 s? Then it is 30.03 Hz; or is it in kHz? Then it is 5.3 Hz",
+        ),
+        # 1 / (2 pi 0.05 s) = 3.183 Hz.
+        (
+            "0.05 Hz",
+            "is it in kHz? Then it is 50 Hz; or is it a time constant of 0.05 s? Then it is 3.183 Hz",
+        ),
+        # 0.1 Hz is none; 1 / (2 pi 1e-4 s) = 1592 Hz.
+        ("0.0001 Hz", "is it a time constant of 0.0001 s? Then it is 1592 Hz"),
+        ("30 kHz", "look for a wrong unit, or the point in the wrong place"),
+    ],
+)
+def test_a_cutoff_that_is_a_time_constant(cutoff: str, help: str) -> None:
+    text = of_group(f"command_filter: {{cutoff: {cutoff}}}")
+    assert one(text) == ("SPEC186", "actuators.legs.command_filter.cutoff", help)
+
+
+@pytest.mark.parametrize(
+    ("field", "said_of"),
+    [
+        (
+            "effort_limit: {value: 4 mN*m, source: file}",
+            "4 mN*m names file as its source, the robot's file, which has 4 N*m: did you mean 4 N*m?",
+        ),
+        (
+            "kp: {value: 25 N*m/deg, source: file}",
+            "25 N*m/deg names file as its source, the robot's file, which has 25 N*m/rad: did you mean 25 N*m/rad?",
+        ),
+        # 4000 N*m is another number: the unit is as good as any.
+        (
+            "effort_limit: {value: 0.004 N*m, source: file}",
+            "0.004 N*m names file as its source, the robot's file, which has 4 N*m: is the point in the wrong place? "
+            "Then it is 4 N*m",
+        ),
+        (
+            "armature: {value: 50 kg*m^2, source: file}",
+            "50 kg*m^2 names file as its source, the robot's file, which has 0.05 kg*m^2: is it in g*m^2? Then it is "
+            "0.05 kg*m^2",
+        ),
+    ],
+)
+def test_the_unit_as_written_is_the_suspect(field: str, said_of: str) -> None:
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, kd: 0.5, {'' if 'kp' in field else 'kp: 25, '}{field}}}",
+        robot="name: leg, model: robot.xml",
+        more="sources: {file: {title: T, page: robot.xml}}",
+    )
+    servo = SERVO.replace('kv="0.5"', 'kv="0.5" forcerange="-4 4"').replace(
+        'joint name="hip"', 'joint name="hip" armature="0.05"'
+    )
+    found = next(item for item in said(text, servo) if item.code == "SPEC194")
+    assert f"{found.message.partition(': ')[2]}: {found.help}" == said_of
+
+
+@pytest.mark.parametrize(
+    ("armature", "help"),
+    [
+        # 20 / 1e-6 = 2e7 rad/s^2; 20 / 0.01 = 2000, and of 1e-5 kg*m^2 2e6.
+        (
+            "0.01 kg*cm^2",
+            "did you mean 0.01 kg*m^2? Or is it the rotor's own, before the gear? The armature is rotor inertia x "
+            "gear^2",
+        ),
+        # 20 / 1e-5, and nothing else is written.
+        ("0.00001 kg*m^2", "is it the rotor's own, before the gear? The armature is rotor inertia x gear^2"),
+        # 400 kg*m^2 are no armature, either: 20 / 400 = 0.05.
+        ("400 g*mm^2", "is it the rotor's own, before the gear? The armature is rotor inertia x gear^2"),
+    ],
+)
+def test_an_armature_in_a_unit_of_rotors(armature: str, help: str) -> None:
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, kp: 20, kd: 1, effort_limit: 20, armature: {armature}}}",
+        robot="name: leg, model: robot.xml",
+    )
+    (found,) = said(text, MODEL)
+    assert (found.code, found.help) == ("SPEC191", help)
+
+
+def test_a_viscous_friction_per_degree() -> None:
+    """1 N*m*s/deg are 57.3, times 10 rad/s 573 of 20 N*m; 1 N*m*s/rad takes 10 N*m, half of that, so 0.9 is less."""
+    text = of_group("level: dc_motor, friction: {viscous: 0.9 N*m*s/deg}").replace(
+        "level: ideal_pd, motor", "motor"
+    )
+    code, where, help = one(text)
+    assert (code, where) == ("FRC106", "actuators.legs.friction.viscous")
+    assert help is not None and help.startswith("did you mean 0.9 N*m*s/rad? ")
+
+
+@pytest.mark.parametrize(
+    ("kp", "help"),
+    [
+        # The file's own: whatever it is, it was not mistyped.
+        ("300000", None),
+        # 4 / 200000 = 2e-5 rad, 0.8 / 200000 = 4e-6 s; of 20 N*m/rad 0.2 rad and 0.04 s, both as usual.
+        ("200000", "did you mean 20 N*m/rad?"),
+    ],
+)
+def test_a_stiff_servo_without_a_motor(kp: str, help: str | None) -> None:
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, kp: {kp}, kd: 0.8, effort_limit: 4}}",
+        robot="name: leg, model: robot.xml",
+    )
+    servo = SERVO.replace('kp="25" kv="0.5"', 'kp="300000" kv="0.8" forcerange="-4 4"')
+    assert [(item.code, item.where, item.help) for item in said(text, servo)] == [
+        ("SPEC192", "actuators.legs.kp", help)
+    ] * (help is not None)
+
+
 def test_a_gain_of_a_slide_per_millimetre() -> None:
     """2 of the file's 2000 N/m, which N/mm are; beside it kd, which the file has."""
     text = spec_of(

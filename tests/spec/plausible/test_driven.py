@@ -124,8 +124,10 @@ def gains(text: str, motor: str = MOTOR) -> list[tuple[str, str, str | None]]:
         ("kp: 40, kd: 57.3", "gear_ratio: 9", "kp", "is kp given per degree, or kd multiplied by 57.3?"),
         ("kp: 100 kN*m/rad, kd: 3", MOTOR, "kp", "did you mean 100 N*m/rad?"),
         ("kp: 100, kd: 3 mN*m*s/rad", MOTOR, "kd", "did you mean 3 N*m*s/rad?"),
-        # 4000 / 57.3 = 69.8: 1 / 69.8 = 14 ms, and 20 N*m at 0.29 rad.
-        ("kp: 4000, kd: 1", MOTOR, "kp", "is kp multiplied by 57.3? Without that it is 69.81 N*m/rad"),
+        # 4011 / 57.2958 = 70.01: 1 / 70 = 14 ms, and 20 N*m at 0.29 rad.
+        ("kp: 4011, kd: 1", MOTOR, "kp", "is kp multiplied by 57.3? Without that it is 70.01 N*m/rad"),
+        # Of a multiple of 100 it is no such number (69.8). 40 and 4 are as usual as each other: 0.5 and 5 rad.
+        ("kp: 4000, kd: 1", MOTOR, "kp", "is the point in the wrong place?"),
         (
             "kp: 4000, kd: 1",
             "gear_ratio: 9",
