@@ -131,7 +131,7 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
     assert step is not None
     control = _first([_control_dt(actuators) for actuators in sets])
     actuators = ActuatorSet(
-        robot=robot_name(base or ranked[0]),
+        robot=robot_name(base or _named_by(ranked)),
         joints=tuple(joints),
         unmanaged=tuple(name for name in order if name in alone),
         physics_dt=step,
@@ -153,6 +153,14 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
         tuple(order),
         {} if base is None else _above(base),
     )
+
+
+def _named_by(ranked: Sequence[RobotReading]) -> RobotReading:
+    """The file that names a robot without a model: of configurations the robot's own, not an environment's."""
+    alike = [reading for reading in ranked if reading.kind is ranked[0].kind]
+    configs = [(reading, reading.artifact.config) for reading in alike]
+    own = (r for r, config in configs if config and any(g.span.path == r.path for g in config.groups))
+    return next(own, ranked[0])
 
 
 def in_order(readings: Sequence[RobotReading]) -> list[RobotReading]:

@@ -20,6 +20,7 @@ from actspec.diagnostics import (
     one_line,
     shell_word,
 )
+from actspec.draft.environment import are_one, in_environment, written_once
 from actspec.draft.including import including
 from actspec.draft.sources import RobotReading
 from actspec.ir import JointKind
@@ -54,8 +55,6 @@ _ALIKE = 0.75
 """How alike a word and one of another name are, where it is misspelt. `knie` and `knee` are 0.75."""
 
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
-_OF_A_ROBOT = ("model", "default_position", "soft_joint_pos_limit_factor")
-"""Settings of a robot itself, not of what it is trained in."""
 
 
 def read_robot_files(
@@ -87,11 +86,14 @@ def read_robot_files(
     for reading in readings:
         _check(reading, out)
     out.raise_if_failed(AuditError)
-    artifacts = _chosen([artifact for reading in readings for artifact in reading.artifacts], robot, out)
+    every = [artifact for reading in readings for artifact in reading.artifacts]
+    artifacts = _chosen(every, robot, out)
     out.raise_if_failed(AuditError)
-    artifacts = list(_one_a_file(artifacts, robot, out))
+    trained = [in_environment(artifact, every) for artifact in _one_a_file(artifacts, robot, out)]
     out.raise_if_failed(AuditError)
+    artifacts = [artifact for artifact, _ in trained]
     parts = list(_lifted(artifacts, named, versions, out))
+    parts = [_remarked(part, remark) for part, (_, remark) in zip(parts, trained, strict=True)]
     out.raise_if_failed(AuditError)
     files = {reading.path: tuple(file.path for file in reading.files) for reading in readings}
     said = [*out, *(item for reading in readings for item in reading.diagnostics)]
@@ -100,6 +102,11 @@ def read_robot_files(
     return tuple(RobotReading(part, a, files.get(a.path, ())) for part, a in found), tuple(
         dict.fromkeys(said)
     )
+
+
+def _remarked(part: Lifted, remark: str) -> Lifted:
+    """A robot with a remark on the whole of it."""
+    return replace(part, notes={**part.notes, "": (remark, *part.notes.get("", ()))}) if remark else part
 
 
 def _near(path: str) -> str | None:
@@ -211,7 +218,7 @@ def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> 
         named = [part for part in full if part.name == name]
         distinct: list[Artifact] = []
         for part in named or full:
-            if not any(_are_one(part, other) for other in distinct):
+            if not any(are_one(part, other) for other in distinct):
                 distinct.append(part)
         if len(distinct) > 1:
             names = listed([one_line(part.name) for part in full if part in distinct], 20)
@@ -229,45 +236,13 @@ def _is_base(part: Artifact, other: Artifact) -> bool:
     if part.name.startswith("_") and not other.name.startswith("_") and _written(one) & _written(two):
         # The copy may get entries, or lose some.
         return True
-    return _written_once(one, two) and "model" not in one.settings and "model" in two.settings
+    return written_once(one, two) and "model" not in one.settings and "model" in two.settings
 
 
 def _written(config: RobotConfig) -> set[tuple[str, Span]]:
     """Groups and asset of a configuration, with where they are written."""
     model = config.settings.get("model")
     return {(g.name, g.span) for g in config.groups} | ({("", model.span)} if model is not None else set())
-
-
-def _written_once(one: RobotConfig, two: RobotConfig) -> bool:
-    """Whether the groups of two configurations were written in one place."""
-    places = [[(g.name, g.cls, g.span) for g in config.groups] for config in (one, two)]
-    return places[0] == places[1] != []
-
-
-def _are_one(part: Artifact, other: Artifact) -> bool:
-    """Whether two robots of one file are one: by their names, or configurations with the same groups.
-
-    A copy that was changed afterwards is another robot.
-    """
-    one, two = part.config, other.config
-    if one is None or two is None:
-        return part.name == other.name
-    if not _written_once(one, two):
-        return False
-    if any(_said(a.settings) != _said(b.settings) for a, b in zip(one.groups, two.groups, strict=True)):
-        return False
-    # What one of them leaves open tells nothing of the whole robot.
-    mine, theirs = (
-        {name: config.settings[name] for name in _OF_A_ROBOT if name in config.settings}
-        for config in (one, two)
-    )
-    known = [name for name in mine if name in theirs and not (mine[name].unknown or theirs[name].unknown)]
-    return all(mine[name].value == theirs[name].value for name in known)
-
-
-def _said(settings: Mapping[str, Setting]) -> dict[str, object]:
-    """What settings say, wherever it is written."""
-    return {name: setting.unknown or setting.value for name, setting in settings.items()}
 
 
 def _lifted(
@@ -298,7 +273,8 @@ def _lifted(
             source = os.path.basename(named) if os.path.exists(named) else "the list"
             count = many(len(joints), "joint")
             said = f"the {kinds} of the {count} are from {one_line(source)} (--joints){renamed and ', '}{renamed}"
-            notes = {**part.notes, "": (said, *part.notes.get("", ()))}
+            part = _remarked(part, said)
+            notes = dict(part.notes)
             for joint in (j.joint for j in part.actuators.joints if j.joint in follow):
                 also = f"follows '{one_line(follow[joint])}' in {source} (mimic), and the configuration drives it too"
                 notes[joint] = (*notes.get(joint, ()), also)

@@ -382,7 +382,6 @@ def test_mjlabs_network_has_the_line(tmp_path: Path) -> None:
     assert (hip.stall_torque.value, hip.no_load_speed.value, hip.velocity_limit.value) == (9.0, 8.0, None)
 
 
-
 @pytest.mark.parametrize(
     ("cls", "fields", "why"),
     [
