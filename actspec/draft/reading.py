@@ -20,6 +20,7 @@ from actspec.diagnostics import (
     one_line,
     shell_word,
 )
+from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remark_of
 from actspec.draft.environment import are_one, in_environment, written_once
 from actspec.draft.including import including
 from actspec.draft.sources import RobotReading
@@ -89,15 +90,21 @@ def read_robot_files(
     every = [artifact for reading in readings for artifact in reading.artifacts]
     artifacts = _chosen(every, robot, out)
     out.raise_if_failed(AuditError)
-    trained = [in_environment(artifact, every) for artifact in _one_a_file(artifacts, robot, out)]
+    artifacts = list(_one_a_file(artifacts, robot, out))
     out.raise_if_failed(AuditError)
+    trained = [in_environment(artifact, every) for artifact in of_this_robot(artifacts, out)]
     artifacts = [artifact for artifact, _ in trained]
+    listed_in = every if named is not None or any(artifact.robot for artifact in artifacts) else []
+    passed_over = {one.span for artifact in listed_in for one in lists_of(artifact.config).values()}
     parts = list(_lifted(artifacts, named, versions, out))
-    parts = [_remarked(part, remark) for part, (_, remark) in zip(parts, trained, strict=True)]
+    remarks = [remark or (remark_of(part) if listed_in else "") for part, remark in trained]
+    parts = [_remarked(part, remark) for part, remark in zip(parts, remarks, strict=True)]
     out.raise_if_failed(AuditError)
     files = {reading.path: tuple(file.path for file in reading.files) for reading in readings}
     said = [*out, *(item for reading in readings for item in reading.diagnostics)]
     said += [item for part in parts for item in part.actuators.diagnostics]
+    # The remark on all lists of a file says it once.
+    said = [item for item in said if item.code != NOT_NAMED or item.span not in passed_over]
     found = zip(parts, artifacts, strict=True)
     return tuple(RobotReading(part, a, files.get(a.path, ())) for part, a in found), tuple(
         dict.fromkeys(said)

@@ -275,7 +275,7 @@ def _targets(
     model = combined.model
     if model is not None:
         served = model.kind is FileKind.MJCF or _has_gains(combined)
-        why = _refused(model) or ("" if served else "its servos need kp and kd, which no file states")
+        why = _refused(model) or ("" if served else "its servos need kp and kd, which are unknown")
         version = versions.mujoco or DEFAULT_VERSIONS["mujoco"]
         yield DraftTarget("mujoco", _mapping({"version": version}), left_out=why)
     else:

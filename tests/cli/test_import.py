@@ -615,4 +615,4 @@ def test_a_urdf_that_mujoco_refuses(folder: Path, capsys: pytest.CaptureFixture[
     element = said.split("`")[3]
     assert element == '<mujoco><compiler balanceinertia="true"/></mujoco>'
     text = text.replace('<link name="a"/>', f'{element}<link name="a"/>')
-    assert left_out(text) == "its servos need kp and kd, which no file states"
+    assert left_out(text) == "its servos need kp and kd, which are unknown"
