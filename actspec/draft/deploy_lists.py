@@ -10,7 +10,7 @@ from actspec.draft.sources import places, stated
 from actspec.ir import JointActuator, JointKind, Quantity, unknown
 from actspec.readings.artifact import Artifact, NamelessList, RobotConfig
 from actspec.readings.deploy import LEAST_JOINTS
-from actspec.robot.view import RobotView
+from actspec.robot.view import JointView, RobotView
 
 NOT_NAMED = "DEPLOY002"
 """The reader's note on one such list."""
@@ -22,7 +22,9 @@ def lists_of(config: RobotConfig | None) -> dict[str, NamelessList]:
     return {field: one for field, one in lists.items() if one.entries >= LEAST_JOINTS}
 
 
-def of_this_robot(artifacts: Sequence[Artifact], out: Collector) -> Iterator[Artifact]:
+def of_this_robot(
+    artifacts: Sequence[Artifact], named: Sequence[JointView | str], out: Collector
+) -> Iterator[Artifact]:
     """The parts without deploy files whose lists have more entries than the robot has joints: they are another's.
 
     Fewer tell nothing: a policy may drive the legs of a humanoid alone. A list of equal entries, which would be taken
@@ -30,20 +32,22 @@ def of_this_robot(artifacts: Sequence[Artifact], out: Collector) -> Iterator[Art
 
     Args:
         artifacts: The parts of one robot.
+        named: Its joints where no part is a robot file.
         out: Gets a warning on each that is left out.
     """
     robot = next((part.robot for part in artifacts if part.robot is not None), None)
+    robot_file = "--joints" if robot is None else one_line(robot.path)
     for part in artifacts:
         lists = lists_of(part.config)
-        if robot is None or not lists or part.config is None:
+        counts = _counts(named if robot is None else robot.joints, robot)
+        if not counts or not lists or part.config is None:
             yield part
             continue
-        counts = _counts(robot)
         longest = max(lists.values(), key=lambda one: one.entries)
         if longest.entries > max(counts):
             out.warning(
                 "DRF008",
-                f"{longest.key} has {longest.entries} entries, and {one_line(robot.path)} {max(counts)} joints: the "
+                f"{longest.key} has {longest.entries} entries, and {robot_file} {max(counts)} joints: the "
                 "file is taken for another robot's, and nothing of it is used",
                 span=longest.span,
                 help="leave it out, or name the robot file that has the joints of these lists",
@@ -58,11 +62,17 @@ def of_this_robot(artifacts: Sequence[Artifact], out: Collector) -> Iterator[Art
         yield replace(part, config=replace(part.config, groups=tuple(groups)))
 
 
-def _counts(robot: RobotView) -> set[int]:
+def _counts(joints: Sequence[JointView | str], robot: RobotView | None) -> set[int]:
     """How many joints a list for all of a robot may be for: all, those that follow none, or those with an actuator."""
-    joints = [joint for joint in robot.joints if joint.kind in (JointKind.HINGE, JointKind.SLIDE)]
-    driven = {actuator.target for actuator in robot.actuators} & {joint.name for joint in joints}
-    return {len(joints), sum(joint.mimic is None for joint in joints), len(driven) or len(joints)}
+    moving = [
+        joint
+        for joint in joints
+        if isinstance(joint, str) or joint.kind in (JointKind.HINGE, JointKind.SLIDE)
+    ]
+    free = [joint for joint in moving if isinstance(joint, str) or joint.mimic is None]
+    own = {joint if isinstance(joint, str) else joint.name for joint in moving}
+    driven = own & {actuator.target for actuator in (robot.actuators if robot is not None else ())}
+    return {len(each) for each in (moving, free, driven) if each}
 
 
 def remark_of(part: Artifact) -> str:

@@ -92,11 +92,14 @@ def read_robot_files(
     out.raise_if_failed(AuditError)
     artifacts = list(_one_a_file(artifacts, robot, out))
     out.raise_if_failed(AuditError)
-    trained = [in_environment(artifact, every) for artifact in of_this_robot(artifacts, out)]
+    names = None if named is None else _named(artifacts, named, out)
+    out.raise_if_failed(AuditError)
+    fitting = of_this_robot(artifacts, () if names is None else names[0], out)
+    trained = [in_environment(artifact, every) for artifact in fitting]
     artifacts = [artifact for artifact, _ in trained]
     listed_in = every if named is not None or any(artifact.robot for artifact in artifacts) else []
     passed_over = {one.span for artifact in listed_in for one in lists_of(artifact.config).values()}
-    parts = list(_lifted(artifacts, named, versions, out))
+    parts = list(_lifted(artifacts, named, names, versions, out))
     remarks = [remark or (remark_of(part) if listed_in else "") for part, remark in trained]
     parts = [_remarked(part, remark) for part, remark in zip(parts, remarks, strict=True)]
     out.raise_if_failed(AuditError)
@@ -253,7 +256,11 @@ def _written(config: RobotConfig) -> set[tuple[str, Span]]:
 
 
 def _lifted(
-    artifacts: Sequence[Artifact], named: str | None, versions: Versions, out: Collector
+    artifacts: Sequence[Artifact],
+    named: str | None,
+    names: tuple[Sequence[JointView | str], str] | None,
+    versions: Versions,
+    out: Collector,
 ) -> Iterator[Lifted]:
     """Each part on the joints of the robot file, else on those that are named, or that another part names."""
     model = next((a for kind in _ROBOTS for a in artifacts if a.kind is kind), None)
@@ -261,8 +268,8 @@ def _lifted(
     if model is not None and model.robot is not None:
         joints = [j for j in model.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
     of, renamed, follow = "the robot" if model is None else one_line(os.path.basename(model.path)), "", {}
-    if named is not None:
-        joints, renamed = _named(artifacts, named, out)
+    if names is not None:
+        joints, renamed = names
         # What only names the joints says nothing of who drives them: the configuration does, of its USD.
         follow = {j.name: j.mimic for j in joints if not isinstance(j, str) and j.mimic is not None}
         joints = [j if isinstance(j, str) else replace(j, mimic=None) for j in joints]
@@ -295,6 +302,8 @@ def _lifted(
             lost = list(_unmatched(config, names_of(joints) or beside or own, of, typed))
             if typed and not lost:
                 lost += _misspelt(config, names_of(joints))
+            if model is None and named is not None and config.framework is Framework.DEPLOY:
+                lost += _not_listed(config, names_of(joints))
             more = (*part.actuators.diagnostics, *lost)
             part = replace(part, actuators=replace(part.actuators, diagnostics=more))
         if config is not None and _is_left_alone(config, part, names_of(joints)):
@@ -372,18 +381,21 @@ def _named(
     if robot is not None:
         message = "not needed: the robot file names the joints"
         out.error("DRF011", message, span=Span(robot.path), where="--joints", help="leave --joints out")
-    configs = [
-        a.config for a in artifacts if a.config is not None and a.config.framework is not Framework.DEPLOY
-    ]
+    every = [a.config for a in artifacts if a.config is not None]
+    # A deploy file alone selects its joints by their names.
+    configs = [config for config in every if config.framework is not Framework.DEPLOY] or every
     lists = joint_lists(named)
     joints, renamed = fitting(lists, configs)
     if not joints and robot is None:
         patterns = [one_line(pattern) for config in configs for pattern in _patterns(config)]
-        message = f"none of its joints is selected by {listed(patterns) or 'the files'}"
+        message = f"none of its joints is selected by {listed(patterns)}"
         names = names_of(max(lists, key=len))
         help = f"its joints: {listed(map(one_line, names), 4)}"
         if _differ_by_ending(configs, names):
             help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
+        if not patterns:
+            message = "no file selects joints: the lists of the deploy file have no names"
+            help = "add joint_names: [...] to it, in the order of its lists"
         out.error("DRF011", message, span=Span(one_line(named)), where="--joints", help=help)
     return joints, renamed
 
@@ -472,6 +484,16 @@ def _misspelt(config: RobotConfig, typed: Sequence[str]) -> Iterator[Diagnostic]
                 help = f"did you mean `{one_line(guess)}`? The joint is left alone as it is"
                 yield Diagnostic("DRF012", Severity.WARNING, message, "", config.groups[0].span, help)
                 break
+
+
+def _not_listed(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
+    """Joints of a deploy file that the list of all joints has not."""
+    lost = [group for group in config.groups if not matching(config.framework, group.name, joints)]
+    if lost:
+        names = listed((f"`{one_line(group.name)}`" for group in lost), 4)
+        message = f"{names} of {one_line(config.name)} {'are' if len(lost) > 1 else 'is'} not among --joints"
+        help = "its numbers are left out" if len(lost) == 1 else "their numbers are left out"
+        yield Diagnostic("DRF012", Severity.WARNING, message, "", lost[0].span, help)
 
 
 def _keys(setting: Setting) -> Sequence[str]:
