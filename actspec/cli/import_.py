@@ -124,7 +124,7 @@ def import_files(
         sys.stdout.write(spec.text)
     else:
         write_text(output, spec.text, force=force)
-    print_lines(_told(found, output, files), sys.stderr if output is None else sys.stdout)
+    print_lines(_told(found, output), sys.stderr if output is None else sys.stdout)
     return EXIT_CLEAN
 
 
@@ -136,6 +136,7 @@ class Drafted:
         spec: Its text.
         combined: What the files say together.
         targets: What it can be compiled to.
+        files: Those that say something of it, as the user named them.
         sources: Every file that was read.
         stops: What stops a compile to any target until it is mended; "": nothing.
     """
@@ -143,6 +144,7 @@ class Drafted:
     spec: DraftedSpec
     combined: Combined
     targets: tuple[DraftTarget, ...]
+    files: tuple[str, ...]
     sources: tuple[str, ...]
     stops: str
 
@@ -175,6 +177,7 @@ def drafted(
     print_diagnostics(said)
     sources = tuple(file for r in readings for file in (r.path, *r.includes))
     folder = os.path.dirname(os.path.abspath(path))
+    named_so = tuple(dict.fromkeys(found[r.path] for r in readings))
     readings = tuple(replace(r, reference=_reference(found[r.path], folder)) for r in readings)
     combined = _placed(combine(readings), folder)
     reference = "none" if combined.model is None else combined.model.reference
@@ -187,7 +190,7 @@ def drafted(
         spec = draft(combined, reference, targets, damping, named)
     # Whatever the files were, what is written is a valid spec.
     validate(document_from_text(spec.text, path))
-    return Drafted(spec, combined, tuple(targets), sources, stops)
+    return Drafted(spec, combined, tuple(targets), named_so, sources, stops)
 
 
 def _reference(file: str, folder: str) -> str:
@@ -302,13 +305,13 @@ def _refusal(spec: Spec, names: Sequence[str], canonical: bool = False) -> str:
     return ""
 
 
-def _told(found: Drafted, output: str | None, files: Sequence[str]) -> Iterator[str]:
+def _told(found: Drafted, output: str | None) -> Iterator[str]:
     spec, combined, targets = found.spec, found.combined, found.targets
     joints = sum(spec.groups.values())
     start = f"wrote {one_line(output)}: " if output is not None else f"{spec.robot}: "
     yield (
         f"{start}{many(joints, 'joint')} in {many(len(spec.groups), 'group')} "
-        f"({listed(spec.groups)}), from {', '.join(map(one_line, dict.fromkeys(files)))}"
+        f"({listed(spec.groups)}), from {', '.join(map(one_line, found.files))}"
     )
     for why, left in combined.reasons().items():
         yield f"  unmanaged, {one_line(why)}: {listed(map(one_line, left))}"

@@ -25,7 +25,8 @@ from actspec.draft.lines import (
     timing_lines,
     unmanaged_lines,
 )
-from actspec.draft.sources import DraftTarget
+from actspec.draft.rows import THE_FILE
+from actspec.draft.sources import DraftTarget, places
 from actspec.draft.text import comment, render, scalar
 from actspec.ir import Command
 from actspec.patterns import PatternError
@@ -148,6 +149,7 @@ def _unknown(groups: Sequence[DraftGroup]) -> dict[tuple[str, str], tuple[str, .
     To the groups that lack them: `legs`, and `arms (elbow)` where it is some joints.
     """
     found: dict[tuple[str, str], list[str]] = {}
+    spans: dict[tuple[str, str], list[Span]] = {}
     for group in groups:
         lacking: dict[tuple[str, str], list[str]] = {}
         for cls in group.classes:
@@ -156,10 +158,16 @@ def _unknown(groups: Sequence[DraftGroup]) -> dict[tuple[str, str], tuple[str, .
                 if row.value == "unknown" and key != "delay":
                     why = row.hint if row.refused else ""
                     lacking.setdefault((key, why), []).extend(map(one_line, cls.names))
+                    spans.setdefault((key, why), []).extend(row.spans)
         for missing, names in lacking.items():
             some = f" ({listed(names, 4)})" if len(names) < len(group.names) else ""
             found.setdefault(missing, []).append(group.name + some)
-    return {missing: tuple(lost) for missing, lost in found.items()}
+    return {(key, _placed(why, spans[key, why])): tuple(lost) for (key, why), lost in found.items()}
+
+
+def _placed(why: str, spans: Sequence[Span]) -> str:
+    """Why a number is left out, with where it stands: `leg.xml:2 has 5 N*m, which ...`."""
+    return places(spans) + why.removeprefix(THE_FILE) if spans and why.startswith(THE_FILE) else why
 
 
 def _nothing(combined: Combined) -> RobotError:

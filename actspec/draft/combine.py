@@ -11,6 +11,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from actspec.draft.deploy_lists import lists_of, with_reasons
 from actspec.draft.sources import RobotReading, keyed, robot_name, source_keys, sources_of, stated
 from actspec.fields import BY_IR, Role
 from actspec.ir import (
@@ -117,6 +118,7 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
     base = next((r for r in ranked if model is not None and r.path == model.path), None)
     order = _joint_order(ranked, base)
     alone = _left_alone(ranked, base, order, drives)
+    lists = {field: one for r in reversed(ranked) for field, one in lists_of(r.artifact.config).items()}
     joints = []
     for name in order:
         said = [j for r in ranked for j in r.lifted.actuators.joints if j.joint == name]
@@ -125,13 +127,13 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
         if drives and not any(id(joint) in drives for joint in said):
             alone[name] = _reason(ranked, name) or LeftAlone(name, NO_DRIVE, said[0].span, undriven=True)
             continue
-        joints.append(_joint(said, drives, deploy))
+        joints.append(with_reasons(_joint(said, drives, deploy), lists))
     sets = [reading.lifted.actuators for reading in ranked]
     step = _first([actuators.physics_dt for actuators in sets])
     assert step is not None
     control = _first([_control_dt(actuators) for actuators in sets])
     actuators = ActuatorSet(
-        robot=robot_name(base or ranked[0]),
+        robot=robot_name(base or _named_by(ranked)),
         joints=tuple(joints),
         unmanaged=tuple(name for name in order if name in alone),
         physics_dt=step,
@@ -153,6 +155,14 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
         tuple(order),
         {} if base is None else _above(base),
     )
+
+
+def _named_by(ranked: Sequence[RobotReading]) -> RobotReading:
+    """The file that names a robot without a model: of configurations the robot's own, not an environment's."""
+    alike = [reading for reading in ranked if reading.kind is ranked[0].kind]
+    configs = [(reading, reading.artifact.config) for reading in alike]
+    own = (r for r, config in configs if config and any(g.span.path == r.path for g in config.groups))
+    return next(own, ranked[0])
 
 
 def in_order(readings: Sequence[RobotReading]) -> list[RobotReading]:

@@ -20,6 +20,8 @@ from actspec.diagnostics import (
     one_line,
     shell_word,
 )
+from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remark_of
+from actspec.draft.environment import are_one, in_environment, written_once
 from actspec.draft.including import including
 from actspec.draft.sources import RobotReading
 from actspec.ir import JointKind
@@ -54,8 +56,6 @@ _ALIKE = 0.75
 """How alike a word and one of another name are, where it is misspelt. `knie` and `knee` are 0.75."""
 
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
-_OF_A_ROBOT = ("model", "default_position", "soft_joint_pos_limit_factor")
-"""Settings of a robot itself, not of what it is trained in."""
 
 
 def read_robot_files(
@@ -87,19 +87,36 @@ def read_robot_files(
     for reading in readings:
         _check(reading, out)
     out.raise_if_failed(AuditError)
-    artifacts = _chosen([artifact for reading in readings for artifact in reading.artifacts], robot, out)
+    every = [artifact for reading in readings for artifact in reading.artifacts]
+    artifacts = _chosen(every, robot, out)
     out.raise_if_failed(AuditError)
     artifacts = list(_one_a_file(artifacts, robot, out))
     out.raise_if_failed(AuditError)
-    parts = list(_lifted(artifacts, named, versions, out))
+    names = None if named is None else _named(artifacts, named, out)
+    out.raise_if_failed(AuditError)
+    fitting = of_this_robot(artifacts, () if names is None else names[0], out)
+    trained = [in_environment(artifact, every) for artifact in fitting]
+    artifacts = [artifact for artifact, _ in trained]
+    listed_in = every if named is not None or any(artifact.robot for artifact in artifacts) else []
+    passed_over = {one.span for artifact in listed_in for one in lists_of(artifact.config).values()}
+    parts = list(_lifted(artifacts, named, names, versions, out))
+    remarks = [remark or (remark_of(part) if listed_in else "") for part, remark in trained]
+    parts = [_remarked(part, remark) for part, remark in zip(parts, remarks, strict=True)]
     out.raise_if_failed(AuditError)
     files = {reading.path: tuple(file.path for file in reading.files) for reading in readings}
     said = [*out, *(item for reading in readings for item in reading.diagnostics)]
     said += [item for part in parts for item in part.actuators.diagnostics]
+    # The remark on all lists of a file says it once.
+    said = [item for item in said if item.code != NOT_NAMED or item.span not in passed_over]
     found = zip(parts, artifacts, strict=True)
     return tuple(RobotReading(part, a, files.get(a.path, ())) for part, a in found), tuple(
         dict.fromkeys(said)
     )
+
+
+def _remarked(part: Lifted, remark: str) -> Lifted:
+    """A robot with a remark on the whole of it."""
+    return replace(part, notes={**part.notes, "": (remark, *part.notes.get("", ()))}) if remark else part
 
 
 def _near(path: str) -> str | None:
@@ -211,7 +228,7 @@ def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> 
         named = [part for part in full if part.name == name]
         distinct: list[Artifact] = []
         for part in named or full:
-            if not any(_are_one(part, other) for other in distinct):
+            if not any(are_one(part, other) for other in distinct):
                 distinct.append(part)
         if len(distinct) > 1:
             names = listed([one_line(part.name) for part in full if part in distinct], 20)
@@ -229,7 +246,7 @@ def _is_base(part: Artifact, other: Artifact) -> bool:
     if part.name.startswith("_") and not other.name.startswith("_") and _written(one) & _written(two):
         # The copy may get entries, or lose some.
         return True
-    return _written_once(one, two) and "model" not in one.settings and "model" in two.settings
+    return written_once(one, two) and "model" not in one.settings and "model" in two.settings
 
 
 def _written(config: RobotConfig) -> set[tuple[str, Span]]:
@@ -238,40 +255,12 @@ def _written(config: RobotConfig) -> set[tuple[str, Span]]:
     return {(g.name, g.span) for g in config.groups} | ({("", model.span)} if model is not None else set())
 
 
-def _written_once(one: RobotConfig, two: RobotConfig) -> bool:
-    """Whether the groups of two configurations were written in one place."""
-    places = [[(g.name, g.cls, g.span) for g in config.groups] for config in (one, two)]
-    return places[0] == places[1] != []
-
-
-def _are_one(part: Artifact, other: Artifact) -> bool:
-    """Whether two robots of one file are one: by their names, or configurations with the same groups.
-
-    A copy that was changed afterwards is another robot.
-    """
-    one, two = part.config, other.config
-    if one is None or two is None:
-        return part.name == other.name
-    if not _written_once(one, two):
-        return False
-    if any(_said(a.settings) != _said(b.settings) for a, b in zip(one.groups, two.groups, strict=True)):
-        return False
-    # What one of them leaves open tells nothing of the whole robot.
-    mine, theirs = (
-        {name: config.settings[name] for name in _OF_A_ROBOT if name in config.settings}
-        for config in (one, two)
-    )
-    known = [name for name in mine if name in theirs and not (mine[name].unknown or theirs[name].unknown)]
-    return all(mine[name].value == theirs[name].value for name in known)
-
-
-def _said(settings: Mapping[str, Setting]) -> dict[str, object]:
-    """What settings say, wherever it is written."""
-    return {name: setting.unknown or setting.value for name, setting in settings.items()}
-
-
 def _lifted(
-    artifacts: Sequence[Artifact], named: str | None, versions: Versions, out: Collector
+    artifacts: Sequence[Artifact],
+    named: str | None,
+    names: tuple[Sequence[JointView | str], str] | None,
+    versions: Versions,
+    out: Collector,
 ) -> Iterator[Lifted]:
     """Each part on the joints of the robot file, else on those that are named, or that another part names."""
     model = next((a for kind in _ROBOTS for a in artifacts if a.kind is kind), None)
@@ -279,8 +268,8 @@ def _lifted(
     if model is not None and model.robot is not None:
         joints = [j for j in model.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
     of, renamed, follow = "the robot" if model is None else one_line(os.path.basename(model.path)), "", {}
-    if named is not None:
-        joints, renamed = _named(artifacts, named, out)
+    if names is not None:
+        joints, renamed = names
         # What only names the joints says nothing of who drives them: the configuration does, of its USD.
         follow = {j.name: j.mimic for j in joints if not isinstance(j, str) and j.mimic is not None}
         joints = [j if isinstance(j, str) else replace(j, mimic=None) for j in joints]
@@ -298,7 +287,8 @@ def _lifted(
             source = os.path.basename(named) if os.path.exists(named) else "the list"
             count = many(len(joints), "joint")
             said = f"the {kinds} of the {count} are from {one_line(source)} (--joints){renamed and ', '}{renamed}"
-            notes = {**part.notes, "": (said, *part.notes.get("", ()))}
+            part = _remarked(part, said)
+            notes = dict(part.notes)
             for joint in (j.joint for j in part.actuators.joints if j.joint in follow):
                 also = f"follows '{one_line(follow[joint])}' in {source} (mimic), and the configuration drives it too"
                 notes[joint] = (*notes.get(joint, ()), also)
@@ -312,6 +302,8 @@ def _lifted(
             lost = list(_unmatched(config, names_of(joints) or beside or own, of, typed))
             if typed and not lost:
                 lost += _misspelt(config, names_of(joints))
+            if model is None and named is not None and config.framework is Framework.DEPLOY:
+                lost += _not_listed(config, names_of(joints))
             more = (*part.actuators.diagnostics, *lost)
             part = replace(part, actuators=replace(part.actuators, diagnostics=more))
         if config is not None and _is_left_alone(config, part, names_of(joints)):
@@ -389,18 +381,21 @@ def _named(
     if robot is not None:
         message = "not needed: the robot file names the joints"
         out.error("DRF011", message, span=Span(robot.path), where="--joints", help="leave --joints out")
-    configs = [
-        a.config for a in artifacts if a.config is not None and a.config.framework is not Framework.DEPLOY
-    ]
+    every = [a.config for a in artifacts if a.config is not None]
+    # A deploy file alone selects its joints by their names.
+    configs = [config for config in every if config.framework is not Framework.DEPLOY] or every
     lists = joint_lists(named)
     joints, renamed = fitting(lists, configs)
     if not joints and robot is None:
         patterns = [one_line(pattern) for config in configs for pattern in _patterns(config)]
-        message = f"none of its joints is selected by {listed(patterns) or 'the files'}"
+        message = f"none of its joints is selected by {listed(patterns)}"
         names = names_of(max(lists, key=len))
         help = f"its joints: {listed(map(one_line, names), 4)}"
         if _differ_by_ending(configs, names):
             help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
+        if not patterns:
+            message = "no file selects joints: the lists of the deploy file have no names"
+            help = "add joint_names: [...] to it, in the order of its lists"
         out.error("DRF011", message, span=Span(one_line(named)), where="--joints", help=help)
     return joints, renamed
 
@@ -489,6 +484,16 @@ def _misspelt(config: RobotConfig, typed: Sequence[str]) -> Iterator[Diagnostic]
                 help = f"did you mean `{one_line(guess)}`? The joint is left alone as it is"
                 yield Diagnostic("DRF012", Severity.WARNING, message, "", config.groups[0].span, help)
                 break
+
+
+def _not_listed(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
+    """Joints of a deploy file that the list of all joints has not."""
+    lost = [group for group in config.groups if not matching(config.framework, group.name, joints)]
+    if lost:
+        names = listed((f"`{one_line(group.name)}`" for group in lost), 4)
+        message = f"{names} of {one_line(config.name)} {'are' if len(lost) > 1 else 'is'} not among --joints"
+        help = "its numbers are left out" if len(lost) == 1 else "their numbers are left out"
+        yield Diagnostic("DRF012", Severity.WARNING, message, "", lost[0].span, help)
 
 
 def _keys(setting: Setting) -> Sequence[str]:

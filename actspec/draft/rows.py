@@ -22,6 +22,9 @@ a compile (DESIGN 4, precedence)."""
 RANGE = "command_range"
 """The one row that never decides on a group: every joint has a range of its own."""
 
+THE_FILE = "the file"
+"""Begins the reason why a number that a file has is of no use; the row knows where it stands."""
+
 _POSITIVE = frozenset(("effort_limit", "velocity_limit", "stall_torque", "no_load_speed"))
 """What the language takes above 0 only."""
 
@@ -153,11 +156,11 @@ def _silence(key: str, name: str, quantity: Quantity, kinds: Sequence[FileKind])
         return f"not stated: {engine} {figure(quantity.value, quantity.unit)}"
     value = quantity.value
     if not math.isfinite(value):
-        return "no limit" if value > 0.0 else f"the file has {format_number(value)}"
+        return "no limit" if value > 0.0 else f"{THE_FILE} has {format_number(value)}"
     if value < 0.0 and name not in ("encoder_bias", "action_scale"):
-        return f"the file has {quantity_text(quantity)}"
+        return f"{THE_FILE} has {quantity_text(quantity)}"
     if value == 0.0 and name in _POSITIVE:
-        return f"the file has {quantity_text(quantity)}, which no drive would move with"
+        return f"{THE_FILE} has {quantity_text(quantity)}, which no drive would move with"
     return None
 
 
@@ -168,7 +171,7 @@ def _holds_it(name: str, friction: Quantity, joint: JointActuator) -> str | None
         return None
     if not 0.0 < limit.value <= friction.require():
         return None
-    return f"the file has {quantity_text(friction)}; an effort limit of {quantity_text(limit)} cannot overcome it"
+    return f"{THE_FILE} has {quantity_text(friction)}, which the effort limit cannot overcome"
 
 
 _SILENT = {

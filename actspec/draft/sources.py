@@ -66,12 +66,13 @@ _NAMELESS = "MuJoCo Model"
 
 
 def robot_name(reading: RobotReading) -> str:
-    """What the robot is called, else its file, as a folder may be called: `UNITREE_A1_CFG` is unitree_a1, and
-    `Cassie.asset_cfg` is Cassie."""
+    """What the robot is called, else its file, as a folder may be called: `UNITREE_A1_CFG` is unitree_a1,
+    `Cassie.asset_cfg` is Cassie, and the robot of `UnitreeA1FlatEnvCfg` is UnitreeA1."""
     stem = os.path.splitext(os.path.basename(reading.path))[0]
     given = reading.artifact.name
     for text in ("" if given == _NAMELESS else given, stem):
         if reading.framework is not None:
+            text = re.sub(r"(?<=.)(?:Flat|Rough)?EnvCfg(?:_PLAY)?$", "", text)
             text = re.sub(r"(?<=.)(?:_?(?:ARTICULATION|ROBOT)?_?CFG|\.(?:asset|robot)(?:_cfg)?)$", "", text)
             text = text.lower() if text.isupper() else text
         name = re.sub(r"[^A-Za-z0-9_.-]+", "_", text).strip("_.-")[:60]
@@ -274,7 +275,7 @@ def _targets(
     model = combined.model
     if model is not None:
         served = model.kind is FileKind.MJCF or _has_gains(combined)
-        why = _refused(model) or ("" if served else "its servos need kp and kd, which no file states")
+        why = _refused(model) or ("" if served else "its servos need kp and kd, which are unknown")
         version = versions.mujoco or DEFAULT_VERSIONS["mujoco"]
         yield DraftTarget("mujoco", _mapping({"version": version}), left_out=why)
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from actspec.diagnostics import Span
 from actspec.fields import units_of
@@ -27,6 +27,7 @@ from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config import Found, control_of_group, figures_of, is_own_class, lags_of
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
+from actspec.simulators.isaaclab import NEW_NAMES, OLD_NAMES
 from actspec.units import format_quantity
 
 NONE_FROM = 1e9
@@ -68,11 +69,32 @@ class ConfigJoint:
         """What its class makes of the settings."""
         config, group = self.config, self.group
         self._control = control_of_group(config.framework, group)
+        self._idle = self._without_use()
+        used = {name: setting for name, setting in group.settings.items() if name not in self._idle}
+        acting = replace(group, settings=used)
         self._figures = figures_of(
-            config, group, self.joint, self.pattern, self.named, self.versions, self.physics_dt
+            config, acting, self.joint, self.pattern, self.named, self.versions, self.physics_dt
         )
+        if config.framework is Framework.MJLAB and self._control == "network":
+            # Its learned class is a DC motor. Source: mjlab 1.6.0, learned_actuator.py.
+            speed = self._figures.pop("velocity_limit", None)
+            self._figures |= {} if speed is None else {"no_load_speed": speed}
         self._units = units_of(JointKind.HINGE if self.view is None else self.view.kind)
         self._own = is_own_class(group)
+
+    def _without_use(self) -> tuple[str, ...]:
+        """Settings that act nowhere: the speed of an explicit Isaac Lab drive that has no torque-speed line.
+
+        It only goes into `soft_joint_vel_limits`, which rewards read; the solver keeps its own. Source: Isaac Lab
+        2.2.0 and 2.3.2, actuator_base.py (velocity_limit has velocity_limit_sim as default, not the other way
+        round), actuator_pd.py (IdealPD clips by effort alone), articulation.py (writes velocity_limit_sim); 3.0,
+        docs/source/concepts/actuators.rst: renamed alone.
+        """
+        explicit = self._control not in ("implicit", "dc_motor", "network")
+        if self.config.framework is not Framework.ISAACLAB or not explicit:
+            return ()
+        names = (OLD_NAMES.velocity, NEW_NAMES.velocity)
+        return tuple(name for name in names if name in self.group.settings)
 
     def actuator(self, randomize: tuple[Randomization, ...]) -> JointActuator:
         """The joint's actuator.
@@ -322,6 +344,16 @@ class ConfigJoint:
             value = group.settings["velocity_limit"].value
             shown = f" {value:g}" if isinstance(value, float | int) else ""
             self.notes.append(f"velocity_limit{shown} is left out: an implicit drive ignores it")
+        for name in self._idle:
+            setting = group.settings[name]
+            if setting.value is None or (setting.number or 0.0) >= NONE_FROM:
+                continue
+            names = NEW_NAMES if is_native(self.versions) else OLD_NAMES
+            shown = "" if setting.number is None else f" {setting.number:g}"
+            self.notes.append(
+                f"{name}{shown} is left out: an explicit drive without a torque-speed line uses it nowhere; the "
+                f"solver's limit is {names.solver_velocity}, else the USD's own"
+            )
         if self._own:
             self.notes.append(f"{group.cls} is read as the class that actspec writes")
         elif "joint_parameter_lookup" in group.settings:

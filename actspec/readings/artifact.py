@@ -176,6 +176,21 @@ class RandomizedRange:
 
 
 @dataclass(frozen=True, slots=True)
+class NamelessList:
+    """A list of a deploy file whose joints nobody names.
+
+    Attributes:
+        key: As written: `kps`.
+        entries: How many it has.
+        span: Where it is written.
+    """
+
+    key: str
+    entries: int
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class RobotConfig:
     """A robot as a training or deploy configuration has it.
 
@@ -192,6 +207,7 @@ class RobotConfig:
         notes: What could not be folded, each with its place and reason.
         written_for: What its groups are for, where actspec wrote them: names of `case.Versions`' fields.
         nameless: `kp` and `kd` to the entries of lists whose joints nobody names.
+        nameless_lists: Field to its list, of all such lists, also of equal entries.
     """
 
     framework: Framework
@@ -203,6 +219,7 @@ class RobotConfig:
     notes: tuple[Diagnostic, ...] = ()
     written_for: Mapping[str, str] = field(default_factory=dict)
     nameless: Mapping[str, tuple[Setting, ...]] = field(default_factory=dict)
+    nameless_lists: Mapping[str, NamelessList] = field(default_factory=dict)
 
     @property
     def physics_dt(self) -> float | None:

@@ -26,6 +26,7 @@ from actspec.readings.artifact import (
     FileKind,
     FileReading,
     Framework,
+    NamelessList,
     RobotConfig,
     Setting,
 )
@@ -280,12 +281,15 @@ class _Reader:
         joints = tuple(names) if names is not None else None
         fields: dict[str, dict[str, Setting]] = {}
         count: Setting | None = None
+        lists: dict[str, NamelessList] = {}
         scopes = (block, *reversed(above))
         for field, keys in PER_JOINT.items():
             found = _first(scopes, keys)
             values = {} if found is None else self._per_joint(*found, joints, out)
             if values:
                 fields[field] = values
+            if found is not None and joints is None and isinstance(found[1], yaml.SequenceNode):
+                lists[field] = NamelessList(found[0], len(found[1].value), self._span(found[1]))
             if found is not None and ".*" in values and isinstance(found[1], yaml.SequenceNode):
                 count = Setting(float(len(found[1].value)), self._span(found[1]))
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
@@ -315,7 +319,14 @@ class _Reader:
         nameless = {} if joints is not None else self._nameless(scopes, fields)
         at = self._span(node)
         return RobotConfig(
-            Framework.DEPLOY, name, at, tuple(groups), settings, notes=tuple(out), nameless=nameless
+            Framework.DEPLOY,
+            name,
+            at,
+            tuple(groups),
+            settings,
+            notes=tuple(out),
+            nameless=nameless,
+            nameless_lists=lists,
         )
 
     def _nameless(

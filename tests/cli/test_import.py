@@ -615,4 +615,33 @@ def test_a_urdf_that_mujoco_refuses(folder: Path, capsys: pytest.CaptureFixture[
     element = said.split("`")[3]
     assert element == '<mujoco><compiler balanceinertia="true"/></mujoco>'
     text = text.replace('<link name="a"/>', f'{element}<link name="a"/>')
-    assert left_out(text) == "its servos need kp and kd, which no file states"
+    assert left_out(text) == "its servos need kp and kd, which are unknown"
+
+
+def test_a_friction_that_no_drive_overcomes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """One line a number that is left out, with where it stands: 5 and 5 of two joints at one place, 8 of a third."""
+
+    def link(name: str, own: str, inner: str) -> str:
+        inertial = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+        return f'<body>{inertial}<joint name="{name}"{own}/>\n{inner}</body>'
+
+    chain = link("hip", "", link("thigh", "", link("knee", ' frictionloss="8"', "")))
+    drives = "".join(
+        f'<position joint="{name}" kp="20" kv="1" forcerange="-{limit} {limit}"/>'
+        # Not above friction of 5, 5 and 8: 3, 4 and 8.
+        for name, limit in (("hip", 3), ("thigh", 4), ("knee", 8))
+    )
+    (folder / "leg.xml").write_text(
+        f'<mujoco model="leg">\n<default><joint frictionloss="5"/></default>\n<worldbody>{chain}</worldbody>'
+        f"<actuator>{drives}</actuator></mujoco>",
+        encoding="utf-8",
+    )
+    assert main(["import", "leg.xml", "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    why = "which the effort limit cannot overcome"
+    told = [line for line in out.splitlines() if "coulomb" in line]
+    assert told == [
+        f"  friction.coulomb is left out, leg.xml:2 has 5 N*m, {why}: legs (hip, thigh)",
+        f"  friction.coulomb is left out, leg.xml:5 has 8 N*m, {why}: legs (knee)",
+    ]
+    assert f"coulomb: unknown    # the file has 5 N*m, {why}\n" in (folder / "leg.yaml").read_text("utf-8")

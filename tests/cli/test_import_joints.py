@@ -420,3 +420,43 @@ def test_what_the_configuration_states_in_vain(folder: Path, capsys: pytest.Capt
     text, said = capsys.readouterr()
     assert "is left out: an implicit" not in said and "velocity_limit: {value: 10 rad/s" in text
     assert "    # pose at zero action, by pattern; stated as 0\n" in text
+
+
+DEPLOY = "joint_names: [left_hip, left_knee]\nkp: [25, 20]\nkd: [1, 2]\n"
+
+
+@pytest.mark.parametrize(
+    "joints, said",
+    [
+        ("left_hip,left_knee", "wrote leg.yaml: 2 joints in 1 group (legs), from deploy.yaml\n"),
+        ("deploy.yaml", "  the names of the 2 joints are from deploy.yaml (--joints)\n"),
+        ("left_hip,left_knee,head", "  unmanaged, no group of the configuration selects it: head\n"),
+        (
+            "left_hip",
+            "deploy.yaml:2:10: DRF012 [warning]: `left_knee` of deploy is not among --joints\n"
+            "  help: its numbers are left out\n",
+        ),
+    ],
+    ids=["list", "itself", "one more", "one less"],
+)
+def test_of_a_deploy_file(folder: Path, capsys: pytest.CaptureFixture[str], joints: str, said: str) -> None:
+    """Alone it selects its joints by their names, as a configuration does by patterns."""
+    (folder / "deploy.yaml").write_text(DEPLOY, encoding="utf-8")
+    assert main(["import", "deploy.yaml", "--joints", joints, "-o", "leg.yaml"]) == 0
+    assert said in "".join(capsys.readouterr())
+    text = (folder / "leg.yaml").read_text("utf-8")
+    assert "{value: 25 N*m/rad, source: deploy}" in text
+    assert ("20 N*m/rad" in text) is (joints != "left_hip")
+
+
+def test_of_a_deploy_file_without_names(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """--joints gives no order: lists of unlike entries need names; of equal ones there are as many as joints."""
+    deploy = folder / "deploy.yaml"
+    deploy.write_text("kp: [25, 20, 30, 30]\nkd: [1, 2, 1, 1]\n", encoding="utf-8")
+    assert main(["import", "deploy.yaml", "--joints", ",".join(NAMES)]) == 2
+    err = capsys.readouterr().err
+    assert "DRF011 --joints: no file selects joints: the lists of the deploy file have no names\n" in err
+    assert "  help: add joint_names: [...] to it, in the order of its lists\n" in err
+    deploy.write_text("kp: [25, 25, 25, 25]\nkd: [1, 1, 1, 1]\n", encoding="utf-8")
+    assert main(["import", "deploy.yaml", "--joints", ",".join(NAMES)]) == 0
+    assert "kp: {value: 25 N*m/rad, source: deploy}" in capsys.readouterr().out

@@ -136,8 +136,42 @@ def test_dc_motor_and_limits(tmp_path: Path) -> None:
     assert hip.velocity_limit.value == 25.0
     assert found.notes["hip"] == ("the solver clips at 20 N*m too (effort_limit_sim), below effort_limit",)
     assert (knee.effort_limit.value, knee.effort_limit.note) == (None, "1e9 N*m is no limit")
-    # velocity_limit of an explicit class without a line limits nothing but the joint's soft limit; implicit: ignored.
     assert (lift.effort_limit.value, lift.velocity_limit.value) == (5.0, None)
+
+
+@pytest.mark.parametrize(
+    "cls, written, limit, note",
+    [
+        # Only the solver clamps a speed, at velocity_limit_sim: 25, not 7 nor what the USD has.
+        ("IdealPDActuatorCfg", "velocity_limit=7.0", None, "velocity_limit 7"),
+        ("DelayedPDActuatorCfg", "velocity_limit={'.*': 7.0}", None, "velocity_limit"),
+        ("DelayedPDActuatorCfg", "velocity_limit=7.0, velocity_limit_sim=25.0", 25.0, "velocity_limit 7"),
+        ("IdealPDActuatorCfg", "velocity_limit_sim=25.0", 25.0, ""),
+        ("IdealPDActuatorCfg", "velocity_limit=1e9", None, ""),
+    ],
+    ids=["explicit", "dict", "both", "solver's", "none"],
+)
+def test_speed_limit_that_acts_nowhere(
+    tmp_path: Path, cls: str, written: str, limit: float | None, note: str
+) -> None:
+    """`velocity_limit` of an explicit class without a line is left out with a remark, the solver's stays."""
+    group = f'{cls}(["hip"], effort_limit=24.0, {written}, stiffness=1.0, damping=1.0)'
+    found = isaaclab(tmp_path, group)
+    hip = by_name(found)["hip"]
+    assert (hip.velocity_limit.value, hip.no_load_speed) == (limit, None)
+    why = "is left out: an explicit drive without a torque-speed line uses it nowhere; the solver's limit is "
+    told = f"{note} {why}velocity_limit_sim, else the USD's own"
+    assert found.notes.get("hip", ()) == ((told,) if note else ())
+
+
+def test_speed_limit_that_acts_nowhere_in_3_0(tmp_path: Path) -> None:
+    """The names of 3.0: `actuator_velocity_limit` is the line's, `joint_velocity_limit` the solver's."""
+    group = 'IdealPDActuatorCfg(["hip"], actuator_velocity_limit=7.0, stiffness=1.0, damping=1.0)'
+    found = isaaclab(tmp_path, group, versions=Versions(isaaclab="3.0", backend="physx"))
+    assert by_name(found)["hip"].velocity_limit.value is None
+    (told,) = found.notes["hip"]
+    assert told.startswith("actuator_velocity_limit 7 is left out: an explicit drive")
+    assert told.endswith("the solver's limit is joint_velocity_limit, else the USD's own")
 
 
 @pytest.mark.parametrize(
@@ -336,6 +370,16 @@ def test_mjlab_classes(tmp_path: Path, cls: str, fields: str, command: Command, 
         command is Command.POSITION,
         command is not Command.EFFORT,
     )
+
+
+def test_mjlabs_network_has_the_line(tmp_path: Path) -> None:
+    """`velocity_limit` of mjlab's learned class is the no-load speed of its line, as of its DC motor."""
+    cls = "LearnedMlpActuatorCfg"
+    fields = 'network_file="a.pt", saturation_effort=9.0, velocity_limit=8.0, effort_limit=5.0'
+    text = MJLAB.format(classes=cls, cfgs=f'{cls}(target_names_expr=("hip",), {fields})')
+    hip = by_name(lift_config(artifact_of(tmp_path, text), joints()))["hip"]
+    assert hip.stall_torque is not None and hip.no_load_speed is not None
+    assert (hip.stall_torque.value, hip.no_load_speed.value, hip.velocity_limit.value) == (9.0, 8.0, None)
 
 
 @pytest.mark.parametrize(
