@@ -31,8 +31,9 @@ from actspec.diagnostics import (
 )
 from actspec.files import FAULTS, why
 from actspec.owned import put_file
+from actspec.readings.dynamics import dynamics_of
 from actspec.readings.versions import Versions
-from actspec.report.difference import lines, record
+from actspec.report.difference import counted, lines, record
 from actspec.report.terminal import print_json, print_lines
 
 
@@ -76,7 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
         versions = overridden(versions_of(old), versions)
     recorded = {} if old is None else recorded_files(old, path)
     names = names_in_lock(arguments.file, path) if arguments.file else recorded
-    lock = locked(_case(names, versions, None if arguments.file else path), names)
+    case = _case(names, versions, None if arguments.file else path)
+    lock = locked(case, names)
     data = text_of(lock)
     try:
         put_file(path, data, force=arguments.force)
@@ -85,10 +87,31 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json(lock)
     else:
-        robots = [robot for file in lock["files"].values() for robot in file["robots"].values()]
-        joints = many(sum(len(robot["joints"]) for robot in robots), "joint")
-        print(f"{one_line(path)}: {joints} of {many(len(names), 'file')}", file=sys.stderr)
+        _tell(path, case, len(names))
     return EXIT_CLEAN
+
+
+def _tell(path: str, case: Case, files: int) -> None:
+    """How much is recorded, and what is not."""
+    robots = [dynamics_of(artifact, case.rows_of(index)) for index, artifact in enumerate(case.artifacts)]
+    joints = [name for robot in robots for name in robot.joints]
+    patterns = frozenset().union(*(robot.patterns for robot in robots))
+    entries = sum(len(robot.entries or ()) for robot in robots)
+    beside = f", {many(entries, 'number')} that no joint is named for" if entries else ""
+    print(f"{one_line(path)}: {counted(joints, patterns)}{beside} of {many(files, 'file')}", file=sys.stderr)
+    for robot in robots:
+        for what, why_not in robot.unread.items():
+            print(
+                f"  not in it: {one_line(what)} of {one_line(robot.file)} ({one_line(robot.name)}), "
+                f"{one_line(why_not)}",
+                file=sys.stderr,
+            )
+        if robot.others:
+            values = many(len(robot.others), "other value")
+            print(
+                f"  not in it: {values} of {one_line(robot.file)}, that no figure is made from",
+                file=sys.stderr,
+            )
 
 
 def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], versions: Versions) -> int:

@@ -127,6 +127,67 @@ def test_joints_and_robots_come_and_go(capsys: pytest.CaptureFixture[str]) -> No
     )
 
 
+DEPLOY = """motor_idx: [3, 4, 5]
+kps: [100, 150, 40]
+kds: [2, 4, 2]
+ang_vel_scale: 0.25
+"""
+"""As of unitree_rl_gym: which joint an entry is of, no file says."""
+
+
+def test_lists_without_names(capsys: pytest.CaptureFixture[str]) -> None:
+    """They are recorded by place, in the order of the file, and so are the motors that a joint is sent to."""
+    Path("deploy.yaml").write_text(DEPLOY)
+    assert main(["lock", "deploy.yaml"]) == 0
+    # 3 places, 3 kp, 3 kd; the single number is of no joint.
+    assert capsys.readouterr().err == (
+        "actspec.lock: 0 joints, 9 numbers that no joint is named for of 1 file\n"
+        "  not in it: 1 other value of deploy.yaml, that no figure is made from\n"
+    )
+    fits("lock", lock())
+    assert main(["lock", "--check"]) == 0
+    Path("deploy.yaml").write_text(DEPLOY.replace("[3, 4", "[4, 3").replace("40]", "400]"))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert capsys.readouterr().out == (
+        "deploy.yaml (deploy) since actspec.lock:\n"
+        "  entry 1 of motor_idx 3 -> 4\n  entry 2 of motor_idx 4 -> 3\n  entry 3 of kps 40 -> 400 (x10)\n"
+        f"{LAST}"
+    )
+    kept = lock()
+    kept["files"]["deploy.yaml"]["robots"]["deploy"]["entries"]["entry 3 of kps"] = 400.0
+    Path("actspec.lock").write_text(json.dumps(kept))
+    assert main(["lock", "--check"]) == 2
+    assert "do not match their hash" in capsys.readouterr().err
+
+
+def test_blocks_of_one_name(capsys: pytest.CaptureFixture[str]) -> None:
+    """Two blocks with gains below one key, as of unitree_rl_lab, are two robots of the lock."""
+    text = "FSM:\n  Stand: {kp: [60, 60], kd: [5, 5]}\n  Walk: {kp: [30, 30], kd: [1, 1]}\n"
+    Path("fsm.yaml").write_text(text)
+    main(["lock", "fsm.yaml"])
+    assert list(lock()["files"]["fsm.yaml"]["robots"]) == ["FSM", "FSM 2"]
+    assert main(["lock", "--check"]) == 0
+    Path("fsm.yaml").write_text(text.replace("[60, 60]", "[66, 66]"))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert "stiffness kp 60 -> 66 N*m/rad (+10 %)" in capsys.readouterr().out
+
+
+def test_which_actuator_drives_which_joint(capsys: pytest.CaptureFixture[str]) -> None:
+    """A lock has the controls in their order, and what each drives."""
+    main(["lock", "leg.xml"])
+    Path("leg.xml").write_text(
+        LEG.replace('"hip" joint="hip"', '"hip" joint="x"')
+        .replace('joint="knee"', 'joint="hip"')
+        .replace('joint="x"', 'joint="knee"')
+    )
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    swapped = "  ctrl[0], actuator hip, drives hip -> knee\n  ctrl[1], actuator knee, drives knee -> hip\n"
+    assert capsys.readouterr().out == f"{SINCE}{swapped}{LAST}"
+
+
 def test_versions_are_kept(capsys: pytest.CaptureFixture[str]) -> None:
     """A lock remembers what its files are meant for, so that a check reads them alike."""
     both = CFG.replace("friction=0.2", "friction=0.2, dynamic_friction=0.2")
@@ -320,6 +381,7 @@ def test_directions(old: str, new: str, told: str, capsys: pytest.CaptureFixture
     for entry in robot["joints"].values():
         del entry["axis"], entry["gear"], entry["hash"]
         entry["hash"] = _hash(entry)
+    del robot["orders"], robot["entries"]
     hashes = {name: entry["hash"] for name, entry in robot["joints"].items()}
     robot["hash"] = _hash({"settings": robot["settings"], "joints": hashes})
     Path("actspec.lock").write_text(json.dumps(kept))
