@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Span, listed
 from actspec.fields import BY_IR, FIELDS, Role, unit_of
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import JointActuator, Origin, Quantity
@@ -19,6 +19,7 @@ from actspec.readings.config import plain_name
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.networks import network_paths
 from actspec.robot.view import ActuatorView, JointView
+from actspec.units import format_number
 
 SETTING_NOUNS = {
     "physics_dt": "physics step",
@@ -222,6 +223,12 @@ def _beside(config: RobotConfig | None) -> tuple[dict[str, float], dict[str, flo
         where: one.unknown or (str(one.value) if one.number is None else one.number)
         for where, one in config.others.items()
     }
+    for one in config.randomize:
+        joints = "" if one.joints is None else f" of {listed(one.joints)}"
+        drawn = ", ".join(filter(None, (one.distribution, one.when)))
+        others[f"randomization of {one.field}{joints}"] = (
+            f"{one.operation} {format_number(one.low)} to {format_number(one.high)} ({drawn})"
+        )
     return entries, others
 
 

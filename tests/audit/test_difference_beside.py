@@ -181,3 +181,127 @@ def test_patterns_are_no_joints(tmp_path: Path) -> None:
     found = both(tmp_path, "leg_cfg.py", text, text)
     expected = "  not compared: stiffness kp at 1 joint and 2 patterns of joints, unknown"
     assert expected in report_lines([found], "a", "b")
+
+
+TASK = """from isaaclab.assets import ArticulationCfg
+from isaaclab.envs import ManagerBasedRLEnvCfg
+from isaaclab.scene import InteractiveSceneCfg
+from isaaclab.utils import configclass
+from elsewhere.robots import GO2_CFG
+
+class SceneCfg(InteractiveSceneCfg):
+    robot = GO2_CFG.replace(prim_path="{ENV}/Robot", init_state=ArticulationCfg.InitialStateCfg(joint_pos={"hip": 0.1}))
+
+@configclass
+class TaskCfg(ManagerBasedRLEnvCfg):
+    scene: SceneCfg = SceneCfg(num_envs=4096)
+
+    def __post_init__(self):
+        self.decimation = 4
+        self.sim.dt = 0.005
+        self.rewards.effort.weight = -0.1
+        self.scene.robot.actuators["legs"].stiffness = 40.0
+        self.scene.robot.actuators["legs"].damping *= 2.0
+        self.scene.robot.actuators["legs"].class_type = Fast
+        self.scene.robot.spawn.mass_scale = 1.0
+
+@configclass
+class PlayCfg(TaskCfg):
+    def __post_init__(self):
+        super().__post_init__()
+        self.scene.num_envs = 32
+"""
+"""In the manner of unitree_rl_lab: the robot of the task is imported from elsewhere."""
+
+UNREAD = (
+    "  not compared: robot, not known without running it: "
+    "GO2_CFG comes from elsewhere, which is not beside this file"
+)
+
+
+@pytest.mark.parametrize(
+    "old, new, expected",
+    [
+        (
+            "stiffness = 40.0",
+            "stiffness = 400.0",
+            ["  scene.robot.actuators['legs'].stiffness 40 -> 400 (x10)", UNREAD],
+        ),
+        (
+            '"hip": 0.1',
+            '"hip": 0.3',
+            ["  GO2_CFG.replace.init_state.joint_pos['hip'] 0.1 -> 0.3 (x3)", UNREAD],
+        ),
+        (
+            "damping *= 2.0",
+            "damping *= 3.0",
+            # decimation, dt and the period; the stiffness and the pose
+            [
+                "  no change in 5 figures",
+                UNREAD,
+                "  not compared: scene.robot.actuators['legs'].damping *= 2.0 -> *= 3.0",
+            ],
+        ),
+        (
+            "mass_scale = 1.0",
+            "mass_scale = 1.5",
+            ["  no change in 5 figures", UNREAD, "  not compared: scene.robot.spawn.mass_scale 1 -> 1.5"],
+        ),
+        ("weight = -0.1", "weight = -0.2", ["  no change in 5 figures", UNREAD]),
+        (
+            "num_envs = 32",
+            'robot.actuators["legs"].armature = 0.1',
+            ["  PlayCfg: scene.robot.actuators['legs'].armature none -> 0.1", UNREAD],
+        ),
+        (
+            "elsewhere.robots import GO2_CFG",
+            "elsewhere.robots import GO2W_CFG as GO2_CFG",
+            None,
+        ),
+    ],
+    ids=["gain", "pose", "times", "other", "reward", "play", "another robot"],
+)
+def test_robot_that_is_not_read(old: str, new: str, expected: list[str] | None, tmp_path: Path) -> None:
+    """What a task assigns to it is compared as it stands, or said; and that it is not read, always."""
+    text = TASK.replace("num_envs = 32", new if old == "num_envs = 32" else "num_envs = 32")
+    if old != "num_envs = 32":
+        text = text.replace(old, new)
+    assert text != TASK
+    found = both(tmp_path, "task_cfg.py", TASK, text)
+    told = list(report_lines([found], "a", "b"))[1:]
+    if expected is None:
+        assert any("GO2_CFG comes from" in line and "GO2W_CFG comes from" in line for line in told)
+    else:
+        assert told == expected
+
+
+def test_a_robot_that_is_read_has_no_such_thing(tmp_path: Path) -> None:
+    """With the robot beside it the same assignment is a figure of its joints, and told once."""
+    text = CFG + TASK.replace("from elsewhere.robots import GO2_CFG", "GO2_CFG = LEG_CFG").replace(
+        "*= 2.0", "= 3.0"
+    )
+    text = text.replace('        self.scene.robot.actuators["legs"].class_type = Fast\n', "")
+    changed = text.replace("stiffness = 40.0", "stiffness = 400.0")
+    found = {item.new.name: item for item in compare(tmp_path, ("leg_cfg.py", text), ("leg_cfg.py", changed))}
+    task = found["TaskCfg"]
+    assert list(lines(task, "")) == ["hip, knee:", "  stiffness kp 40 -> 400 N*m/rad (x10)"]
+    assert task.new.entries == {} and task.new.unread == {}
+
+
+def test_ranges_of_a_configuration_are_told(tmp_path: Path) -> None:
+    """They are read, and compared with nothing: a lock has none."""
+    event = """
+from isaaclab.managers import EventTermCfg
+import isaaclab.envs.mdp as mdp
+class EventCfg:
+    gains = EventTermCfg(
+        func=mdp.randomize_actuator_gains, mode="reset",
+        params={"stiffness_distribution_params": (0.8, 1.2), "operation": "scale"},
+    )
+"""
+    found = compare(tmp_path, ("e_cfg.py", CFG + event), ("e_cfg.py", CFG + event.replace("0.8", "0.5")))
+    told = list(report_lines(found, "a", "b"))
+    assert (
+        "  not compared: randomization of kp scale 0.8 to 1.2 (uniform, reset) -> scale 0.5 to 1.2 (uniform, reset)"
+        in told
+    )
