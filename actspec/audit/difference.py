@@ -288,6 +288,8 @@ def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EX
         if before is None:
             continue
         before, after = levelled(before, after), levelled(after, before)
+        if old.kind is new.kind:
+            before, after = _zeroed(before, after), _zeroed(after, before)
         fields = _shared(before, after, old.kind, new.kind)
         found = list(_joint(before, after, fields, tolerance, alike=old.kind is new.kind))
         compared += len(fields)
@@ -305,6 +307,14 @@ def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EX
         compared,
         tuple(left),
     )
+
+
+def _zeroed(joint: JointDynamics, other: JointDynamics) -> JointDynamics:
+    """A joint without a pose, beside one whose pose is 0: that is what every simulator takes where none is stated."""
+    pose, beside = (side.figures.get("default_position") for side in (joint, other))
+    if beside is None or beside.value != 0.0 or (pose is not None and pose.value is not None):
+        return joint
+    return replace(joint, figures={**joint.figures, "default_position": replace(beside, stated=False)})
 
 
 def _settings(old: RobotDynamics, new: RobotDynamics, tolerance: float) -> Iterator[Change]:

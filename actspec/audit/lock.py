@@ -93,10 +93,9 @@ def changes(
             for robot, index in _robots(case, path).items()
         }
         for robot in sorted({*entry["robots"], *now}):
+            new = now.get(robot, RobotDynamics(robot, path, kind, {}))
             old = _dynamics(robot, name, kind, entry["robots"].get(robot))
-            found.append(
-                (name, compare_robots(old, now.get(robot, RobotDynamics(robot, path, kind, {})), SAME))
-            )
+            found.append((name, compare_robots(old, new, SAME)))
     return tuple(found)
 
 

@@ -286,6 +286,10 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
     if artifact.spec is not None:
         actuator = artifact.spec.joint(first.joint)
         if actuator is not None:
+            if actuator.default_position.origin is Origin.DEFAULT:
+                # The zero that a spec without a pose compiles with is nobody's pose.
+                pose = figures["default_position"]
+                figures["default_position"] = replace(pose, value=None)
             for name, value in _of_spec(actuator):
                 add(name, value)
             network = _network(actuator)

@@ -175,6 +175,13 @@ def test_a_step_that_nobody_states(tmp_path: Path) -> None:
         assert not any("physics step" in line or "integrator" in line for line in told)
 
 
+def test_a_pose_that_nobody_states(tmp_path: Path) -> None:
+    """It is unknown; the zero that a spec without one compiles with is no pose of the robot."""
+    posed = SPEC.replace("model: leg.xml", 'model: leg.xml, default_pose: {"hip": -0.2 rad, "knee": 0 rad}')
+    found = both(tmp_path, "leg.yaml", posed, SPEC)
+    assert list(lines(found, "")) == ["hip:", "  default position -0.2 rad -> unknown"]
+
+
 def test_patterns_are_no_joints(tmp_path: Path) -> None:
     """Which joints a pattern selects nobody knows without the robot, so they are counted as patterns."""
     text = CFG.replace('["hip", "knee"]', '["hip.*", "knee.*", "foot"]').replace("100.0", "gain()")

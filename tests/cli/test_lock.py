@@ -161,6 +161,29 @@ def test_lists_without_names(capsys: pytest.CaptureFixture[str]) -> None:
     assert "do not match their hash" in capsys.readouterr().err
 
 
+def test_a_pose_that_nobody_states(capsys: pytest.CaptureFixture[str]) -> None:
+    """It is not in a lock; a lock of an older actspec has 0 there, which is no change."""
+    main(["lock", "leg.yaml"])
+    kept = lock()
+    robot = kept["files"]["leg.yaml"]["robots"]["leg"]
+    assert all("default_position" not in entry for entry in robot["joints"].values())
+    for entry in robot["joints"].values():
+        entry["default_position"] = 0.0
+        del entry["hash"]
+        entry["hash"] = _hash(entry)
+    del robot["orders"], robot["entries"]
+    hashes = {name: entry["hash"] for name, entry in robot["joints"].items()}
+    robot["hash"] = _hash({"settings": robot["settings"], "joints": hashes})
+    Path("actspec.lock").write_text(json.dumps(kept))
+    assert main(["lock", "--check"]) == 0
+    Path("leg.yaml").write_text(
+        SPEC.replace("model: leg.xml", 'model: leg.xml, default_pose: {"hip": 0.3 rad}')
+    )
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert "  hip:\n    default position 0 -> 0.3 rad\n" in capsys.readouterr().out
+
+
 def test_blocks_of_one_name(capsys: pytest.CaptureFixture[str]) -> None:
     """Two blocks with gains below one key, as of unitree_rl_lab, are two robots of the lock."""
     text = "FSM:\n  Stand: {kp: [60, 60], kd: [5, 5]}\n  Walk: {kp: [30, 30], kd: [1, 1]}\n"
