@@ -23,6 +23,7 @@ from actspec.readings.dynamics import (
     dynamics_of,
     levelled,
 )
+from actspec.readings.read import without_fragments
 from actspec.readings.versions import Versions
 
 SAME_INERTIA = 1e-6
@@ -180,7 +181,7 @@ def of_robot(readings: Sequence[FileReading], robot: str | None) -> tuple[FileRe
 
 
 def read_all(
-    paths: Sequence[str], texts: Mapping[str, str], gone: str | None = None
+    paths: Sequence[str], texts: Mapping[str, str], gone: str | None = None, *, folders: bool = False
 ) -> tuple[FileReading, ...]:
     """Read files of which each must be readable.
 
@@ -188,15 +189,19 @@ def read_all(
         paths: Files.
         texts: Path to what the user called it.
         gone: What to do where there is no such file.
+        folders: Take folders too, for the files in them that are of a robot and no part of another one.
 
     Raises: AuditError: one of them is not.
     """
     out = Collector()
     for path in paths:
-        if os.path.isdir(path):
+        if os.path.isdir(path) and not folders:
             out.error("DIF001", "is a folder: name the files", span=Span(texts.get(path, path)))
     out.raise_if_failed(AuditError)
     readings = read_files(paths)
+    if folders:
+        whole = {reading.path for reading in without_fragments(readings)}
+        readings = tuple(one.as_named() for one in readings if not one.in_folder or one.path in whole)
     for reading in readings:
         shown = texts.get(reading.path, reading.path)
         if not reading.readable:
@@ -207,7 +212,9 @@ def read_all(
                 reading.place if reading.place.path != reading.path else replace(reading.place, path=shown)
             )
             help = None if os.path.exists(reading.path) else gone
-            out.error("DIF001", f"cannot be read: {one_line(reason)}", span=place, help=help)
+            said = reason.replace("nothing to audit", "nothing to record", 1)
+            said = said if reading.names_nothing and folders else f"cannot be read: {reason}"
+            out.error("DIF001", one_line(said), span=place, help=help)
         elif not reading.artifacts:
             out.error("DIF001", "describes no robot", span=Span(shown))
     out.raise_if_failed(AuditError)

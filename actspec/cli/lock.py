@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Mapping
 from typing import Any
@@ -47,7 +48,10 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "0 written, or no change; 1 changes; 2 could not run",
     )
     command.add_argument(
-        "file", nargs="*", metavar="FILE", help="files to record (default: those of the lock)"
+        "file",
+        nargs="*",
+        metavar="FILE",
+        help="files to record, or folders for the robot files in them (default: those of the lock)",
     )
     command.add_argument(
         "-o", "--output", default="actspec.lock", metavar="LOCK", help="the lock (default: actspec.lock)"
@@ -76,8 +80,12 @@ def run(arguments: argparse.Namespace) -> int:
     if old is not None and not arguments.file:
         versions = overridden(versions_of(old), versions)
     recorded = {} if old is None else recorded_files(old, path)
-    names = names_in_lock(arguments.file, path) if arguments.file else recorded
-    case = _case(names, versions, None if arguments.file else path)
+    if arguments.file:
+        readings = read_all(arguments.file, {}, folders=True)
+        names = names_in_lock([reading.path for reading in readings], path)
+        case = case_of([reading for reading in readings if reading.path in names], versions, {})
+    else:
+        names, case = recorded, _case(recorded, versions, path)
     lock = locked(case, names)
     data = text_of(lock)
     try:
@@ -106,18 +114,20 @@ def _tell(path: str, case: Case, files: int) -> None:
                 f"{one_line(why_not)}",
                 file=sys.stderr,
             )
-        if robot.others:
-            values = many(len(robot.others), "other value")
-            print(
-                f"  not in it: {values} of {one_line(robot.file)}, that no figure is made from",
-                file=sys.stderr,
-            )
+    others = [len(robot.others) for robot in robots if robot.others]
+    if others:
+        values = many(sum(others), "other value")
+        print(
+            f"  not in it: {values} of {many(len(others), 'robot')}, that no figure is made from",
+            file=sys.stderr,
+        )
 
 
 def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], versions: Versions) -> int:
     """What has changed, in words."""
     recorded = recorded_files(old, path)
-    asked = names_in_lock(arguments.file, path) if arguments.file else recorded
+    files = [name for file in arguments.file for name in _below(file, recorded)]
+    asked = names_in_lock(files, path) if arguments.file else recorded
     out = Collector()
     for file, name in asked.items():
         if name not in recorded.values():
@@ -142,12 +152,17 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
     return EXIT_FINDINGS if changed else EXIT_CLEAN
 
 
-def _case(names: Mapping[str, str], versions: Versions, lock: str | None) -> Case:
-    """The files, read; `lock`: whose names they are, which stay when a file gets another one."""
-    gone = None
-    if lock is not None:
-        gone = (
-            f"{one_line(lock)} has this file; if it was renamed or deleted, record all files by their present names "
-            f"with `actspec lock -o {one_line(lock)} FILE...`"
-        )
+def _below(file: str, recorded: Mapping[str, str]) -> list[str]:
+    """The files of the lock in a folder; what is none, or has none of them, stands for itself."""
+    folder = os.path.join(os.path.realpath(file), "")
+    inside = [path for path in recorded if os.path.realpath(path).startswith(folder)]
+    return inside if os.path.isdir(file) and inside else [file]
+
+
+def _case(names: Mapping[str, str], versions: Versions, lock: str) -> Case:
+    """The files of a lock, read; they keep their names when a file gets another one."""
+    gone = (
+        f"{one_line(lock)} has this file; if it was renamed or deleted, record all files by their present names "
+        f"with `actspec lock -o {one_line(lock)} FILE...`"
+    )
     return case_of(read_all(tuple(names), {}, gone), versions, {})

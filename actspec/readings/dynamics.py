@@ -40,6 +40,9 @@ ORDERS = {
 OF_CONTROLS = frozenset({"gear", "torque_per_control"})
 """Figures of what a control of 1 does, which other kinds of drive and files do not have."""
 
+_SAID = ("model", "soft_joint_pos_limit_factor")
+"""Settings of a configuration that are no figure of a joint, and concern all of them."""
+
 _MOST_NETWORK_BYTES = 1 << 28
 """Chosen: actuator networks have some 10 kB."""
 _OF_ROW = tuple(
@@ -223,11 +226,15 @@ def _beside(config: RobotConfig | None) -> tuple[dict[str, float], dict[str, flo
         where: one.unknown or (str(one.value) if one.number is None else one.number)
         for where, one in config.others.items()
     }
-    for one in config.randomize:
-        joints = "" if one.joints is None else f" of {listed(one.joints)}"
-        drawn = ", ".join(filter(None, (one.distribution, one.when)))
-        others[f"randomization of {one.field}{joints}"] = (
-            f"{one.operation} {format_number(one.low)} to {format_number(one.high)} ({drawn})"
+    for name in _SAID:
+        if name in config.settings:
+            one = config.settings[name]
+            others[name] = one.unknown or (str(one.value) if one.number is None else one.number)
+    for drawn in config.randomize:
+        joints = "" if drawn.joints is None else f" of {listed(drawn.joints)}"
+        how = ", ".join(filter(None, (drawn.distribution, drawn.when)))
+        others[f"randomization of {drawn.field}{joints}"] = (
+            f"{drawn.operation} {format_number(drawn.low)} to {format_number(drawn.high)} ({how})"
         )
     return entries, others
 
@@ -252,7 +259,7 @@ def unread_of(config: RobotConfig | None) -> dict[str, str]:
         note.where: note.message
         for note in config.notes
         # Of a configuration the ranges of randomization are not compared at all.
-        if note.where and note.where not in told and not note.where.startswith("events")
+        if note.where and note.where not in (*told, *_SAID) and not note.where.startswith("events")
     }
 
 

@@ -312,3 +312,11 @@ class EventCfg:
         "  not compared: randomization of kp scale 0.8 to 1.2 (uniform, reset) -> scale 0.5 to 1.2 (uniform, reset)"
         in told
     )
+
+
+def test_another_model_is_told(tmp_path: Path) -> None:
+    """The same drives on another robot are another machine: its file is not compared, and is not passed over."""
+    spawn = 'ArticulationCfg(\n    spawn=sim_utils.UsdFileCfg(usd_path="go2.usd"),\n'
+    text = "import isaaclab.sim as sim_utils\n" + CFG.replace("ArticulationCfg(\n", spawn)
+    found = both(tmp_path, "leg_cfg.py", text, text.replace("go2.usd", "b2.usd"))
+    assert "  not compared: model go2.usd -> b2.usd" in report_lines([found], "a", "b")

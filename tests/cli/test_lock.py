@@ -142,7 +142,7 @@ def test_lists_without_names(capsys: pytest.CaptureFixture[str]) -> None:
     # 3 places, 3 kp, 3 kd; the single number is of no joint.
     assert capsys.readouterr().err == (
         "actspec.lock: 0 joints, 9 numbers that no joint is named for of 1 file\n"
-        "  not in it: 1 other value of deploy.yaml, that no figure is made from\n"
+        "  not in it: 1 other value of 1 robot, that no figure is made from\n"
     )
     fits("lock", lock())
     assert main(["lock", "--check"]) == 0
@@ -159,6 +159,30 @@ def test_lists_without_names(capsys: pytest.CaptureFixture[str]) -> None:
     Path("actspec.lock").write_text(json.dumps(kept))
     assert main(["lock", "--check"]) == 2
     assert "do not match their hash" in capsys.readouterr().err
+
+
+def test_a_folder(capsys: pytest.CaptureFixture[str]) -> None:
+    """The robot files in it are recorded, and what is none is passed over; parts of a model are in the model."""
+    Path("robots/parts").mkdir(parents=True)
+    Path("robots/leg.xml").write_text(
+        LEG.replace("<worldbody>", '<include file="parts/more.xml"/><worldbody>')
+    )
+    Path("robots/parts/more.xml").write_text("<mujocoinclude><size nuserdata='1'/></mujocoinclude>")
+    Path("robots/__init__.py").write_text("")
+    Path("robots/notes.yaml").write_text("a: 1\n")
+    Path("robots/leg_cfg.py").write_text(CFG)
+    assert main(["lock", "robots", "leg.yaml"]) == 0
+    assert capsys.readouterr().err == "actspec.lock: 6 joints of 3 files\n"
+    assert list(lock()["files"]) == ["leg.yaml", "robots/leg.xml", "robots/leg_cfg.py"]
+    assert main(["lock", "--check"]) == 0
+    Path("robots/leg_cfg.py").write_text(CFG.replace("100.0", "150.0"))
+    capsys.readouterr()
+    assert main(["lock", "--check", "robots"]) == 1
+    assert "robots/leg_cfg.py (LEG_CFG) since actspec.lock:" in capsys.readouterr().out
+    Path("empty").mkdir()
+    assert main(["lock", "empty", "-o", "other.lock"]) == 2
+    assert "DIF001: nothing to record: it has no file that ends in" in capsys.readouterr().err
+    assert not Path("other.lock").exists()
 
 
 def test_a_pose_that_nobody_states(capsys: pytest.CaptureFixture[str]) -> None:
