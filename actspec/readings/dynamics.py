@@ -223,8 +223,9 @@ def _beside(config: RobotConfig | None) -> tuple[dict[str, float], dict[str, flo
         return {}, {}
     entries = {where: number for where, one in config.entries.items() if (number := one.number) is not None}
     others = {
-        where: one.unknown or (str(one.value) if one.number is None else one.number)
+        where: str(one.value) if one.number is None else one.number
         for where, one in config.others.items()
+        if one.unknown is None
     }
     for name in _SAID:
         if name in config.settings:
@@ -250,12 +251,15 @@ def _patterns(config: RobotConfig | None, rows: Sequence[LedgerRow]) -> frozense
 
 def unread_of(config: RobotConfig | None) -> dict[str, str]:
     """What of a configuration is not read, and why; without what figures of its joints are unknown for."""
-    if config is None or config.framework is Framework.DEPLOY:
+    if config is None:
         return {}
+    beyond = {where: one.unknown for where, one in config.others.items() if one.unknown is not None}
+    if config.framework is Framework.DEPLOY:
+        return beyond
     told = {f"{group.name}.{name}" for group in config.groups if group.joints for name in group.settings}
     if config.groups:
         told |= {"default_position", "action_scale"}
-    return {
+    return beyond | {
         note.where: note.message
         for note in config.notes
         # Of a configuration the ranges of randomization are not compared at all.

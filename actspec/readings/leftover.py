@@ -33,6 +33,8 @@ class Leftover:
         number: A node as a number; None for any other.
         mapping: A mapping's own and merged keys.
         least: Numbers in one list or mapping from which on they may be of joints; fewer may be the ends of a range.
+        left: Values that may still be looked at.
+        cut: Whether that was not enough, and was said.
     """
 
     configs: Sequence[RobotConfig]
@@ -41,6 +43,7 @@ class Leftover:
     mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]]
     least: int
     left: int = MOST_VALUES
+    cut: bool = False
 
     def kept(self, root: yaml.Node) -> tuple[RobotConfig, ...]:
         """The configurations with what is left over: each with what stands in its block, the first with the rest."""
@@ -70,9 +73,17 @@ class Leftover:
     ) -> Iterator[tuple[int, str, Setting, bool]]:
         """Owner, place in words, value, and whether it may be of a joint."""
         span = self._span(node)
+        size = len(node.value) if isinstance(node, yaml.SequenceNode) else 0
+        if self.left <= size or depth > MOST_LEVELS:
+            if not self.cut:
+                yield owner, where, Setting(None, span, "more than is read"), False
+            self.cut = self.left <= 0
+            return
+        # Aliases make few nodes many: a list costs its length each time.
+        self.left -= 1 + size
         if isinstance(node, yaml.ScalarNode):
             # A hash is of what is compared, or of what its file has.
-            if span not in taken and not _HASH.fullmatch(node.value) and self._step():
+            if span not in taken and not _HASH.fullmatch(node.value):
                 yield owner, where, self._scalar(node), False
             return
         if span in taken and isinstance(node, yaml.SequenceNode):
@@ -89,13 +100,10 @@ class Leftover:
             if any(self._span(one) in taken for _, one in inner):
                 # A list that is taken, with `null` or a word among its numbers.
                 return
-        if depth >= MOST_LEVELS or self.left <= 0:
-            yield owner, where, Setting(None, span, "more than is read"), False
-            return
         counted = len(inner) >= self.least and all(self.number(one) is not None for _, one in inner)
         for name, one in inner:
             if counted:
-                if self._span(one) not in taken and self._step():
+                if self._span(one) not in taken:
                     yield owner, name, self._scalar(one), True
             else:
                 yield from self._values(one, name, owner, taken, orders, owners, depth + 1)
@@ -106,10 +114,6 @@ class Leftover:
 
     def _span(self, node: yaml.Node) -> Span:
         return Span(self.path, node.start_mark.line + 1, node.start_mark.column + 1)
-
-    def _step(self) -> bool:
-        self.left -= 1
-        return self.left >= 0
 
 
 def _below(where: str, key: str) -> str:

@@ -320,3 +320,12 @@ def test_another_model_is_told(tmp_path: Path) -> None:
     text = "import isaaclab.sim as sim_utils\n" + CFG.replace("ArticulationCfg(\n", spawn)
     found = both(tmp_path, "leg_cfg.py", text, text.replace("go2.usd", "b2.usd"))
     assert "  not compared: model go2.usd -> b2.usd" in report_lines([found], "a", "b")
+
+
+def test_more_than_is_read_is_said(tmp_path: Path) -> None:
+    """A list of more numbers than are looked at, and aliases that make few nodes many: nobody calls them unchanged."""
+    bomb = "".join(f"b{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]\n" for n in range(1, 12))
+    text = f"{GYM}long: [{', '.join(['1'] * 20_000)}]\na: &a0 []\n{bomb}"
+    told = list(report_lines([both(tmp_path, "gym.yaml", text, text)], "a", "b"))
+    assert "  not compared: long, more than is read" in told
+    assert sum(line.endswith(", more than is read") for line in told) == 2

@@ -33,6 +33,8 @@ MOST_ASSIGNED = 2000
 MOST_TEXT = 200
 """Chosen: characters of a target or value that is kept as text."""
 
+MORE = "more than is read"
+
 _OF_ROBOTS = frozenset({"robot", "robot_cfg", "actuators", "articulation", "init_state", "actions"})
 """Parts of a target that are about a robot; of the hundred others (rewards, terrain, sensors) nothing is read."""
 
@@ -125,13 +127,16 @@ def sorted_out(
     taken |= {setting.span for group in config.groups for setting in group.settings.values()}
     entries: dict[str, Setting] = {}
     others: dict[str, Setting] = {}
+    left = MOST_ASSIGNED
     for one in assigned:
         if one.stored and (one.value.span in taken or isinstance(one.value.data, (Obj, Table))):
             continue
-        for where, value, text in _leaves(one.target, one.value, one.text):
+        for where, value, text in _leaves(one.target, one.value, one.text, left):
+            left -= 1
             number = isinstance(value, (int, float)) and not isinstance(value, bool)
             place = entries if number and not _OF_DRIVES.isdisjoint(_words(where)) else others
-            place[prefix + where] = Setting(value if number else text, one.span)
+            cut = MORE if text == MORE else None
+            place[prefix + where] = Setting(value if number else text, one.span, cut)
             (others if place is entries else entries).pop(prefix + where, None)
     return entries, others
 
@@ -140,11 +145,14 @@ def _words(target: str) -> list[str]:
     return re.findall(r"\w+", target) or [""]
 
 
-def _leaves(target: str, value: Value, text: str) -> Iterator[tuple[str, float | str | None, str]]:
-    """Each number or text in a value, where it stands, and it as text."""
+def _leaves(target: str, value: Value, text: str, most: int) -> Iterator[tuple[str, float | str | None, str]]:
+    """Each number or text in a value, where it stands, and it as text; so many at most."""
     waiting: list[tuple[str, Value, int]] = [(target, value, 0)]
     count = 0
-    while waiting and count < MOST_ASSIGNED:
+    while waiting:
+        if count >= most:
+            yield target, None, MORE
+            return
         count += 1
         where, one, depth = waiting.pop()
         data = one.data
@@ -155,6 +163,7 @@ def _leaves(target: str, value: Value, text: str) -> Iterator[tuple[str, float |
             inner = [(f"{where}[{key!r}]", held) for key, held in data.items.items()]
         elif isinstance(data, Seq):
             inner = [(f"{where}[{place}]", held) for place, held in enumerate(data.items)]
+        count += len(inner)
         if inner and depth < MAX_NESTING:
             waiting += [(name[:MOST_TEXT], held, depth + 1) for name, held in reversed(inner)]
         elif data is None or isinstance(data, (bool, int, float, str)):
