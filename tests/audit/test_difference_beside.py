@@ -322,6 +322,7 @@ def test_another_model_is_told(tmp_path: Path) -> None:
     assert "  not compared: model go2.usd -> b2.usd" in report_lines([found], "a", "b")
 
 
+@pytest.mark.slow
 def test_more_than_is_read_is_said(tmp_path: Path) -> None:
     """A list of more numbers than are looked at, and aliases that make few nodes many: nobody calls them unchanged."""
     bomb = "".join(f"b{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]\n" for n in range(1, 12))
