@@ -212,8 +212,8 @@ def read_all(
                 reading.place if reading.place.path != reading.path else replace(reading.place, path=shown)
             )
             help = None if os.path.exists(reading.path) else gone
-            said = reason.replace("nothing to audit", "nothing to record", 1)
-            said = said if reading.names_nothing and folders else f"cannot be read: {reason}"
+            empty = folders and reason.startswith("nothing to audit")
+            said = reason.replace("audit", "record", 1) if empty else f"cannot be read: {reason}"
             out.error("DIF001", one_line(said), span=place, help=help)
         elif not reading.artifacts:
             out.error("DIF001", "describes no robot", span=Span(shown))
