@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.audit.build import case_of
@@ -16,12 +16,14 @@ from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.compare import EXACT, Deviation, Figure, compare, ratio_of, same
 from actspec.readings.dynamics import (
     OF_CONTROLS,
+    ORDERS,
     SETTING_NOUNS,
     JointDynamics,
     RobotDynamics,
     dynamics_of,
     levelled,
 )
+from actspec.readings.read import without_fragments
 from actspec.readings.versions import Versions
 
 SAME_INERTIA = 1e-6
@@ -53,7 +55,9 @@ class Change:
 
     Attributes:
         joint: Whose; "" for the whole robot.
-        field: Of `FIELDS` or `SETTING_NOUNS`, or `control`, `network`, `randomize`.
+        field: Of `FIELDS` or `SETTING_NOUNS`, or `control`, `network`, `randomize`, `axis`; of the whole robot also
+            `order` (what stands at a place of a list of names), `entry` (a number that no figure is made from and that
+            may be of a joint), `other` (any other such value), `unread`.
         noun: The field in words.
         old: Before, in `unit`; None is unknown, or that there was none.
         new: After.
@@ -177,7 +181,7 @@ def of_robot(readings: Sequence[FileReading], robot: str | None) -> tuple[FileRe
 
 
 def read_all(
-    paths: Sequence[str], texts: Mapping[str, str], gone: str | None = None
+    paths: Sequence[str], texts: Mapping[str, str], gone: str | None = None, *, folders: bool = False
 ) -> tuple[FileReading, ...]:
     """Read files of which each must be readable.
 
@@ -185,15 +189,19 @@ def read_all(
         paths: Files.
         texts: Path to what the user called it.
         gone: What to do where there is no such file.
+        folders: Take folders too, for the files in them that are of a robot and no part of another one.
 
     Raises: AuditError: one of them is not.
     """
     out = Collector()
     for path in paths:
-        if os.path.isdir(path):
+        if os.path.isdir(path) and not folders:
             out.error("DIF001", "is a folder: name the files", span=Span(texts.get(path, path)))
     out.raise_if_failed(AuditError)
     readings = read_files(paths)
+    if folders:
+        whole = {reading.path for reading in without_fragments(readings)}
+        readings = tuple(one.as_named() for one in readings if not one.in_folder or one.path in whole)
     for reading in readings:
         shown = texts.get(reading.path, reading.path)
         if not reading.readable:
@@ -204,7 +212,9 @@ def read_all(
                 reading.place if reading.place.path != reading.path else replace(reading.place, path=shown)
             )
             help = None if os.path.exists(reading.path) else gone
-            out.error("DIF001", f"cannot be read: {one_line(reason)}", span=place, help=help)
+            empty = folders and reason.startswith("nothing to audit")
+            said = reason.replace("audit", "record", 1) if empty else f"cannot be read: {reason}"
+            out.error("DIF001", one_line(said), span=place, help=help)
         elif not reading.artifacts:
             out.error("DIF001", "describes no robot", span=Span(shown))
     out.raise_if_failed(AuditError)
@@ -225,8 +235,10 @@ def _pairs(
             raise AuditError.of("DIF003", f"no robot is called {robot!r}: {has}")
     if len(old) == len(new) == 1:
         return [(old[0], new[0])]
-    names = {case.artifacts[i].name: i for i in new}
-    pairs = [(i, names[case.artifacts[i].name]) for i in old if case.artifacts[i].name in names]
+    ours, theirs = (
+        dict(zip(called(case.artifacts[i].name for i in side), side, strict=True)) for side in (old, new)
+    )
+    pairs = [(i, theirs[name]) for name, i in ours.items() if name in theirs]
     if pairs:
         return pairs
     # One robot beside several: the one that its joints and its name belong to.
@@ -238,6 +250,17 @@ def _pairs(
     raise AuditError.of(
         "DIF003", f"it is not known which robots are the same: {has}", help=f"name one with {how}"
     )
+
+
+def called(names: Iterable[str]) -> list[str]:
+    """Names of the robots of one file, of which two may be alike: the second one gets a number."""
+    found: list[str] = []
+    for name in names:
+        count, told = 2, name
+        while told in found:
+            told, count = f"{name} {count}", count + 1
+        found.append(told)
+    return found
 
 
 def _named(case: Case, indices: list[int], robot: str, text: str) -> list[int]:
@@ -260,14 +283,20 @@ def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EX
         new: After.
         tolerance: Largest relative difference of equal figures.
     """
-    changes = list(_settings(old, new, tolerance))
+    changes = [*_settings(old, new, tolerance), *_orders(old, new)]
     compared, left = _settings_left(old, new)
+    count, found_beside, left_beside = _beside(old, new, tolerance)
+    compared += count
+    changes += found_beside
+    left += left_beside
     effects: list[Change] = []
     for name, after in new.joints.items():
         before = old.joints.get(name)
         if before is None:
             continue
         before, after = levelled(before, after), levelled(after, before)
+        if old.kind is new.kind:
+            before, after = _zeroed(before, after), _zeroed(after, before)
         fields = _shared(before, after, old.kind, new.kind)
         found = list(_joint(before, after, fields, tolerance, alike=old.kind is new.kind))
         compared += len(fields)
@@ -287,10 +316,18 @@ def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EX
     )
 
 
+def _zeroed(joint: JointDynamics, other: JointDynamics) -> JointDynamics:
+    """A joint without a pose, beside one whose pose is 0: that is what every simulator takes where none is stated."""
+    pose, beside = (side.figures.get("default_position") for side in (joint, other))
+    if beside is None or beside.value != 0.0 or (pose is not None and pose.value is not None):
+        return joint
+    return replace(joint, figures={**joint.figures, "default_position": replace(beside, stated=False)})
+
+
 def _settings(old: RobotDynamics, new: RobotDynamics, tolerance: float) -> Iterator[Change]:
     for name in SETTING_NOUNS:
         before, after = old.settings.get(name), new.settings.get(name)
-        if (before is None or after is None) and old.kind is not new.kind:
+        if not (_says(old, name) and _says(new, name)) and old.kind is not new.kind:
             continue
         if isinstance(before, str) or isinstance(after, str) or not same(before, after, tolerance):
             if before == after:
@@ -301,11 +338,99 @@ def _settings(old: RobotDynamics, new: RobotDynamics, tolerance: float) -> Itera
 def _settings_left(old: RobotDynamics, new: RobotDynamics) -> tuple[int, list[Change]]:
     """How many settings both state, and those that only one of two kinds of file does."""
     names = [name for name in SETTING_NOUNS if name in old.settings or name in new.settings]
-    alone = [name for name in names if (name in old.settings) is not (name in new.settings)]
     if old.kind is new.kind:
         return len(names), []
-    one_sided = (_setting(name, old.settings.get(name), new.settings.get(name), NOT_STATED) for name in alone)
-    return len(names) - len(alone), list(one_sided)
+    both, alone = 0, []
+    for name in names:
+        sides = [side for side in (old, new) if _says(side, name)]
+        both += len(sides) == 2
+        # A default of an engine is nobody's statement.
+        if len(sides) == 1 and name not in sides[0].unstated:
+            before, after = (side.settings[name] if side is sides[0] else None for side in (old, new))
+            alone.append(_setting(name, before, after, NOT_STATED))
+    return both, alone
+
+
+def _says(robot: RobotDynamics, name: str) -> bool:
+    """Whether a file has a setting: a model has its engine's default too, a spec leaves that to the model."""
+    return name in robot.settings and not (robot.kind is FileKind.SPEC and name in robot.unstated)
+
+
+def _orders(old: RobotDynamics, new: RobotDynamics) -> Iterator[Change]:
+    """What stands at another place of a list of names, and what an actuator drives that drove something else.
+
+    Where names came or went, which is told of the joints, the order of the others counts.
+    """
+    if old.kind is not new.kind or old.orders is None or new.orders is None:
+        return
+    told = set()
+    for kind in ("ctrl", "joint_order", "sdk_order"):
+        before, after = old.orders.get(kind, ()), new.orders.get(kind, ())
+        if (
+            not before
+            or not after
+            or [one for one in before if one in after] == [one for one in after if one in before]
+        ):
+            continue
+        names = [side.orders.get("actuators", ()) for side in (old, new) if side.orders is not None]
+        for place, (one, other) in enumerate(zip(before, after, strict=False)):
+            if one == other:
+                continue
+            noun = ORDERS[kind].format(place=place, entry=place + 1)
+            if kind == "ctrl" and names[0][place] and names[0][place] == names[1][place]:
+                told.add(names[0][place])
+                noun = f"ctrl[{place}], actuator {names[0][place]}, drives"
+            yield Change("", "order", noun, one, other, "", absent=NONE)
+    one_of, other_of = _driven(old), _driven(new)
+    for name, target in one_of.items():
+        now = other_of.get(name, target)
+        # What was renamed is told as a joint that is gone and one that is new.
+        if now != target and name not in told and target in new.joints and now in old.joints:
+            yield Change("", "order", f"actuator {name} drives", target, now, "", absent=NONE)
+
+
+def _driven(robot: RobotDynamics) -> dict[str, str]:
+    """What each actuator drives, by its name."""
+    orders = robot.orders or {}
+    pairs = zip(orders.get("actuators", ()), orders.get("ctrl", ()), strict=False)
+    return {name: target for name, target in pairs if name}
+
+
+def _beside(
+    old: RobotDynamics, new: RobotDynamics, tolerance: float
+) -> tuple[int, list[Change], list[Change]]:
+    """What no figure is made from: how many numbers are compared, those that changed, and what is not compared."""
+    left = [
+        Change("", "unread", what, old.unread.get(what), new.unread.get(what), "", absent="read")
+        for what in dict.fromkeys((*old.unread, *new.unread))
+    ]
+    ours, theirs = old.entries, new.entries
+    if ours is None or theirs is None:
+        return 0, [], left
+    if old.kind is not new.kind:
+        one, other = (float(len(side)) if side else None for side in (ours, theirs))
+        if ours or theirs:
+            noun = "numbers whose joint it does not name"
+            left.append(Change("", "entry", noun, one, other, "", absent=NOT_STATED))
+        return 0, [], left
+    # A lock has them by name; the file in its order.
+    every = list(dict.fromkeys((*theirs, *ours)))
+    changes = []
+    for where in every:
+        before, after = (
+            side.get(where, others.get(where)) for side, others in ((ours, old.others), (theirs, new.others))
+        )
+        if isinstance(before, str) or isinstance(after, str):
+            if before != after:
+                changes.append(Change("", "entry", where, before, after, "", absent=NONE))
+        elif not same(before, after, tolerance):
+            changes.append(Change("", "entry", where, before, after, "", absent=NONE))
+    for where in dict.fromkeys((*old.others, *new.others)):
+        if where not in every and old.others.get(where) != new.others.get(where):
+            left.append(
+                Change("", "other", where, old.others.get(where), new.others.get(where), "", absent=NONE)
+            )
+    return len(every), changes, left
 
 
 def _setting(name: str, old: float | str | None, new: float | str | None, absent: str = UNKNOWN) -> Change:

@@ -15,7 +15,7 @@ from dataclasses import fields
 from typing import Any
 
 from actspec.audit.case import Case
-from actspec.audit.difference import Difference, axis_text, compare_robots
+from actspec.audit.difference import Difference, axis_text, called, compare_robots
 from actspec.audit.places import json_fault, json_places
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import AuditError, Collector, Path, Span, one_line, shortened
@@ -23,7 +23,7 @@ from actspec.fields import FIELDS
 from actspec.files import FAULTS, json_of, name_in_file, path_of_name, read_regular, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
-from actspec.readings.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
+from actspec.readings.dynamics import ORDERS, SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
 from actspec.readings.versions import Versions
 
 FORMAT = "actspec-lock/1"
@@ -52,9 +52,11 @@ def locked(case: Case, names: Mapping[str, str]) -> dict[str, Any]:
         names: Path of a file to its name in the lock.
     """
     files: dict[str, Any] = {}
-    for index, artifact in enumerate(case.artifacts):
-        robots = files.setdefault(names[artifact.path], {"kind": artifact.kind.value, "robots": {}})["robots"]
-        robots[artifact.name] = _robot(dynamics_of(artifact, case.rows_of(index)))
+    for path, name in names.items():
+        for robot, index in _robots(case, path).items():
+            artifact = case.artifacts[index]
+            entry = files.setdefault(name, {"kind": artifact.kind.value, "robots": {}})
+            entry["robots"][robot] = _robot(dynamics_of(artifact, case.rows_of(index)))
     versions = {
         field.name: value
         for field in fields(Versions)
@@ -87,14 +89,20 @@ def changes(
         entry = lock["files"][name]
         kind = FileKind(entry["kind"])
         now = {
-            a.name: dynamics_of(a, case.rows_of(i)) for i, a in enumerate(case.artifacts) if a.path == path
+            robot: dynamics_of(case.artifacts[index], case.rows_of(index))
+            for robot, index in _robots(case, path).items()
         }
         for robot in sorted({*entry["robots"], *now}):
+            new = now.get(robot, RobotDynamics(robot, path, kind, {}))
             old = _dynamics(robot, name, kind, entry["robots"].get(robot))
-            found.append(
-                (name, compare_robots(old, now.get(robot, RobotDynamics(robot, path, kind, {})), SAME))
-            )
+            found.append((name, compare_robots(old, new, SAME)))
     return tuple(found)
+
+
+def _robots(case: Case, path: str) -> dict[str, int]:
+    """The robots of a file, by what they are called, to their artifacts."""
+    own = [index for index, artifact in enumerate(case.artifacts) if artifact.path == path]
+    return dict(zip(called(case.artifacts[index].name for index in own), own, strict=True))
 
 
 def load_lock(path: str, *, needed: bool, figures: bool) -> dict[str, Any] | None:
@@ -204,8 +212,13 @@ def versions_of(lock: Mapping[str, Any]) -> Versions:
 def _robot(robot: RobotDynamics) -> dict[str, Any]:
     joints = {name: _joint(joint) for name, joint in robot.joints.items()}
     settings = {name: _rounded(value) for name, value in robot.settings.items()}
-    digest = _hash({"settings": settings, "joints": {name: joint["hash"] for name, joint in joints.items()}})
-    return {"hash": digest, "settings": settings, "joints": joints}
+    record: dict[str, Any] = {"settings": settings}
+    if robot.orders is not None:
+        record["orders"] = {name: list(names) for name, names in robot.orders.items()}
+    if robot.entries is not None:
+        record["entries"] = {where: _rounded(value) for where, value in robot.entries.items()}
+    digest = _hash({**record, "joints": {name: joint["hash"] for name, joint in joints.items()}})
+    return {"hash": digest, **record, "joints": joints}
 
 
 def _joint(joint: JointDynamics) -> dict[str, Any]:
@@ -240,7 +253,16 @@ def _dynamics(name: str, file: str, kind: FileKind, entry: Mapping[str, Any] | N
     if entry is None:
         return RobotDynamics(name, file, kind, {})
     joints = {joint: _locked_joint(joint, figures, file) for joint, figures in entry["joints"].items()}
-    return RobotDynamics(name, file, kind, joints, entry["settings"])
+    orders = entry.get("orders")
+    return RobotDynamics(
+        name,
+        file,
+        kind,
+        joints,
+        entry["settings"],
+        orders=None if orders is None else {key: tuple(names) for key, names in orders.items()},
+        entries=entry.get("entries"),
+    )
 
 
 def _locked_joint(name: str, entry: Mapping[str, Any], file: str) -> JointDynamics:
@@ -298,6 +320,12 @@ def _robot_fault(record: Any) -> tuple[Path, str] | None:
         for key, value in settings.items()
     ):
         return ("settings",), shape
+    beside = {key: record[key] for key in ("orders", "entries") if key in record}
+    if not _is_orders(beside.get("orders", {})):
+        return ("orders",), shape
+    entries = beside.get("entries", {})
+    if not isinstance(entries, dict) or not all(map(_is_figure, entries.values())):
+        return ("entries",), shape
     hashes = {}
     for name, joint in record["joints"].items():
         texts = (joint.get("control"), joint.get("network", "")) if isinstance(joint, dict) else (None,)
@@ -314,9 +342,16 @@ def _robot_fault(record: Any) -> tuple[Path, str] | None:
             message = f"the figures of {shortened(name)} do not match their hash: the lock has been edited"
             return ("joints", name), message
         hashes[name] = joint["hash"]
-    if _hash({"settings": settings, "joints": hashes}) != record.get("hash"):
+    if _hash({"settings": settings, **beside, "joints": hashes}) != record.get("hash"):
         return ("hash",), "the joints do not match their hash: the lock has been edited"
     return None
+
+
+def _is_orders(value: object) -> bool:
+    return isinstance(value, dict) and all(
+        key in ORDERS and isinstance(names, list) and all(isinstance(name, str) for name in names)
+        for key, names in value.items()
+    )
 
 
 def _is_figure(value: object) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Mapping
 from typing import Any
@@ -31,8 +32,9 @@ from actspec.diagnostics import (
 )
 from actspec.files import FAULTS, why
 from actspec.owned import put_file
+from actspec.readings.dynamics import dynamics_of
 from actspec.readings.versions import Versions
-from actspec.report.difference import lines, record
+from actspec.report.difference import counted, lines, record
 from actspec.report.terminal import print_json, print_lines
 
 
@@ -46,7 +48,10 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "0 written, or no change; 1 changes; 2 could not run",
     )
     command.add_argument(
-        "file", nargs="*", metavar="FILE", help="files to record (default: those of the lock)"
+        "file",
+        nargs="*",
+        metavar="FILE",
+        help="files to record, or folders for the robot files in them (default: those of the lock)",
     )
     command.add_argument(
         "-o", "--output", default="actspec.lock", metavar="LOCK", help="the lock (default: actspec.lock)"
@@ -75,8 +80,13 @@ def run(arguments: argparse.Namespace) -> int:
     if old is not None and not arguments.file:
         versions = overridden(versions_of(old), versions)
     recorded = {} if old is None else recorded_files(old, path)
-    names = names_in_lock(arguments.file, path) if arguments.file else recorded
-    lock = locked(_case(names, versions, None if arguments.file else path), names)
+    if arguments.file:
+        readings = read_all(arguments.file, {}, folders=True)
+        names = names_in_lock([reading.path for reading in readings], path)
+        case = case_of([reading for reading in readings if reading.path in names], versions, {})
+    else:
+        names, case = recorded, _case(recorded, versions, path)
+    lock = locked(case, names)
     data = text_of(lock)
     try:
         put_file(path, data, force=arguments.force)
@@ -85,16 +95,39 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json(lock)
     else:
-        robots = [robot for file in lock["files"].values() for robot in file["robots"].values()]
-        joints = many(sum(len(robot["joints"]) for robot in robots), "joint")
-        print(f"{one_line(path)}: {joints} of {many(len(names), 'file')}", file=sys.stderr)
+        _tell(path, case, len(names))
     return EXIT_CLEAN
+
+
+def _tell(path: str, case: Case, files: int) -> None:
+    """How much is recorded, and what is not."""
+    robots = [dynamics_of(artifact, case.rows_of(index)) for index, artifact in enumerate(case.artifacts)]
+    joints = [name for robot in robots for name in robot.joints]
+    patterns = frozenset().union(*(robot.patterns for robot in robots))
+    entries = sum(len(robot.entries or ()) for robot in robots)
+    beside = f", {many(entries, 'number')} that no joint is named for" if entries else ""
+    print(f"{one_line(path)}: {counted(joints, patterns)}{beside} of {many(files, 'file')}", file=sys.stderr)
+    for robot in robots:
+        for what, why_not in robot.unread.items():
+            print(
+                f"  not in it: {one_line(what)} of {one_line(robot.file)} ({one_line(robot.name)}), "
+                f"{one_line(why_not)}",
+                file=sys.stderr,
+            )
+    others = [len(robot.others) for robot in robots if robot.others]
+    if others:
+        values = many(sum(others), "other value")
+        print(
+            f"  not in it: {values} of {many(len(others), 'robot')}, that no figure is made from",
+            file=sys.stderr,
+        )
 
 
 def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], versions: Versions) -> int:
     """What has changed, in words."""
     recorded = recorded_files(old, path)
-    asked = names_in_lock(arguments.file, path) if arguments.file else recorded
+    files = [name for file in arguments.file for name in _below(file, recorded)]
+    asked = names_in_lock(files, path) if arguments.file else recorded
     out = Collector()
     for file, name in asked.items():
         if name not in recorded.values():
@@ -119,12 +152,17 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
     return EXIT_FINDINGS if changed else EXIT_CLEAN
 
 
-def _case(names: Mapping[str, str], versions: Versions, lock: str | None) -> Case:
-    """The files, read; `lock`: whose names they are, which stay when a file gets another one."""
-    gone = None
-    if lock is not None:
-        gone = (
-            f"{one_line(lock)} has this file; if it was renamed or deleted, record all files by their present names "
-            f"with `actspec lock -o {one_line(lock)} FILE...`"
-        )
+def _below(file: str, recorded: Mapping[str, str]) -> list[str]:
+    """The files of the lock in a folder; what is none, or has none of them, stands for itself."""
+    folder = os.path.join(os.path.realpath(file), "")
+    inside = [path for path in recorded if os.path.realpath(path).startswith(folder)]
+    return inside if os.path.isdir(file) and inside else [file]
+
+
+def _case(names: Mapping[str, str], versions: Versions, lock: str) -> Case:
+    """The files of a lock, read; they keep their names when a file gets another one."""
+    gone = (
+        f"{one_line(lock)} has this file; if it was renamed or deleted, record all files by their present names "
+        f"with `actspec lock -o {one_line(lock)} FILE...`"
+    )
     return case_of(read_all(tuple(names), {}, gone), versions, {})

@@ -208,6 +208,9 @@ class RobotConfig:
         written_for: What its groups are for, where actspec wrote them: names of `case.Versions`' fields.
         nameless: `kp` and `kd` to the entries of lists whose joints nobody names.
         nameless_lists: Field to its list, of all such lists, also of equal entries.
+        entries: Numbers that no figure is made from and that may be of a joint, by where they stand: those of lists and
+            maps (`entry 3 of kps`), and what is assigned to a robot that is not read.
+        others: Other values that no figure is made from, likewise.
     """
 
     framework: Framework
@@ -220,6 +223,8 @@ class RobotConfig:
     written_for: Mapping[str, str] = field(default_factory=dict)
     nameless: Mapping[str, tuple[Setting, ...]] = field(default_factory=dict)
     nameless_lists: Mapping[str, NamelessList] = field(default_factory=dict)
+    entries: Mapping[str, Setting] = field(default_factory=dict)
+    others: Mapping[str, Setting] = field(default_factory=dict)
 
     @property
     def physics_dt(self) -> float | None:

@@ -14,6 +14,7 @@ import math
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import yaml
@@ -30,6 +31,7 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
+from actspec.readings.leftover import Leftover
 from actspec.robot.view import ModelFile
 from actspec.spec.yaml_problems import too_deep
 
@@ -145,7 +147,7 @@ def read_deploy(path: str, data: bytes) -> FileReading:
         return FileReading(path, None, str(err), files=(file,), refused=err.span(path))
     name = os.path.splitext(os.path.basename(path))[0]
     try:
-        configs = () if root is None else tuple(_Reader(path).configs(root, (), name, 0))
+        configs = () if root is None else _Reader(path).whole(root, name)
     except Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,), refused=err.span(path))
     if not configs:
@@ -223,6 +225,19 @@ class _Reader:
     def __init__(self, path: str) -> None:
         self.path = path
         self.steps = 0
+
+    def whole(self, root: yaml.Node, name: str) -> tuple[RobotConfig, ...]:
+        """Every block that has gains, with what no figure is made from."""
+        found = tuple(self.configs(root, (), name, 0))
+        if not found:
+            return ()
+        self.steps = 0
+        try:
+            return Leftover(found, self.path, _number, self._mapping, LEAST_JOINTS).kept(root)
+        except Unfit as err:
+            # Too much to compare, and its gains are read all the same.
+            rest = {"the rest of the file": Setting(None, err.span(self.path), str(err))}
+            return (replace(found[0], others=rest), *found[1:])
 
     def configs(
         self, node: yaml.Node, above: tuple[_Block, ...], name: str, depth: int

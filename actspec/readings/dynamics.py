@@ -9,15 +9,17 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Span, listed
 from actspec.fields import BY_IR, FIELDS, Role, unit_of
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.ir import JointActuator, Quantity
-from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind
+from actspec.ir import JointActuator, Origin, Quantity
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.compare import Figure, same
+from actspec.readings.config import plain_name
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.networks import network_paths
 from actspec.robot.view import ActuatorView, JointView
+from actspec.units import format_number
 
 SETTING_NOUNS = {
     "physics_dt": "physics step",
@@ -27,8 +29,19 @@ SETTING_NOUNS = {
 }
 """What concerns the whole robot, in words, in the order in which it is shown."""
 
+ORDERS = {
+    "ctrl": "ctrl[{place}] drives",
+    "actuators": "ctrl[{place}] is",
+    "joint_order": "entry {entry} of the joint names",
+    "sdk_order": "entry {entry} of the robot's joint order",
+}
+"""What stands at a place of a list, in words; `place` counts from 0 and `entry` from 1."""
+
 OF_CONTROLS = frozenset({"gear", "torque_per_control"})
 """Figures of what a control of 1 does, which other kinds of drive and files do not have."""
+
+_SAID = ("model", "soft_joint_pos_limit_factor")
+"""Settings of a configuration that are no figure of a joint, and concern all of them."""
 
 _MOST_NETWORK_BYTES = 1 << 28
 """Chosen: actuator networks have some 10 kB."""
@@ -78,6 +91,12 @@ class RobotDynamics:
         kind: What the file is.
         joints: Name to joint, in the file's order.
         settings: Name of `SETTING_NOUNS` to the value [s, -]; a text for the integrator. Unknown ones are left out.
+        unstated: Settings that no file states: they are an engine's default.
+        orders: Names by place, by a key of `ORDERS`; None where nobody knows of any, as in a lock of an older actspec.
+        entries: Numbers that no figure is made from and that may be of a joint, by where they stand; None likewise.
+        others: Other values that no figure is made from, by where they stand.
+        unread: What is not read that concerns the actuators, and why.
+        patterns: Those of `joints` that are patterns of a configuration whose robot is not at hand.
     """
 
     name: str
@@ -85,6 +104,12 @@ class RobotDynamics:
     kind: FileKind
     joints: Mapping[str, JointDynamics]
     settings: Mapping[str, float | str] = field(default_factory=dict)
+    unstated: frozenset[str] = frozenset()
+    orders: Mapping[str, tuple[str, ...]] | None = None
+    entries: Mapping[str, float] | None = None
+    others: Mapping[str, float | str] = field(default_factory=dict)
+    unread: Mapping[str, str] = field(default_factory=dict)
+    patterns: frozenset[str] = frozenset()
 
 
 def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
@@ -100,7 +125,20 @@ def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
             rows.setdefault(row.joint, []).append(row)
     joints = {name: _joint(artifact, found) for name, found in rows.items()}
     joints.update((loose.joint, loose) for loose in _loose(artifact))
-    return RobotDynamics(artifact.name, artifact.path, artifact.kind, joints, settings_of(artifact))
+    entries, others = _beside(artifact.config)
+    return RobotDynamics(
+        artifact.name,
+        artifact.path,
+        artifact.kind,
+        joints,
+        settings_of(artifact),
+        _unstated(artifact),
+        _orders(artifact),
+        entries,
+        others,
+        unread_of(artifact.config),
+        _patterns(artifact.config, own),
+    )
 
 
 def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
@@ -149,6 +187,86 @@ def settings_of(artifact: Artifact) -> dict[str, float | str]:
     return found
 
 
+def _unstated(artifact: Artifact) -> frozenset[str]:
+    """Settings of an engine, which no file states: a step of MuJoCo's own."""
+    if artifact.spec is not None:
+        return frozenset({"physics_dt"} if artifact.spec.physics_dt.origin is Origin.DEFAULT else ())
+    if artifact.kind is FileKind.MJCF:
+        stated = {"physics_dt": b"timestep", "integrator": b"integrator"}
+        return frozenset(name for name, attribute in stated.items() if not artifact.states(attribute))
+    return frozenset()
+
+
+def _orders(artifact: Artifact) -> dict[str, tuple[str, ...]]:
+    """What stands at which place of a list, where the place counts: of controls, and of joints."""
+    if artifact.robot is not None:
+        drives = sorted(artifact.robot.actuators, key=lambda drive: drive.index)
+        if not drives:
+            return {}
+        targets = (
+            drive.target if drive.transmission == "joint" else f"{drive.transmission} {drive.target}"
+            for drive in drives
+        )
+        return {"ctrl": tuple(targets), "actuators": tuple(drive.name for drive in drives)}
+    settings = {} if artifact.config is None else artifact.config.settings
+    found = {}
+    for name in ("joint_order", "sdk_order"):
+        value = settings[name].value if name in settings else None
+        if isinstance(value, tuple) and value:
+            found[name] = tuple("none" if one is None else str(one) for one in value)
+    return found
+
+
+def _beside(config: RobotConfig | None) -> tuple[dict[str, float], dict[str, float | str]]:
+    """What no figure is made from: numbers that may be of a joint, and other values as they are written."""
+    if config is None:
+        return {}, {}
+    entries = {where: number for where, one in config.entries.items() if (number := one.number) is not None}
+    others = {
+        where: str(one.value) if one.number is None else one.number
+        for where, one in config.others.items()
+        if one.unknown is None
+    }
+    for name in _SAID:
+        if name in config.settings:
+            one = config.settings[name]
+            others[name] = one.unknown or (str(one.value) if one.number is None else one.number)
+    for drawn in config.randomize:
+        joints = "" if drawn.joints is None else f" of {listed(drawn.joints)}"
+        how = ", ".join(filter(None, (drawn.distribution, drawn.when)))
+        others[f"randomization of {drawn.field}{joints}"] = (
+            f"{drawn.operation} {format_number(drawn.low)} to {format_number(drawn.high)} ({how})"
+        )
+    return entries, others
+
+
+def _patterns(config: RobotConfig | None, rows: Sequence[LedgerRow]) -> frozenset[str]:
+    """Rows that stand for every joint that a pattern selects: of a robot that is at hand the kind is known."""
+    if config is None:
+        return frozenset()
+    return frozenset(
+        row.joint for row in rows if row.kind is None and plain_name(config.framework, row.joint) is None
+    )
+
+
+def unread_of(config: RobotConfig | None) -> dict[str, str]:
+    """What of a configuration is not read, and why; without what figures of its joints are unknown for."""
+    if config is None:
+        return {}
+    beyond = {where: one.unknown for where, one in config.others.items() if one.unknown is not None}
+    if config.framework is Framework.DEPLOY:
+        return beyond
+    told = {f"{group.name}.{name}" for group in config.groups if group.joints for name in group.settings}
+    if config.groups:
+        told |= {"default_position", "action_scale"}
+    return beyond | {
+        note.where: note.message
+        for note in config.notes
+        # Of a configuration the ranges of randomization are not compared at all.
+        if note.where and note.where not in (*told, *_SAID) and not note.where.startswith("events")
+    }
+
+
 def _group(artifact: Artifact, row: LedgerRow) -> ActuatorGroup | None:
     """The actuator cfg that a row is made from."""
     groups = artifact.config.groups if artifact.config is not None else ()
@@ -179,6 +297,10 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
     if artifact.spec is not None:
         actuator = artifact.spec.joint(first.joint)
         if actuator is not None:
+            if actuator.default_position.origin is Origin.DEFAULT:
+                # The zero that a spec without a pose compiles with is nobody's pose.
+                pose = figures["default_position"]
+                figures["default_position"] = replace(pose, value=None)
             for name, value in _of_spec(actuator):
                 add(name, value)
             network = _network(actuator)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from actspec.audit.difference import NOT_STATED, SAME_AXIS, Change, Difference
@@ -17,6 +18,9 @@ _SIGNED = ("gear", "torque_per_control", "command_gain")
 
 _NO_RATIO = ("encoder_bias", "command_low", "command_high", "natural_frequency", "damping_ratio")
 """What is measured from a zero that means nothing, or is rough; so are poses."""
+
+_OF_INDICES = re.compile(r"map|idx|ind(?:ex|ices)|ids|order", re.IGNORECASE)
+"""Keys of lists whose numbers are places: twice a place is none."""
 
 
 def report_lines(found: Sequence[Difference], old: str, new: str) -> Iterator[str]:
@@ -45,23 +49,46 @@ def _left_lines(found: Difference, old: str, new: str) -> Iterator[str]:
     elif found.same:
         count = many(found.compared, "figure")
         yield f"  no change in {count}" + (" that both state" if found.old.kind is not found.new.kind else "")
+    patterns = found.old.patterns | found.new.patterns
     for name, side in ((old, "old"), (new, "new")):
         alone = [item for item in found.left if item.absent == NOT_STATED and getattr(item, side) is not None]
         if alone:
             which = "which is" if len(alone) == 1 else "which are"
             yield f"  only {name} states {many(len(alone), 'figure')}, {which} not compared:"
-            yield from _by_field(alone, side)
+            yield from _by_field(alone, side, patterns)
     others: dict[str, list[Change]] = {}
     for item in found.left:
-        if item.absent != NOT_STATED:
+        if item.field == "unread":
+            yield f"  not compared: {one_line(item.noun)}, {_unread(item)}"
+        elif item.field == "other":
+            yield f"  not compared: {one_line(words(item))}"
+        elif item.absent != NOT_STATED:
             others.setdefault(item.noun, []).append(item)
     for noun, items in others.items():
         unknown = any(item.old is None or item.new is None for item in items)
         why = "unknown" if unknown else "not comparable between two kinds of file"
-        yield f"  not compared: {noun} at {many(len(items), 'joint')}, {why}"
+        yield f"  not compared: {noun} at {counted([item.joint for item in items], patterns)}, {why}"
 
 
-def _by_field(alone: Sequence[Change], side: str) -> Iterator[str]:
+def _unread(item: Change) -> str:
+    """Why something is not read: `not known without running it: X comes from Y`; of one file alone, of which."""
+    if item.old == item.new:
+        return str(item.new)
+    return "; ".join(
+        f"in the {side} file {value}" for side, value in (("old", item.old), ("new", item.new)) if value
+    )
+
+
+def counted(joints: Sequence[str], patterns: Collection[str]) -> str:
+    """`12 joints`, `3 patterns of joints`: how many joints a pattern selects nobody knows without the robot."""
+    several = sum(joint in patterns for joint in joints)
+    parts = [many(len(joints) - several, "joint")] if several < len(joints) or not joints else []
+    if several:
+        parts.append(f"{several} {'pattern' if several == 1 else 'patterns'} of joints")
+    return " and ".join(parts)
+
+
+def _by_field(alone: Sequence[Change], side: str, patterns: Collection[str]) -> Iterator[str]:
     """`armature 0.1 kg*m^2 (19 joints)`, `stiffness kp 20 to 150 N*m/rad (12 joints)`."""
     fields: dict[str, list[Change]] = {}
     for change in alone:
@@ -73,7 +100,7 @@ def _by_field(alone: Sequence[Change], side: str) -> Iterator[str]:
             texts = dict.fromkeys([_shown(min(values), ""), _shown(max(values), "")])
         first = changes[0]
         unit = f" {first.unit}" if first.unit and any(map(_has_unit, values)) else ""
-        where = f" ({many(len(changes), 'joint')})" if first.joint else ""
+        where = f" ({counted([one.joint for one in changes], patterns)})" if first.joint else ""
         yield f"    {first.noun} {' to '.join(texts)}{unit}{where}"
 
 
@@ -215,6 +242,8 @@ def _ratio(change: Change) -> str:
     ratio = change.ratio
     field = FIELDS.get(change.field)
     if ratio is None or ratio < 0.0 or change.field in _NO_RATIO or (field and field.role is Role.POSE):
+        return ""
+    if change.field == "other" or (change.field == "entry" and _OF_INDICES.search(change.noun)):
         return ""
     if 0.5 <= ratio <= 2.0:
         percent = (ratio - 1.0) * 100.0

@@ -127,6 +127,114 @@ def test_joints_and_robots_come_and_go(capsys: pytest.CaptureFixture[str]) -> No
     )
 
 
+DEPLOY = """motor_idx: [3, 4, 5]
+kps: [100, 150, 40]
+kds: [2, 4, 2]
+ang_vel_scale: 0.25
+"""
+"""As of unitree_rl_gym: which joint an entry is of, no file says."""
+
+
+def test_lists_without_names(capsys: pytest.CaptureFixture[str]) -> None:
+    """They are recorded by place, in the order of the file, and so are the motors that a joint is sent to."""
+    Path("deploy.yaml").write_text(DEPLOY)
+    assert main(["lock", "deploy.yaml"]) == 0
+    # 3 places, 3 kp, 3 kd; the single number is of no joint.
+    assert capsys.readouterr().err == (
+        "actspec.lock: 0 joints, 9 numbers that no joint is named for of 1 file\n"
+        "  not in it: 1 other value of 1 robot, that no figure is made from\n"
+    )
+    fits("lock", lock())
+    assert main(["lock", "--check"]) == 0
+    Path("deploy.yaml").write_text(DEPLOY.replace("[3, 4", "[4, 3").replace("40]", "400]"))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert capsys.readouterr().out == (
+        "deploy.yaml (deploy) since actspec.lock:\n"
+        "  entry 1 of motor_idx 3 -> 4\n  entry 2 of motor_idx 4 -> 3\n  entry 3 of kps 40 -> 400 (x10)\n"
+        f"{LAST}"
+    )
+    kept = lock()
+    kept["files"]["deploy.yaml"]["robots"]["deploy"]["entries"]["entry 3 of kps"] = 400.0
+    Path("actspec.lock").write_text(json.dumps(kept))
+    assert main(["lock", "--check"]) == 2
+    assert "do not match their hash" in capsys.readouterr().err
+
+
+def test_a_folder(capsys: pytest.CaptureFixture[str]) -> None:
+    """The robot files in it are recorded, and what is none is passed over; parts of a model are in the model."""
+    Path("robots/parts").mkdir(parents=True)
+    Path("robots/leg.xml").write_text(
+        LEG.replace("<worldbody>", '<include file="parts/more.xml"/><worldbody>')
+    )
+    Path("robots/parts/more.xml").write_text("<mujocoinclude><size nuserdata='1'/></mujocoinclude>")
+    Path("robots/__init__.py").write_text("")
+    Path("robots/notes.yaml").write_text("a: 1\n")
+    Path("robots/leg_cfg.py").write_text(CFG)
+    assert main(["lock", "robots", "leg.yaml"]) == 0
+    assert capsys.readouterr().err == "actspec.lock: 6 joints of 3 files\n"
+    assert list(lock()["files"]) == ["leg.yaml", "robots/leg.xml", "robots/leg_cfg.py"]
+    assert main(["lock", "--check"]) == 0
+    Path("robots/leg_cfg.py").write_text(CFG.replace("100.0", "150.0"))
+    capsys.readouterr()
+    assert main(["lock", "--check", "robots"]) == 1
+    assert "robots/leg_cfg.py (LEG_CFG) since actspec.lock:" in capsys.readouterr().out
+    Path("empty").mkdir()
+    assert main(["lock", "empty", "-o", "other.lock"]) == 2
+    assert "DIF001: nothing to record: it has no file that ends in" in capsys.readouterr().err
+    assert not Path("other.lock").exists()
+
+
+def test_a_pose_that_nobody_states(capsys: pytest.CaptureFixture[str]) -> None:
+    """It is not in a lock; a lock of an older actspec has 0 there, which is no change."""
+    main(["lock", "leg.yaml"])
+    kept = lock()
+    robot = kept["files"]["leg.yaml"]["robots"]["leg"]
+    assert all("default_position" not in entry for entry in robot["joints"].values())
+    for entry in robot["joints"].values():
+        entry["default_position"] = 0.0
+        del entry["hash"]
+        entry["hash"] = _hash(entry)
+    del robot["orders"], robot["entries"]
+    hashes = {name: entry["hash"] for name, entry in robot["joints"].items()}
+    robot["hash"] = _hash({"settings": robot["settings"], "joints": hashes})
+    Path("actspec.lock").write_text(json.dumps(kept))
+    assert main(["lock", "--check"]) == 0
+    Path("leg.yaml").write_text(
+        SPEC.replace("model: leg.xml", 'model: leg.xml, default_pose: {"hip": 0.3 rad}')
+    )
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert "  hip:\n    default position 0 -> 0.3 rad\n" in capsys.readouterr().out
+
+
+def test_blocks_of_one_name(capsys: pytest.CaptureFixture[str]) -> None:
+    """Two blocks with gains below one key, as of unitree_rl_lab, are two robots of the lock."""
+    text = "FSM:\n  Stand: {kp: [60, 60], kd: [5, 5]}\n  Walk: {kp: [30, 30], kd: [1, 1]}\n"
+    Path("fsm.yaml").write_text(text)
+    main(["lock", "fsm.yaml"])
+    assert list(lock()["files"]["fsm.yaml"]["robots"]) == ["FSM", "FSM 2"]
+    assert main(["lock", "--check"]) == 0
+    Path("fsm.yaml").write_text(text.replace("[60, 60]", "[66, 66]"))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert "stiffness kp 60 -> 66 N*m/rad (+10 %)" in capsys.readouterr().out
+
+
+def test_which_actuator_drives_which_joint(capsys: pytest.CaptureFixture[str]) -> None:
+    """A lock has the controls in their order, and what each drives."""
+    main(["lock", "leg.xml"])
+    Path("leg.xml").write_text(
+        LEG.replace('"hip" joint="hip"', '"hip" joint="x"')
+        .replace('joint="knee"', 'joint="hip"')
+        .replace('joint="x"', 'joint="knee"')
+    )
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    swapped = "  ctrl[0], actuator hip, drives hip -> knee\n  ctrl[1], actuator knee, drives knee -> hip\n"
+    assert capsys.readouterr().out == f"{SINCE}{swapped}{LAST}"
+
+
 def test_versions_are_kept(capsys: pytest.CaptureFixture[str]) -> None:
     """A lock remembers what its files are meant for, so that a check reads them alike."""
     both = CFG.replace("friction=0.2", "friction=0.2, dynamic_friction=0.2")
@@ -320,6 +428,7 @@ def test_directions(old: str, new: str, told: str, capsys: pytest.CaptureFixture
     for entry in robot["joints"].values():
         del entry["axis"], entry["gear"], entry["hash"]
         entry["hash"] = _hash(entry)
+    del robot["orders"], robot["entries"]
     hashes = {name: entry["hash"] for name, entry in robot["joints"].items()}
     robot["hash"] = _hash({"settings": robot["settings"], "joints": hashes})
     Path("actspec.lock").write_text(json.dumps(kept))

@@ -14,6 +14,7 @@ from actspec.readings.python import calls
 from actspec.readings.python.arithmetic import bounded
 from actspec.readings.python.fold import Expressions
 from actspec.readings.python.source import Library
+from actspec.readings.python.unapplied import Unapplied
 from actspec.readings.python.values import (
     Bound,
     Cls,
@@ -49,11 +50,13 @@ class Objects(Expressions):
 
     Attributes:
         doubt: Why it is not certain that the present statement happens, or how often; None when it is.
+        unapplied: Assignments to what is not read.
     """
 
     def __init__(self, library: Library) -> None:
         super().__init__(library)
         self.doubt: str | None = None
+        self.unapplied = Unapplied()
 
     def run(self, body: Sequence[ast.stmt], scope: Scope) -> bool:
         """Take statements."""
@@ -105,6 +108,7 @@ class Objects(Expressions):
             return self._settled(Value(obj, span)) if is_configclass(what) else obj
         if what.name in ("copy", "replace"):
             # Of an object that another package has.
+            self.unapplied.replaced(what, named, span)
             return Unknown(External(what.dotted.rpartition(".")[0], what.why).reason)
         if what.name == "from_file" and args:
             # mujoco.MjSpec.from_file: the path is what a robot's `spec_fn` tells.

@@ -25,6 +25,7 @@ from actspec.readings.python import isaaclab, legged_gym, mjlab
 from actspec.readings.python.run import Interpreter
 from actspec.readings.python.settings import JOINTS, NOTHING, UNFOLDED, fields_of, has_joints, setting
 from actspec.readings.python.source import Library, Source, UnreadableError, open_library
+from actspec.readings.python.unapplied import Assigned, sorted_out
 from actspec.readings.python.values import (
     MAX_STEPS,
     Cls,
@@ -148,12 +149,15 @@ class _Reader:
         self.names: dict[int, str] = {}
         self.entities: dict[int, list[Value]] = {}
         self.found = 0
+        self.assigned: dict[str, list[Assigned]] = {}
         self.beside: list[tuple[str, str, Value]] = []
 
     def configs(self) -> Iterator[RobotConfig]:
         """Every configuration once, in the order of the file."""
         found: list[RobotConfig] = []
         own = list(self._own())
+        # Those of functions are under their names already, which counts.
+        self.assigned[""] = list(self.interpreter.unapplied.found)
         self.names = self._object_names()
         for _, value, _ in own:
             if mjlab.is_entity(value):
@@ -172,13 +176,45 @@ class _Reader:
         self.found = len(found)
         self.beside = self._beside()
         seen: list[object] = []
+        kept: list[RobotConfig] = []
         for config in sorted(found, key=lambda one: (one.span.line, one.span.column))[:MAX_CONFIGS]:
             content = (config.framework, config.groups, config.settings, config.randomize)
             # A task's variants for playing differ in nothing that is read here; its events are in the task.
             repeated = not (config.groups or config.settings) and inside.issuperset(config.randomize)
             if config.name in constants or (content not in seen and not repeated):
                 seen.append(content)
-                yield self._scaled(config)
+                kept.append(self._scaled(config))
+        yield from self._with_assigned(kept)
+
+    def _with_assigned(self, configs: Sequence[RobotConfig]) -> Iterator[RobotConfig]:
+        """With what is assigned to robots that are not read; the first one has what belongs to no other."""
+        own = {config.name: self.assigned.get(config.name, []) for config in configs}
+        known = {(one.target, one.span) for assigned in own.values() for one in assigned}
+        rest = []
+        for name, assigned in self.assigned.items():
+            for one in assigned:
+                if (one.target, one.span) not in known:
+                    known.add((one.target, one.span))
+                    rest.append((name, one))
+        for config in configs:
+            parts = [("", own[config.name])]
+            if config is configs[0]:
+                parts += [(f"{name}: " if name else "", [one]) for name, one in rest]
+            entries: dict[str, Setting] = {}
+            others: dict[str, Setting] = {}
+            for prefix, assigned in parts:
+                numbers, values = sorted_out(assigned, config, prefix)
+                entries.update(numbers)
+                others.update(values)
+            yield replace(config, entries=entries, others=others)
+
+    def _made(self, name: str, function: Value, span: Span) -> Value:
+        """What a call without arguments gives; what it assigns to robots that are not read is the name's."""
+        found = self.interpreter.unapplied.found
+        before = len(found)
+        value = self.interpreter.call(function, [], {}, span)
+        self.assigned.setdefault(name, []).extend(found[before:])
+        return value
 
     def _scaled(self, config: RobotConfig) -> RobotConfig:
         """With the action scale and pose that stand beside a robot: `G1_ACTION_SCALE` beside `G1_ARTICULATION`."""
@@ -208,7 +244,7 @@ class _Reader:
             value = self.interpreter.resolved(lazy, self.scope)
             if isinstance(value.data, Func):
                 if not name.startswith("_") and _makes_cfg(value.data) and _needs_nothing(value.data):
-                    made.append((name, self.interpreter.call(value, [], {}, span), span))
+                    made.append((name, self._made(name, value, span), span))
             elif _interesting(value.data):
                 yield name, value, span
         yield from made
@@ -259,7 +295,7 @@ class _Reader:
         if isinstance(self.interpreter.member(cls, "__init__"), Func):
             # A cfg has fields; what computes something when it is made is no cfg.
             return
-        value = self.interpreter.call(Value(cls, span), [], {}, span)
+        value = self._made(name, Value(cls, span), span)
         own = list(self._constant(name, value, span))
         if not own and isaaclab.is_events(value):
             own.append(isaaclab.events(name, value, span))

@@ -95,15 +95,19 @@ class Interpreter(Objects):
     def _simple(self, node: ast.stmt, scope: Scope) -> None:
         if isinstance(node, ast.Assign):
             value = self.eval(node.value, scope)
+            self.unapplied.statement = node
             for target in node.targets:
                 self.bind(target, value, scope)
         elif isinstance(node, ast.AnnAssign):
             if isinstance(node.target, ast.Name) and scope.kind == "class" and scope.cls is not None:
                 scope.cls.annotated.append(node.target.id)
             if node.value is not None:
-                self.bind(node.target, self.eval(node.value, scope), scope)
+                value = self.eval(node.value, scope)
+                self.unapplied.statement = node
+                self.bind(node.target, value, scope)
         elif isinstance(node, ast.AugAssign):
             left, right = self.eval(node.target, scope), self.eval(node.value, scope)
+            self.unapplied.statement = node
             self.bind(
                 node.target,
                 Value(binary(node.op, left.data, right.data), scope.source.span(node.value)),
@@ -266,13 +270,14 @@ class Interpreter(Objects):
         elif isinstance(target, (ast.Tuple, ast.List)):
             self._unpack(target.elts, value, scope, nested)
         elif isinstance(target, ast.Attribute):
-            self.store_attribute(
-                self.place(target.value, scope), target.attr, value, scope.source.span(target)
-            )
+            owner = self.place(target.value, scope)
+            self.unapplied.add(owner, target, value, scope.source.span(target))
+            self.store_attribute(owner, target.attr, value, scope.source.span(target))
         elif isinstance(target, ast.Subscript):
             owner = self.place(target.value, scope)
             sliced = isinstance(target.slice, ast.Slice)
             index = Unknown("a slice") if sliced else self.eval(target.slice, scope).data
+            self.unapplied.add(owner, target, value, scope.source.span(target))
             self.store_item(owner, index, value, scope.source.span(target))
         elif isinstance(target, ast.Starred):
             self.bind(target.value, Value(Unknown("a starred target"), value.span), scope)
