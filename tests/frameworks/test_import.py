@@ -176,12 +176,8 @@ def test_isaaclab_robots(frameworks: Frameworks, tmp_path: Path) -> None:
         "ANYMAL_D_CFG",
         "UNITREE_GO1_CFG",
     ]
-    assert sorted(refused["the limit or gain is in the USD"]) == [
-        "G1_29DOF_CFG",
-        "G1_INSPIRE_FTP_CFG",
-        "SPOT_CFG",
-    ]
-    assert robots == 41 and joints > 200
+    assert sorted(refused["the limit or gain is in the USD"]) == ["SPOT_CFG"]
+    assert robots == 43 and joints > 200
 
 
 @pytest.mark.slow
