@@ -16,6 +16,7 @@ from actspec.audit.lock import (
     locked,
     names_in_lock,
     recorded_files,
+    remarks,
     text_of,
     versions_of,
 )
@@ -33,7 +34,7 @@ from actspec.files import FAULTS, why
 from actspec.owned import put_file
 from actspec.readings.versions import Versions
 from actspec.report.difference import lines, record
-from actspec.report.terminal import print_json, print_lines
+from actspec.report.terminal import print_diagnostics, print_json, print_lines
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -76,12 +77,14 @@ def run(arguments: argparse.Namespace) -> int:
         versions = overridden(versions_of(old), versions)
     recorded = {} if old is None else recorded_files(old, path)
     names = names_in_lock(arguments.file, path) if arguments.file else recorded
-    lock = locked(_case(names, versions, None if arguments.file else path), names)
+    case = _case(names, versions, None if arguments.file else path)
+    lock = locked(case, names)
     data = text_of(lock)
     try:
         put_file(path, data, force=arguments.force)
     except FAULTS as err:
         raise AuditError.of("LCK001", f"cannot be written: {why(err)}", Span(path)) from err
+    print_diagnostics(remarks(case, lock, names))
     if arguments.output_format == "json":
         print_json(lock)
     else:
