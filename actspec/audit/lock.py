@@ -107,8 +107,7 @@ def remarks(case: Case, lock: Mapping[str, Any], names: Mapping[str, str]) -> It
         if left:
             row, first = left[0]
             what = dict.fromkeys(
-                f"{FIELDS[name].noun} of {shortened(one_line(row.joint))} ({getattr(row, name)})"
-                for row, name in left
+                f"{FIELDS[name].noun} of {shortened(row.joint)} ({getattr(row, name)})" for row, name in left
             )
             message = f"what is not finite is left out as unknown: {listed(what, 4)}"
             yield Diagnostic("LCK006", Severity.WARNING, message, "", row.place(first))

@@ -29,6 +29,7 @@ from actspec.diagnostics import (
     Span,
     many,
     one_line,
+    shortened,
 )
 from actspec.files import FAULTS, why
 from actspec.owned import put_file
@@ -113,7 +114,7 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
         print_json({"format": "actspec-diff/1", "robots": [record(item, path, name) for name, item in found]})
     else:
         for name, item in changed:
-            print(f"{one_line(name)} ({one_line(item.new.name)}) since {one_line(path)}:")
+            print(f"{one_line(name)} ({shortened(item.new.name)}) since {one_line(path)}:")
             print_lines(lines(item))
         if changed:
             print("policies trained before need re-evaluation; `actspec lock` records the new dynamics")
