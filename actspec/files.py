@@ -6,7 +6,7 @@ import json
 import os
 import re
 import stat
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import takewhile
 from typing import Any
@@ -81,6 +81,38 @@ def changed(files: Mapping[str, bytes]) -> Iterator[None]:
         _CHANGED.clear()
 
 
+_READ: list[set[str]] = []
+
+
+@contextmanager
+def noting() -> Iterator[set[str]]:
+    """Note which files are read, so that none of them is replaced; without it nothing is noted.
+
+    What is read within another one is not noted there.
+
+    Yields: Their absolute paths.
+    """
+    read: set[str] = set()
+    _READ.append(read)
+    try:
+        yield read
+    finally:
+        _READ.pop()
+
+
+def note(paths: Iterable[str]) -> None:
+    """Note files that something else has read: a library, another process."""
+    if _READ:
+        _READ[-1].update(map(os.path.abspath, paths))
+
+
+def was_read(path: str) -> bool:
+    """Whether a file that is there was noted as read, under whatever name."""
+    if not _READ or not os.path.exists(path):
+        return False
+    return any(os.path.exists(one) and os.path.samefile(one, path) for one in _READ[-1])
+
+
 def name_in_file(path: str) -> str:
     """A path as files of actspec have it, in plain Unicode: a byte that is not UTF-8 is `\\xff`.
 
@@ -129,6 +161,7 @@ def read_regular(path: str, most: int) -> bytes:
         OSError: it cannot be opened or read.
         ValueError: the path cannot be one, as with NUL.
     """
+    note([path])
     if _CHANGED and os.path.realpath(path) in _CHANGED:
         data = _CHANGED[os.path.realpath(path)]
         if len(data) > most:

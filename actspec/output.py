@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import actspec
 from actspec.diagnostics import Collector, Diagnostic, EmitError, Span, one_line
-from actspec.files import FAULTS, json_of, name_in_file, why
-from actspec.owned import put
+from actspec.files import FAULTS, json_of, name_in_file, was_read, why
+from actspec.owned import put, say_read
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 
 if TYPE_CHECKING:
@@ -125,19 +125,23 @@ def write(files: Sequence[Output], *, force: bool = False) -> None:
         force: Also replace files that actspec did not write, or that were edited since.
 
     Raises:
-        EmitError: a file would be lost, or cannot be written, or two are one; nothing is written.
+        EmitError: a file would be lost, was read in this run, or cannot be written, or two are one; nothing is
+            written.
     """
     collector = Collector()
     _check_distinct(files, collector)
-    if not force:
-        for file in files:
-            if file.changed and file.old is not None and not is_ours(file):
-                collector.error(
-                    "OUT003",
-                    "exists already, and is not as actspec wrote it",
-                    span=Span(file.path),
-                    help="choose another folder with -o, or replace it with --force",
-                )
+    for file in files:
+        if not file.changed or file.old is None:
+            continue
+        if was_read(file.path):
+            say_read(file.path, collector, "choose another folder with -o")
+        elif not force and not is_ours(file):
+            collector.error(
+                "OUT003",
+                "exists already, and is not as actspec wrote it",
+                span=Span(file.path),
+                help="choose another folder with -o, or replace it with --force",
+            )
     collector.raise_if_failed(EmitError)
     write_files([(file.path, file.data) for file in files if file.changed], force=True)
 

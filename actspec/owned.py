@@ -11,11 +11,11 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from actspec.diagnostics import Collector, EmitError, Span
-from actspec.files import FAULTS, read_regular
+from actspec.files import FAULTS, noting, read_regular, was_read
 from actspec.placing import finish, is_stream, place, replace_file
 
 MOST_BYTES = 256 << 20
@@ -87,24 +87,29 @@ def check_free(path: str, sources: Sequence[str], force: bool, *, again: bool = 
     finish([path])
     if not os.path.lexists(path):
         return
-    if os.path.exists(path) and any(
-        os.path.exists(source) and os.path.samefile(path, source) for source in sources
-    ):
-        raise EmitError.of("OUT003", "is read by this command", Span(path), help="name another file to write")
+    out = Collector()
+    check_not_among(sources, [path], out)
+    out.raise_if_failed(EmitError)
     if is_stream(path):
         return
     if not os.path.isfile(path):
         raise EmitError.of("OUT001", "exists and is not a regular file", Span(path))
     if not force and not again and not is_own(path):
-        out = Collector()
         say_lost(path, out)
         raise EmitError(out.sorted())
+
+
+def check_not_among(sources: Sequence[str], paths: Iterable[str], out: Collector) -> None:
+    """Report of files that are to be written that they are about to be read."""
+    for path in filter(os.path.exists, paths):
+        if any(os.path.exists(source) and os.path.samefile(path, source) for source in sources):
+            say_read(path, out)
 
 
 def is_own(path: str) -> bool:
     """Whether a file that is there is of a kind that actspec writes, or empty."""
     try:
-        old = read_regular(path, MOST_BYTES)
+        old = _there(path, MOST_BYTES)
     except FAULTS:
         return False
     return not old.strip() or kind_of(old) is not None or _is_named_beside(path, old)
@@ -134,18 +139,23 @@ def _json_kind(data: bytes) -> str | None:
 
 
 def check_kept(files: Sequence[tuple[str, bytes]], *, force: bool) -> None:
-    """Refuse files that would be lost; see `put`.
+    """Refuse files that would be lost; see `put`. Of what this run has read `force` is no reason to lose any.
 
     Raises: EmitError: they would be.
     """
-    if force:
-        return
     finish(path for path, _ in files)
     out = Collector()
     for path, data in files:
-        if not _may_replace(path, data):
-            say_lost(path, out)
+        read = was_read(path)
+        if (read or not force) and not _may_replace(path, data):
+            (say_read if read else say_lost)(path, out)
     out.raise_if_failed(EmitError)
+
+
+def _there(path: str, most: int) -> bytes:
+    """What lies where something is to be written: read to be judged, and not as this run's input."""
+    with noting():
+        return read_regular(path, most)
 
 
 def _may_replace(path: str, data: bytes) -> bool:
@@ -153,7 +163,7 @@ def _may_replace(path: str, data: bytes) -> bool:
     if not os.path.isfile(path) or is_stream(path):
         return True
     try:
-        old = read_regular(path, max(MOST_BYTES, len(data)))
+        old = _there(path, max(MOST_BYTES, len(data)))
     except FAULTS:
         return False
     if old == data or not old.strip():
@@ -171,7 +181,7 @@ def _is_named_beside(path: str, data: bytes) -> bool:
     if other is None:
         return False
     try:
-        beside = read_regular(stem + other, _MOST_JSON)
+        beside = _there(stem + other, _MOST_JSON)
     except FAULTS:
         return False
     return kind_of(beside) is not None and hashlib.sha256(data).hexdigest().encode("ascii") in beside
@@ -181,3 +191,8 @@ def say_lost(path: str, out: Collector) -> None:
     """Say of a file that it would be lost."""
     help = "name another file, or replace it with --force"
     out.error("OUT003", "exists already, and would be lost", span=Span(path), help=help)
+
+
+def say_read(path: str, out: Collector, help: str = "name another file to write") -> None:
+    """Say of a file that what it holds goes into this run."""
+    out.error("OUT003", "is read by this command", span=Span(path), help=help)

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from actspec.files import note, noting
 from actspec.guest import MOST_MEMORY, MOST_TIME, end_with_parent
 
 if TYPE_CHECKING:
@@ -98,7 +99,8 @@ class IsolatedCall(Generic[_T]):
         assert self._pipe is not None and self._process is not None
         try:
             if self._pipe.poll(max(self._until - time.monotonic(), 0.0)):
-                answer, fault = self._pipe.recv()
+                answer, fault, read = self._pipe.recv()
+                note(read)
                 if fault is None:
                     return answer  # type: ignore[no-any-return]
                 if isinstance(fault, ImportError):
@@ -236,8 +238,10 @@ def _serve(
             arguments = pipe.recv()
             alarm(int(limit) + _GRACE)
             answer: tuple[object, str | ImportError | None]
+            read: set[str] = set()
             try:
-                answer = function(*arguments), None
+                with noting() as read:
+                    answer = function(*arguments), None
             except ImportError as err:
                 from actspec.libraries import missing_package
 
@@ -249,7 +253,7 @@ def _serve(
                 fault = f"a fault of actspec, not of the file; please report it: {type(err).__name__}: {err}"
                 answer = None, fault
             alarm(0)
-            pipe.send(answer)
+            pipe.send((*answer, read))
 
 
 def _end_with_parent() -> Callable[[int], object]:

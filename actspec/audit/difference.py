@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.read import read_files
-from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
+from actspec.diagnostics import AuditError, Collector, Span, listed, one_line, shortened
 from actspec.fields import DAMPING_PARTS, FIELDS, Role
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.compare import EXACT, Deviation, Figure, compare, ratio_of, same
@@ -226,7 +226,7 @@ def _pairs(
 ) -> list[tuple[int, int]]:
     """Which robots of two files are one: by name, or because there is one only; `how` a user says which."""
     has = "; ".join(
-        f"{one_line(text)} has {listed(one_line(case.artifacts[i].name) for i in indices)}"
+        f"{one_line(text)} has {listed(shortened(case.artifacts[i].name) for i in indices)}"
         for indices, text in zip((old, new), texts, strict=True)
     )
     if robot is not None:
@@ -268,7 +268,7 @@ def _named(case: Case, indices: list[int], robot: str, text: str) -> list[int]:
     found = [i for i in indices if case.artifacts[i].name == robot]
     if found or len(indices) == 1:
         return found or indices
-    names = listed(one_line(case.artifacts[i].name) for i in indices)
+    names = listed(shortened(case.artifacts[i].name) for i in indices)
     raise AuditError.of("DIF003", f"has no robot {robot!r}", Span(text), help=f"it has {names}")
 
 

@@ -10,20 +10,39 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
 from actspec.audit.case import Case
 from actspec.audit.difference import Difference, axis_text, called, compare_robots
+from actspec.audit.outcome import UNKNOWN, said_of
 from actspec.audit.places import json_fault, json_places
 from actspec.audit.settings import read_versions
-from actspec.diagnostics import AuditError, Collector, Path, Span, one_line, shortened
-from actspec.fields import FIELDS
+from actspec.diagnostics import (
+    AuditError,
+    Collector,
+    Diagnostic,
+    Path,
+    Severity,
+    Span,
+    listed,
+    one_line,
+    shortened,
+)
+from actspec.fields import FIELDS, Role
 from actspec.files import FAULTS, json_of, name_in_file, path_of_name, read_regular, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
-from actspec.readings.dynamics import ORDERS, SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
+from actspec.readings.dynamics import (
+    ORDERS,
+    SETTING_NOUNS,
+    JointDynamics,
+    RobotDynamics,
+    dynamics_of,
+    is_figure,
+)
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions
 
 FORMAT = "actspec-lock/1"
@@ -68,6 +87,52 @@ def locked(case: Case, names: Mapping[str, str]) -> dict[str, Any]:
 def text_of(lock: Mapping[str, Any]) -> bytes:
     """A lock as the bytes of its file: sorted, one figure a line."""
     return f"{json_of(lock, sort_keys=True)}\n".encode()
+
+
+def remarks(case: Case, lock: Mapping[str, Any], names: Mapping[str, str]) -> Iterator[Diagnostic]:
+    """What a lock does not have, or has from the text of a model alone.
+
+    Args:
+        case: What was read.
+        lock: From `locked`.
+        names: Path of a file to its name in the lock.
+    """
+    for file in case.files:
+        for model in file.refused_models:
+            message = f"the model does not compile, and is recorded from its text alone: {model.text_only}"
+            yield Diagnostic("LCK004", Severity.WARNING, message, "", model.refused_at or Span(file.path))
+        unknown = [item for item in said_of(file) if item.code in UNKNOWN]
+        if all(
+            _is_empty(robot, bool(unknown)) for robot in lock["files"][names[file.path]]["robots"].values()
+        ):
+            why_not, place = "", Span(file.path)
+            for item in unknown[:1]:
+                why_not = f": {item.where}: {item.message}" if item.where else f": {item.message}"
+                place = item.span or place
+            message = f"no joint is recorded of this file, so that no change of one will be seen{why_not}"
+            yield Diagnostic("LCK005", Severity.WARNING, message, "", place)
+    for index in range(len(case.artifacts)):
+        left = [(row, name) for row in case.rows_of(index) for name in FIELDS if _is_left_out(row, name)]
+        if left:
+            row, first = left[0]
+            what = dict.fromkeys(
+                f"{FIELDS[name].noun} of {shortened(row.joint)} ({getattr(row, name)})" for row, name in left
+            )
+            message = f"what is not finite is left out as unknown: {listed(what, 4)}"
+            yield Diagnostic("LCK006", Severity.WARNING, message, "", row.place(first))
+
+
+def _is_empty(robot: Mapping[str, Any], unknown: bool) -> bool:
+    """Whether a lock has nothing of a robot; of one with unknown figures, nothing but its settings."""
+    return not any(
+        value for key, value in robot.items() if key != "hash" and not (unknown and key == "settings")
+    )
+
+
+def _is_left_out(row: LedgerRow, name: str) -> bool:
+    """Whether a file gives a figure that is none, itself and not by way of others."""
+    follows = FIELDS[name].role in (Role.TOTAL, Role.DERIVED)
+    return not follows and not is_figure(name, getattr(row, name, None))
 
 
 def changes(

@@ -153,11 +153,9 @@ class Report:
         """What readers and rules have to say; why a file could not be read is a finding."""
         found: list[Diagnostic] = []
         for file in self.case.files:
-            # A deploy file has the notes of its configurations among its own.
-            notes = (note for artifact in file.artifacts if artifact.config for note in artifact.config.notes)
             found += (
                 item
-                for item in dict.fromkeys((*file.diagnostics, *notes))
+                for item in said_of(file)
                 if file.readable or file.names_nothing or item.severity is not Severity.ERROR
             )
             found += _from_text(file)
@@ -176,6 +174,13 @@ class Report:
             if (item.severity is not Severity.INFO or item.code in UNKNOWN)
             and SEVERITIES.index(item.severity) >= SEVERITIES.index(least)
         )
+
+
+def said_of(file: FileReading) -> tuple[Diagnostic, ...]:
+    """What readers have to say of a file, each remark once."""
+    # A deploy file has the notes of its configurations among its own.
+    notes = (note for artifact in file.artifacts if artifact.config for note in artifact.config.notes)
+    return tuple(dict.fromkeys((*file.diagnostics, *notes)))
 
 
 def _from_text(file: FileReading) -> Iterator[Diagnostic]:

@@ -30,7 +30,7 @@ from actspec.diagnostics import (
     one_line,
     shell_word,
 )
-from actspec.files import FAULTS, read_regular
+from actspec.files import FAULTS, noting, read_regular
 from actspec.spec.yaml_text import MAX_BYTES
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.units import Kind
@@ -177,10 +177,6 @@ def _compiled(
 
     path = _spec_path(arguments.output, name, spec)
     folder = os.path.dirname(path)
-    if os.path.exists(path) and os.path.samefile(path, spec.document.path):
-        raise EmitError.of(
-            "OUT003", "is read by this command", Span(path), help="name another folder with -o"
-        )
     origin = os.path.basename(arguments.spec)
     head = f"{name} of {origin}: {NAMES[name][1]}.\nWritten by actspec {actspec.__version__}."
     base = os.path.dirname(spec.document.path)
@@ -330,7 +326,8 @@ def _script(
     data = train_text(runs, task, name, os.path.basename(arguments.spec)).encode("utf-8")
     path = os.path.join(arguments.output, TRAIN)
     if os.path.isfile(path) and not arguments.force:
-        old = read_regular(path, MAX_BYTES)
+        with noting():  # not to be copied
+            old = read_regular(path, MAX_BYTES)
         if old != data and not is_ours(Output("ablation", arguments.output, path, data, old)):
             out.info(
                 "ABL030", "was edited: it stays as it is", span=Span(path), help="--force writes it anew"

@@ -29,7 +29,7 @@ from actspec.diagnostics import (
     many,
     one_line,
 )
-from actspec.files import FAULTS, why
+from actspec.files import FAULTS, noting, why
 from actspec.owned import check_kept, head_of, put_file
 from actspec.placing import is_stream
 from actspec.readings.artifact import FileKind
@@ -87,10 +87,8 @@ def report_on(
         least=least_shown(output_format, settings.min_severity, settings.fail_on),
     )
     text = render(report, output_format, options)
-    if arguments.output is not None:
-        _refuse_audited(report, "--output", arguments.output)
-        if output_format in UNMARKED and not is_stream(arguments.output):
-            text = f"{head_of('audit')}\n{text}"
+    if arguments.output is not None and output_format in UNMARKED and not is_stream(arguments.output):
+        text = f"{head_of('audit')}\n{text}"
     _write(fixed, arguments.output, text, arguments.force)
     if output_format not in ("json", "sarif"):
         print_diagnostics(remarks(report, options.least))
@@ -258,7 +256,6 @@ def _write_baseline(report: Report, path: str, settings: Settings, force: bool) 
     from actspec.audit.baseline import entry_about, write_baseline
 
     print_diagnostics(remarks(report, Severity.WARNING))
-    _refuse_audited(report, "--write-baseline", path)
     if not report.complete:
         print(f"{one_line(path)}: not written: {_UNREAD}", file=sys.stderr)
         return EXIT_FAILED
@@ -282,7 +279,8 @@ def _before(report: Report, path: str, settings: Settings) -> tuple[Mapping[Entr
 
     rules = {rule.code: rule for rule in all_rules()}
     try:
-        old = read_baseline(path, {old: rule.code for rule in rules.values() for old in rule.aliases})
+        with noting():  # what it says is written again
+            old = read_baseline(path, {old: rule.code for rule in rules.values() for old in rule.aliases})
     except AuditError:
         # None yet, or none that anybody can read.
         return {}, []
@@ -303,17 +301,6 @@ def _before(report: Report, path: str, settings: Settings) -> tuple[Mapping[Entr
             files = many(len({entry.file for entry in entries}), "file")
             told.append(f"{what}: {many(sum(entries.values()), 'finding')} of {files}{which}")
     return reach.other_files + stale, told
-
-
-def _refuse_audited(report: Report, option: str, path: str) -> None:
-    """A report over a file that it is about would be the end of that file.
-
-    Raises: AuditError: so it would be.
-    """
-    audited = {os.path.realpath(file.path) for reading in report.case.files for file in reading.files}
-    if os.path.realpath(path) in audited:
-        message = "this is one of the audited files, and would be overwritten"
-        raise AuditError.of("AUD010", message, Span(path), where=option)
 
 
 def _write(fixed: Sequence[FixedFile], path: str | None, text: str, force: bool) -> None:

@@ -17,6 +17,7 @@ from actspec.audit.lock import (
     locked,
     names_in_lock,
     recorded_files,
+    remarks,
     text_of,
     versions_of,
 )
@@ -29,13 +30,14 @@ from actspec.diagnostics import (
     Span,
     many,
     one_line,
+    shortened,
 )
 from actspec.files import FAULTS, why
 from actspec.owned import put_file
 from actspec.readings.dynamics import dynamics_of
 from actspec.readings.versions import Versions
 from actspec.report.difference import counted, lines, record
-from actspec.report.terminal import print_json, print_lines
+from actspec.report.terminal import print_diagnostics, print_json, print_lines
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -92,6 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
         put_file(path, data, force=arguments.force)
     except FAULTS as err:
         raise AuditError.of("LCK001", f"cannot be written: {why(err)}", Span(path)) from err
+    print_diagnostics(remarks(case, lock, names))
     if arguments.output_format == "json":
         print_json(lock)
     else:
@@ -143,7 +146,7 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
         print_json({"format": "actspec-diff/1", "robots": [record(item, path, name) for name, item in found]})
     else:
         for name, item in changed:
-            print(f"{one_line(name)} ({one_line(item.new.name)}) since {one_line(path)}:")
+            print(f"{one_line(name)} ({shortened(item.new.name)}) since {one_line(path)}:")
             print_lines(lines(item))
         if changed:
             print("policies trained before need re-evaluation; `actspec lock` records the new dynamics")

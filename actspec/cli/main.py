@@ -170,10 +170,12 @@ def _said_by(arguments: argparse.Namespace) -> str:
 
 def _run(arguments: argparse.Namespace) -> int:
     from actspec.diagnostics import ActspecError
+    from actspec.files import noting
 
     command: str = arguments.command
     try:
-        code: int = _module(command).run(arguments)
+        with noting():
+            code: int = _module(command).run(arguments)
         return code
     except ActspecError as err:
         said = err.diagnostics

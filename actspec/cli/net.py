@@ -385,7 +385,8 @@ def _convert(arguments: argparse.Namespace) -> int:
     from actspec.report.net import convert_record
 
     require("torch", "onnx")
-    check_output(arguments.output, force=arguments.force)
+    sources = [arguments.file, arguments.manifest]
+    check_output(arguments.output, force=arguments.force, sources=sources)
     manifest = _manifest_of(arguments.manifest, arguments.file)
     read = read_network_file(arguments.file, trust=arguments.trust)
     layers, entries = converted(read, manifest, arguments.file, arguments.manifest)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,7 @@ from actspec.files import json_of
 from actspec.laws.network import Dense, Layers
 from actspec.learn.torchscript import loaded, program_of
 from actspec.logs import LogError
-from actspec.owned import is_own, put, say_lost
+from actspec.owned import check_not_among, is_own, put, say_lost
 from actspec.placing import finish
 from actspec.readings.onnx_network import ACTIVATIONS, NetworkFileError, read_onnx
 
@@ -51,11 +51,16 @@ def network_paths_of(path: str) -> dict[str, str]:
     return {part: base + suffix for part, suffix in SUFFIXES.items()}
 
 
-def check_output(path: str, *, force: bool) -> None:
+def check_output(path: str, *, force: bool, sources: Sequence[str] = ()) -> None:
     """Refuse a name that cannot be written, before the work.
 
+    Args:
+        path: `DIR/NAME`.
+        force: Whether other files that are there are replaced.
+        sources: Files that the network is made from, which stay as they are.
+
     Raises:
-        LogError: a file is there already and `force` is not given, or the name is none.
+        LogError: a file is there already and `force` is not given, it is a source, or the name is none.
     """
     out = Collector()
     paths = network_paths_of(path)
@@ -69,6 +74,7 @@ def check_output(path: str, *, force: bool) -> None:
     if folder and not os.path.isdir(folder):
         out.error("LRN001", "not a folder", where="-o", span=Span(folder))
     finish(paths.values())
+    check_not_among(sources, paths.values(), out)
     for there in (there for there in paths.values() if os.path.lexists(there) and not force):
         if not is_own(there):
             say_lost(there, out)

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 
 from actspec.diagnostics import Span, listed
-from actspec.fields import BY_IR, FIELDS, Role, unit_of
+from actspec.fields import BY_IR, FIELDS, LIMITS, Role, unit_of
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import JointActuator, Origin, Quantity
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
@@ -43,6 +43,8 @@ OF_CONTROLS = frozenset({"gear", "torque_per_control"})
 _SAID = ("model", "soft_joint_pos_limit_factor")
 """Settings of a configuration that are no figure of a joint, and concern all of them."""
 
+_BOUNDS = LIMITS | {"command_low", "command_high", "position_low", "position_high"}
+"""Fields that may be infinite."""
 _MOST_NETWORK_BYTES = 1 << 28
 """Chosen: actuator networks have some 10 kB."""
 _OF_ROW = tuple(
@@ -325,7 +327,7 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         first.joint,
         "+".join(dict.fromkeys(row.control for row in rows)),
         first.span,
-        {name: figures[name] for name in FIELDS if name in figures},
+        {name: _figure(name, figures[name]) for name in FIELDS if name in figures},
         network,
         _links(first),
         first.natural_frequency,
@@ -333,6 +335,15 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         ranges,
         axis,
     )
+
+
+def is_figure(name: str, value: float | None) -> bool:
+    """Whether a field can have a value: no limit is infinite, and anything else that is says nothing."""
+    return value is None or math.isfinite(value) or (name in _BOUNDS and not math.isnan(value))
+
+
+def _figure(name: str, figure: Figure) -> Figure:
+    return figure if is_figure(name, figure.value) else replace(figure, value=None)
 
 
 def _of_spec(actuator: JointActuator) -> Iterator[tuple[str, float | None]]:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from actspec.audit.difference import NOT_STATED, SAME_AXIS, Change, Difference
-from actspec.diagnostics import Span, listed, many, one_line
+from actspec.diagnostics import Span, listed, many, one_line, shortened
 from actspec.fields import FIELDS, Role
 from actspec.report.terminal import json_number
 from actspec.units import format_number
@@ -21,6 +21,8 @@ _NO_RATIO = ("encoder_bias", "command_low", "command_high", "natural_frequency",
 
 _OF_INDICES = re.compile(r"map|idx|ind(?:ex|ices)|ids|order", re.IGNORECASE)
 """Keys of lists whose numbers are places: twice a place is none."""
+_MOST_TEXT = 200
+"""Chosen: letters of a value that is a text; what actspec says of drawn ranges takes less."""
 
 
 def report_lines(found: Sequence[Difference], old: str, new: str) -> Iterator[str]:
@@ -33,7 +35,7 @@ def report_lines(found: Sequence[Difference], old: str, new: str) -> Iterator[st
     """
     told = [item for item in found if not item.same or item.left]
     for item in told:
-        yield f"{one_line(old)} -> {one_line(new)} ({one_line(item.new.name)})"
+        yield f"{one_line(old)} -> {one_line(new)} ({shortened(item.new.name)})"
         yield from lines(item)
         yield from _left_lines(item, one_line(old), one_line(new))
     if not told:
@@ -116,12 +118,12 @@ def lines(found: Difference, indent: str = "  ") -> Iterator[str]:
             yield f"{indent}{words(change)}"
     if found.added:
         what = "joints added" if found.old.joints else "robot added, with joints"
-        yield f"{indent}{what}: {listed(map(one_line, found.added))}"
+        yield f"{indent}{what}: {listed(map(shortened, found.added))}"
     if found.removed:
         what = "joints removed" if found.new.joints else "robot removed, with joints"
-        yield f"{indent}{what}: {listed(map(one_line, found.removed))}"
+        yield f"{indent}{what}: {listed(map(shortened, found.removed))}"
     for joints, texts in _by_joints(found):
-        yield f"{indent}{listed(map(one_line, joints))}:"
+        yield f"{indent}{listed(map(shortened, joints))}:"
         for line in (*texts, *_effects(found, joints)):
             yield f"{indent}  {line}"
 
@@ -232,7 +234,7 @@ def _shown(value: float | str | None, absent: str, digits: int = 6) -> str:
         return absent
     if isinstance(value, str):
         # A network's hash says no more with 64 digits than with 12.
-        return one_line(value[:12] if len(value) == 64 else value)
+        return shortened(value[:12] if len(value) == 64 else value, _MOST_TEXT)
     if math.isinf(value):
         return "none"
     return format_number(value, digits)

@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Diagnostic, RobotError, Span, listed, one_line
-from actspec.files import read_regular
+from actspec.files import note, read_regular
 from actspec.guest import at_work
 from actspec.robot.assets import (
     MOST_MESH_BYTES,
@@ -136,6 +136,7 @@ def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
         if not mesh.file:
             continue
         path = mesh_path(spec, mesh)
+        note([path])
         if real_assets and usable_file(path):
             if not _takes(path):
                 _add_real(found, mesh.file, path)

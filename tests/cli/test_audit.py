@@ -124,7 +124,7 @@ def test_a_report_is_not_written_over_what_it_is_about(capsys: pytest.CaptureFix
     """`-o` with a file's name behind it that was meant to be audited would end that file."""
     for option in ("-o", "--write-baseline"):
         assert run("audit", "leg.xml", option, "./leg.xml") == 2
-        assert "this is one of the audited files, and would be overwritten" in capsys.readouterr().err
+        assert "leg.xml: OUT003: is read by this command" in capsys.readouterr().err
     assert Path("leg.xml").read_text() == LEG
 
 
@@ -159,7 +159,7 @@ def test_fixes_that_undo_each_other_end(capsys: pytest.CaptureFixture[str]) -> N
     [
         (["gone.xml"], "nothing is fixed: a name stands for no file, or a rule broke off"),
         (["-o", "mine.txt"], "mine.txt: OUT003: exists already, and would be lost"),
-        (["-o", "leg.xml"], "AUD010 --output: this is one of the audited files"),
+        (["-o", "leg.xml"], "leg.xml: OUT003: is read by this command"),
     ],
 )
 def test_exit_code_2_has_fixed_nothing(

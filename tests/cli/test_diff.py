@@ -198,3 +198,22 @@ def test_version_decides_on_friction(folder: Path, capsys: pytest.CaptureFixture
     (folder / "b.py").write_text(both.replace("=0.2", "=0.3"))
     assert main(["diff", "a.py", "b.py", "-t", "isaaclab==2.3", "-t", "isaac_sim==5.1"]) == 1
     assert "dry friction 0.2 -> 0.3 N*m (+50 %)" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("change", [('kp="100"', 'kp="40"'), ('name="knee"', 'name="shin"'), ("", "")])
+def test_long_names(change: tuple[str, str], folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A name of a stranger's file never fills the terminal: of joints that changed, came or went, and of robots."""
+    long = "k" * 100_000
+    text = LEG.replace("knee", long).replace('model="leg"', f'model="{long}"')
+    (folder / "old.xml").write_text(text)
+    old, new = (part.replace("knee", long) for part in change)
+    assert old in text
+    (folder / "new.xml").write_text(text.replace(old, new) if old else text)
+    main(["diff", "old.xml", "new.xml"])
+    main(["lock", "old.xml", "-o", "x.lock"])
+    (folder / "old.xml").write_text(text.replace(old, new) if old else text)
+    main(["lock", "--check", "-o", "x.lock"])
+    said = capsys.readouterr()
+    assert max(map(len, (said.out + said.err).splitlines())) < 200
+    if old:
+        assert "k" * 57 + "..." in said.out

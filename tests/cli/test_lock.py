@@ -453,3 +453,59 @@ def test_files_of_any_name(name: str) -> None:
     Path(name).write_text(LEG)
     assert main(["lock", name]) == 0
     assert main(["lock", "--check"]) == 0
+
+
+UNKNOWABLE = """from isaaclab.assets import ArticulationCfg
+
+LEG_CFG = ArticulationCfg(
+    actuators={"a": ImplicitActuatorCfg(joint_names_expr=["a"], stiffness=10**10**10)},
+)
+"""
+REFUSED = """<mujoco model="one">
+  <worldbody><body><joint name="a" armature="1e400"/><geom size=".1"/></body></worldbody>
+  <actuator>
+    <position joint="a" kp="inf" forcerange="-1e309 20"/>
+  </actuator>
+</mujoco>
+"""
+
+
+def test_nothing_is_read(capsys: pytest.CaptureFixture[str]) -> None:
+    """A lock that would guard nothing says so, with the reason; one of a file with joints does not."""
+    Path("bad_cfg.py").write_text(UNKNOWABLE)
+    Path("none.urdf").write_text('<robot name="r"><link name="a"/></robot>')
+    assert main(["lock", "bad_cfg.py", "none.urdf", "leg.xml", "leg_cfg.py", "leg.yaml"]) == 0
+    said = capsys.readouterr().err
+    none = "no joint is recorded of this file, so that no change of one will be seen"
+    assert f"bad_cfg.py:4:21: LCK005 [warning]: {none}: actuators.a: not known without running it" in said
+    assert f"none.urdf: LCK005 [warning]: {none}\n" in said
+    assert said.count("LCK") == 2
+
+
+def test_a_refused_model(capsys: pytest.CaptureFixture[str]) -> None:
+    """What MuJoCo refuses is recorded from its text, which is said; what is infinite is no figure, but for limits."""
+    Path("one.xml").write_text(REFUSED)
+    assert main(["lock", "one.xml"]) == 0
+    said = capsys.readouterr().err
+    assert (
+        "one.xml:4: LCK004 [warning]: the model does not compile, and is recorded from its text alone" in said
+    )
+    left = "stiffness kp of a (inf), armature of a (inf)"
+    assert f"one.xml:4:5: LCK006 [warning]: what is not finite is left out as unknown: {left}" in said
+    joint = lock()["files"]["one.xml"]["robots"]["one"]["joints"]["a"]
+    assert not {"kp", "armature"} & set(joint) and joint["gear"] == 1.0
+    assert main(["lock", "--check"]) == 0
+    Path("one.xml").write_text(REFUSED.replace('kp="inf"', 'kp="40"'))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert "stiffness kp unknown -> 40 N*m/rad" in capsys.readouterr().out
+
+
+def test_no_limit_is_infinite(capsys: pytest.CaptureFixture[str]) -> None:
+    """An actuator without a force range has no limit, which is no missing figure."""
+    text = REFUSED.replace('armature="1e400"', "").replace('kp="inf" forcerange="-1e309 20"', 'kp="40"')
+    Path("one.xml").write_text(text)
+    assert main(["lock", "one.xml"]) == 0
+    assert capsys.readouterr().err == "actspec.lock: 1 joint of 1 file\n"
+    joint = lock()["files"]["one.xml"]["robots"]["one"]["joints"]["a"]
+    assert joint["effort_limit"] == "Infinity" and joint["kp"] == 40.0
