@@ -364,7 +364,7 @@ def test_real_file_equals_its_text(path: Path) -> None:
 
 
 def test_axes_are_in_the_frame_of_the_base() -> None:
-    """MuJoCo takes the base for the world: half a turn about x of the first link turns z to -z, and a quarter more to y.
+    """MuJoCo takes the base for the world: half a turn about x turns z to -z, and a quarter more turns it to y.
 
     A quarter about x is y to z and z to -y: half and a quarter are z to y.
     """
