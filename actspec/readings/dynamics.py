@@ -45,6 +45,9 @@ _SAID = ("model", "soft_joint_pos_limit_factor")
 
 _BOUNDS = LIMITS | {"command_low", "command_high", "position_low", "position_high"}
 """Fields that may be infinite."""
+_SERVOS = frozenset({"position", "dcmotor", "pid"})
+"""Controls that are a target of the position where they have a kp."""
+
 _MOST_NETWORK_BYTES = 1 << 28
 """Chosen: actuator networks have some 10 kB."""
 _OF_ROW = tuple(
@@ -386,7 +389,7 @@ def _of_model(
 def _of_controls(drives: Sequence[ActuatorView]) -> Iterator[tuple[str, float, Span]]:
     """What a control of 1 does at the joint, with its sign: a motor's torque; of others the gear.
 
-    A servo's target is divided by it; of one of position its sign is the command gain's. Actuators of one kind that do
+    A servo's target is divided by it, and its sign is the command gain's. Actuators of one kind that do
     not agree have no such figure together.
     """
     found: dict[str, dict[float, Span]] = {}
@@ -403,14 +406,23 @@ def _of_controls(drives: Sequence[ActuatorView]) -> Iterator[tuple[str, float, S
 
 
 def _command_gain(drive: ActuatorView) -> float | None:
-    """Where a position servo settles over its target; None: there, or unknown.
+    """Where a servo of a position settles over its target; None: there, or unknown.
 
-    That is its gain over its stiffness, and on the other side of 0 where its gear is negative.
+    That is its gain over its stiffness, and on the other side of 0 where its gear is negative, which is all that is
+    asked of a `dcmotor` and a `pid`. Source: MuJoCo 4.0, measured.
     """
-    if not _is_servo(drive) or "gain" in drive.unknown:
+    if not _is_servo(drive):
+        return -1.0 if is_turned(drive) else None
+    if "gain" in drive.unknown:
         return None
     settles = drive.gain * drive.gear * abs(drive.gear) / drive.kp
     return settles if math.isfinite(settles) and not same(settles, 1.0) else None
+
+
+def is_turned(drive: ActuatorView) -> bool:
+    """Whether an actuator is a servo of a position that goes to minus its target, because its gear is negative."""
+    known = drive.control in _SERVOS and not {"kp", "gear"} & drive.unknown
+    return known and not drive.disabled and drive.kp != 0.0 and drive.gear < 0.0
 
 
 def _is_servo(drive: ActuatorView) -> bool:

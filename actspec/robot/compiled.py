@@ -296,13 +296,14 @@ def named_parents(model: ModelLists, names: Sequence[str]) -> list[str]:
     return found
 
 
-def joint_axes(model: mujoco.MjModel) -> list[tuple[float, float, float] | None]:
+def joint_axes(model: mujoco.MjModel, *, in_world: bool = False) -> list[tuple[float, float, float] | None]:
     """Direction of each hinge and slide in the frame of the body at the root of its tree, all joints at `qpos0`.
 
     Where that body stands does not matter: a scene may turn the robot.
 
     Args:
         model: Compiled.
+        in_world: In the world's frame, which is that of a URDF's base as MuJoCo imports it.
 
     Returns: Unit vectors; None for balls and free joints, and where a number is not finite.
     """
@@ -311,7 +312,7 @@ def joint_axes(model: mujoco.MjModel) -> list[tuple[float, float, float] | None]
 
     turned = np.tile([1.0, 0.0, 0.0, 0.0], (model.nbody, 1))
     for body, parent in enumerate(model.body_parentid.tolist()):
-        if parent:
+        if parent or in_world:
             mujoco.mju_mulQuat(turned[body], turned[parent], model.body_quat[body])
     found: list[tuple[float, float, float] | None] = []
     for joint, kind in enumerate(model.jnt_type.tolist()):

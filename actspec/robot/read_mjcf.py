@@ -245,6 +245,7 @@ def _joints(
             places=places,
             unknown=frozenset({"damping", "stiffness"}) if invented else frozenset(),
             axis=axes[index],
+            tree=int(model.body_rootid[model.jnt_bodyid[index]]),
             # For a hinge or slide MuJoCo's `invweight0` is the diagonal of M^-1 itself.
             zero_inertia=(held[dof], 1.0 / mobility[dof])
             if masses and scalar and mobility[dof] > 0.0

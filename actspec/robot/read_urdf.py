@@ -352,7 +352,7 @@ def _order(model: mujoco.MjModel) -> dict[str, dict[str, Any]]:
     from actspec.robot.compiled import joint_axes
 
     free = (int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL))
-    axes = joint_axes(model)
+    axes = joint_axes(model, in_world=True)
     found = {}
     for index in range(model.njnt):
         name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index)
@@ -360,5 +360,5 @@ def _order(model: mujoco.MjModel) -> dict[str, dict[str, Any]]:
             scalar = int(model.jnt_type[index]) not in free
             position = float(model.qpos0[model.jnt_qposadr[index]]) if scalar else 0.0
             dof = int(model.jnt_dofadr[index])
-            found[name] = {"dof": dof, "reference_position": position, "axis": axes[index]}
+            found[name] = {"dof": dof, "reference_position": position, "axis": axes[index], "tree": 0}
     return found

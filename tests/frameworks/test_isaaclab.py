@@ -11,6 +11,7 @@ import pytest
 from actspec import api
 from actspec.laws import filter_gain, initial_command_state, law_of, step_command
 from actspec.targets.isaaclab.emit import emit
+from actspec.verify.environments import EngineError
 from tests.frameworks.isaaclab_asking import (
     PROBE,
     Emitted,
@@ -465,3 +466,13 @@ def test_a_seeded_mistake_is_found(frameworks: Frameworks, old: str, new: str, f
         assert found == []
         return
     assert any(item.startswith(fault) for item in found), found
+
+
+@pytest.mark.parametrize("version", ["2.2", "2.3"])
+def test_a_delay_in_seconds_is_refused_at_a_reset(frameworks: Frameworks, version: str) -> None:
+    """What DLY101 says of a `max_delay` that is no whole number: 0.02 is neither 4 steps nor none."""
+    emitted = compiled(RICH, version)
+    assert "max_delay=2," in emitted.text
+    text = emitted.text.replace("max_delay=2,", "max_delay=0.02,")
+    with pytest.raises(EngineError, match=r"(?s)in reset.*randint.*TypeError: randint\(\)"):
+        ask(frameworks, emitted, still(emitted, 2, 1), version=version, text=text)

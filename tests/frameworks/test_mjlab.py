@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from actspec.ir import Level
+from actspec.verify.environments import EngineError
 from tests.frameworks.asking import RTOL, Array, Run, expected_line, joints, points
 from tests.frameworks.mjlab_asking import ENVS, PROBE, Job, probed
 from tests.frameworks.mjlab_specs import JOBS, PD, RAMP, SEEDED, job
@@ -138,3 +140,10 @@ def test_seeded_lag_is_found(ran: Run[Job]) -> None:
     one = SEEDED["lag-one-off"]
     lagged = ran.arrays("lag-one-off")["lagged"][..., 0]
     assert not np.allclose(lagged, expected_line(one, "hip", 2)[:, None], rtol=RTOL)
+
+
+def test_a_delay_in_seconds_is_refused_at_a_step(frameworks: Frameworks) -> None:
+    """What DLY101 says of a lag that is no whole number: the cfg is made, and its first command raises an error."""
+    one = replace(SEEDED["lag-one-off"], mutation=("_lag=2,", "_lag=0.02,"))
+    with pytest.raises(EngineError, match=r"(?s)in append.*TypeError: empty\(\)"):
+        probed(frameworks, {"seconds": one})

@@ -33,6 +33,17 @@ def test_actuators_of_a_joint_add_up() -> None:
     assert figure([*rows, row("a.xml", "knee", kp=1.0)], "kd").value is None
 
 
+@pytest.mark.parametrize("gear, expected", [("1", None), ("-1", -1.0)])
+def test_a_motor_with_a_target_and_a_negative_gear(gear: str, expected: float | None, tmp_path: Path) -> None:
+    """At rest its torque gear kp (u - gear q) is 0: q = u / gear."""
+    motor = f'<dcmotor nominal="24 33.5 1e9" input="pos" controller="25 0 2 0 0 24" gear="{gear}" '
+    text = LEG.replace('<position name="knee" joint="knee" kp="100" kv="3" ', f'{motor}joint="knee" ')
+    found = dynamics(tmp_path, "a.xml", text).joints["knee"]
+    assert found.control == "dcmotor"
+    gain = found.figures.get("command_gain")
+    assert (None if gain is None else gain.value) == expected
+
+
 @pytest.mark.parametrize(
     "name, text, settings",
     [

@@ -361,3 +361,15 @@ def test_real_file_equals_its_text(path: Path) -> None:
         # Only the joints move, and the order of dof is that of the joints.
         assert [j.dof for j in view.joints] == list(range(view.inertia.matrices.shape[1]))
         assert np.linalg.eigvalsh(view.inertia.matrices).min() > 0
+
+
+def test_axes_are_in_the_frame_of_the_base() -> None:
+    """MuJoCo takes the base for the world: half a turn about x turns z to -z, and a quarter more turns it to y.
+
+    A quarter about x is y to z and z to -y: half and a quarter are z to y.
+    """
+    half = joint('<origin rpy="3.14159265358979 0 0"/>', "continuous", "j", "base", "a")
+    quarter = joint('<origin rpy="1.5707963267949 0 0"/>', "continuous", "k", "a", "b")
+    first, second = read(robot(half + quarter)).joints
+    assert first.axis == pytest.approx((0.0, 0.0, -1.0), abs=1e-9)
+    assert second.axis == pytest.approx((0.0, 1.0, 0.0), abs=1e-9)

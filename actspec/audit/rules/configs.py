@@ -8,6 +8,7 @@ mjlab/actuator/*.py.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os.path import basename, splitext
@@ -299,3 +300,23 @@ def stock_groups(case: Case) -> Iterator[tuple[int, RobotConfig, ActuatorGroup, 
             stock = CLASSES.get(config.framework, {}).get(group.cls)
             if stock is not None and not group.bases:
                 yield index, config, group, stock
+
+
+LAGS = {
+    Framework.ISAACLAB: ("min_delay", "max_delay"),
+    Framework.MJLAB: ("delay_min_lag", "delay_max_lag"),
+}
+"""Least and greatest delay of an actuator group [physics steps]."""
+
+
+def lags(framework: Framework, group: ActuatorGroup) -> Iterator[tuple[str, Setting]]:
+    """The ends of a group's delay that are written, by name."""
+    for name in LAGS.get(framework, ()):
+        setting = group.settings.get(name)
+        if setting is not None:
+            yield name, setting
+
+
+def is_whole(steps: float) -> bool:
+    """Whether a number of steps is a whole one, but for the last digits of a quotient."""
+    return math.isclose(steps, round(steps), rel_tol=1e-6, abs_tol=0.0) if math.isfinite(steps) else False

@@ -3,14 +3,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.configs import LAGS, is_whole
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.versions import is_native
-
-_ENDS = {
-    Framework.ISAACLAB: ("min_delay", "max_delay"),
-    Framework.MJLAB: ("delay_min_lag", "delay_max_lag"),
-}
-
 
 _Subject = tuple[RobotConfig, ActuatorGroup, Setting]
 
@@ -25,10 +20,10 @@ class DelayRangeLost(RuleOver[_Subject]):
     def subjects(self, case: Case) -> Iterator[_Subject]:
         for _, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
-            if config is None or config.framework not in _ENDS:
+            if config is None or config.framework not in LAGS:
                 continue
             for group in config.groups:
-                most = group.settings.get(_ENDS[config.framework][1])
+                most = group.settings.get(LAGS[config.framework][1])
                 if most is None:
                     continue
                 yield config, group, most
@@ -41,10 +36,11 @@ class DelayRangeLost(RuleOver[_Subject]):
     def _group(
         self, case: Case, config: RobotConfig, group: ActuatorGroup, most: Setting
     ) -> Iterator[Finding]:
-        names = _ENDS[config.framework]
+        names = LAGS[config.framework]
         least = group.settings.get(names[0])
         low, high = 0.0 if least is None else least.number, most.number
-        if high is None:
+        if high is None or not is_whole(high) or not is_whole(low or 0.0):
+            # A delay that is none is DLY101's.
             return
         span = (least or most).span
         if low is not None and low > high:

@@ -282,7 +282,7 @@ def _of_robot(
     real_path = cache(os.path.realpath)
     # Asked for every joint that departs.
     distance = cache(lambda one, other: _distance(case, one, other))
-    one_machine = cache(lambda one, other: _is_one_machine(case, one, other))
+    one_machine = cache(lambda one, other: is_one_machine(case, one, other))
 
     def agree(mine: tuple[int, _Stated], theirs: tuple[int, _Stated], joint: str) -> bool:
         (name, value), (other, its) = mine[1], theirs[1]
@@ -435,7 +435,7 @@ def _joint_sets(case: Case) -> list[frozenset[str] | None]:
     return [None if names is None else frozenset(names) for names in found]
 
 
-def _is_one_machine(case: Case, one: int, other: int) -> bool:
+def is_one_machine(case: Case, one: int, other: int) -> bool:
     """Whether nothing speaks against one machine: models tell by what their links weigh and how far joints turn.
 
     `g1.urdf` and `g1.xml` of one folder are two descriptions of one, where half of the figures agree.

@@ -15,8 +15,10 @@ from actspec.audit.rules.spec_pairs import (
     unit_confused,
 )
 from actspec.fields import FIELDS
-from actspec.ir import Level
+from actspec.ir import Command, Level
 from actspec.readings.compare import Figure, times
+from actspec.readings.dynamics import is_turned
+from actspec.units import format_number
 
 _GAINS = ("kp", "kd")
 _COMMAND = ("delay", "action_scale", "default_position")
@@ -60,6 +62,26 @@ class FigureDeparts(RuleOver[SpecJoint]):
                 continue
             if not _is_explained(case, joint, field, tolerance):
                 yield self._finding(joint, field, mine, wanted)
+        yield from self._turned(joint)
+
+    def _turned(self, joint: SpecJoint) -> Iterator[Finding]:
+        """Servos that go to minus their target; a gain that is not kp is SGN102's, with and without a spec."""
+        kp = joint.wanted("kp")
+        if joint.actuator.command is not Command.POSITION or kp is None:
+            return
+        for drive in filter(is_turned, joint.drives):
+            yield Finding(
+                self.code,
+                f"the gear is {format_number(drive.gear)}: the servo goes to minus its target, and the spec's to its "
+                "target",
+                drive.places.get("gear", drive.span),
+                joint.rows[0].joint,
+                drive.gear,
+                expected=-drive.gear,
+                help="compile the file from the spec, or write the gear without the minus",
+                related=(kp.place,),
+                fields=("command_gain",),
+            )
 
     def _finding(self, joint: SpecJoint, field: str, mine: Figure, wanted: Figure) -> Finding:
         assert mine.value is not None and wanted.value is not None

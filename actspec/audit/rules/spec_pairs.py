@@ -15,6 +15,7 @@ from actspec.readings.compare import Figure, times, torque_slip
 from actspec.readings.dynamics import figure
 from actspec.readings.joint import SERVOS
 from actspec.readings.ledger import LedgerRow
+from actspec.robot.view import ActuatorView
 from actspec.units import format_number
 
 NO_SPEC = "no spec among the files that describes a robot of the others"
@@ -31,12 +32,14 @@ class SpecJoint:
         spec: Its row in the spec.
         actuator: Its actuator in the spec.
         kind: What the file is.
+        drives: The actuators of an MJCF that act on it.
     """
 
     rows: Sequence[LedgerRow]
     spec: LedgerRow
     actuator: JointActuator
     kind: FileKind
+    drives: Sequence[ActuatorView] = ()
 
     def mine(self, field: str) -> Figure | None:
         """What the file says; None where it leaves that to others."""
@@ -60,10 +63,14 @@ def spec_joints(case: Case) -> Iterator[SpecJoint]:
             kind = case.artifacts[other].kind
             if kind is FileKind.SPEC:
                 continue
+            robot = case.artifacts[other].robot
+            drives: dict[str, list[ActuatorView]] = {}
+            for drive in robot.actuators if robot is not None else ():
+                drives.setdefault(drive.target, []).append(drive)
             for actuator in artifact.spec.joints:
                 mine, wanted = rows.get((other, actuator.joint)), rows.get((index, actuator.joint))
                 if mine and wanted:
-                    yield SpecJoint(mine, wanted[0], actuator, kind)
+                    yield SpecJoint(mine, wanted[0], actuator, kind, drives.get(actuator.joint, ()))
 
 
 def counted_twice(joint: SpecJoint, tolerance: float) -> float | None:
