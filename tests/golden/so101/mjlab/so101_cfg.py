@@ -1,7 +1,7 @@
 """Actuators of so101 for mjlab 1.6."""
 
 # Written by actspec 0.1.0. Do not edit: change the spec and compile again.
-# spec sha256 ed397e097abfefea0125b88ae87e643085c6df6bdd9c5288265f16c320865533
+# spec sha256 8dd0463e5b925b2eb911a65ff1a2a231c074e7b801fcfa1de0e6f45eaca15874
 # model so101.xml
 #
 # Use:
