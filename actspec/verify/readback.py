@@ -210,8 +210,11 @@ def _complete(
     actuators: ActuatorSet,
 ) -> dict[str, Figure]:
     """A joint's figures with those that the audit does not compare, and one for all that is passive."""
-    # The gear is compared by itself (`gears`).
+    # The gear is compared by itself (`gears`), with the way that it turns a servo.
     found = {name: one for name, one in joint.figures.items() if name not in OF_CONTROLS}
+    gain = found.get("command_gain")
+    if gain is not None and gain.value == -1.0:
+        del found["command_gain"]
     damping, more = found.get("joint_damping"), found.get("actuator_damping")
     if damping is not None and damping.value is not None and more is not None and more.value:
         found["joint_damping"] = replace(damping, value=damping.value + more.value)
