@@ -70,6 +70,7 @@ def contents() -> dict[str, bytes]:
 MODEL = "out/mujoco/biped.xml"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [
@@ -119,6 +120,7 @@ def test_compile_does_not_recommend_force(capsys: pytest.CaptureFixture[str]) ->
     assert "is read by this command" in said and "--force" not in said
 
 
+@pytest.mark.slow
 def test_what_actspec_wrote_is_written_again(capsys: pytest.CaptureFixture[str]) -> None:
     """A lock, a baseline, a report in an audited folder and what lies in no run's way: all are replaced."""
     for _ in range(2):
