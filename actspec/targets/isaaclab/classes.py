@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from actspec.diagnostics import Collector, Place, listed, shortened
+from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Level
-from actspec.patterns import resolve_patterns
 from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.spec.models import IsaacLabTarget
 from actspec.targets.base import TargetOptions
+from actspec.targets.kit.joint import pattern_of
 
 
 def classes_of(actuators: ActuatorSet, options: TargetOptions, collector: Collector) -> dict[str, str]:
@@ -24,18 +24,7 @@ def classes_of(actuators: ActuatorSet, options: TargetOptions, collector: Collec
     names = [actuator.joint for actuator in actuators.joints]
     if isinstance(stated, str):
         return dict.fromkeys(names, stated)
-    matches = resolve_patterns(list(stated), names)
-    for problem in matches.problems:
-        _at(problem.pattern, options, collector).error("ISL002", problem.message, problem.help)
-    found: dict[str, str] = {}
-    for pattern, matched in zip(stated, matches.by_pattern, strict=True):
-        twice = [name for name in matched if found.setdefault(name, pattern) != pattern]
-        if twice:
-            _at(pattern, options, collector).error(
-                "ISL002",
-                f"{listed(twice)}: matched by '{shortened(found[twice[0]])}' too",
-                "let one pattern match each joint",
-            )
+    found = pattern_of(list(stated), names, "class", "ISL002", options, collector)
     return {name: stated[found[name]] if name in found else "auto" for name in names}
 
 
@@ -61,7 +50,3 @@ def check_classes(
         place.error(
             "ISL004", f"the solver's own drive cannot run a network: {listed(networks)}", "write class: auto"
         )
-
-
-def _at(pattern: str, options: TargetOptions, collector: Collector) -> Place:
-    return collector.at(options.where(f"class.{pattern}"), options.span(f"class[{pattern}]"))

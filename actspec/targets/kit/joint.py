@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Generic, TypeVar
 
-from actspec.diagnostics import Collector, listed, many
+from actspec.diagnostics import Collector, Place, listed, many, shortened
 from actspec.fields import is_placeholder
 from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
+from actspec.patterns import resolve_patterns
 from actspec.readings.joint import largest
 from actspec.resolution.quantities import Reports
 from actspec.robot.view import JointView, RobotView
+from actspec.targets.base import TargetOptions
 from actspec.targets.kit.network import network_clip
 from actspec.targets.kit.sizes import command_range_error, held_step_error, lined, static_error, viscous_error
 from actspec.units import format_number, format_quantity
@@ -365,3 +367,37 @@ def _ms(seconds: float) -> str:
 
 def _range(delay: Delay) -> str:
     return f"{format_number(delay.low * 1e3)} to {_ms(delay.high)}"
+
+
+def pattern_of(
+    patterns: Sequence[str],
+    names: Sequence[str],
+    option: str,
+    code: str,
+    options: TargetOptions,
+    collector: Collector,
+) -> dict[str, str]:
+    """Joint to the pattern that selects it; one that selects none, or another's joint, is an error.
+
+    Args:
+        patterns: Keys of the option, which is a mapping.
+        names: All joints.
+        option: Its name: `joint_paths`.
+        code: Of the errors.
+        options: The target's.
+        collector: Takes the errors, at the patterns' places.
+    """
+    matches = resolve_patterns(patterns, names)
+
+    def at(pattern: str) -> Place:
+        return collector.at(options.where(f"{option}.{pattern}"), options.span(f"{option}[{pattern}]"))
+
+    for problem in matches.problems:
+        at(problem.pattern).error(code, problem.message, problem.help)
+    found: dict[str, str] = {}
+    for pattern, matched in zip(patterns, matches.by_pattern, strict=True):
+        twice = [name for name in matched if found.setdefault(name, pattern) != pattern]
+        if twice:
+            message = f"{listed(twice)}: matched by '{shortened(found[twice[0]])}' too"
+            at(pattern).error(code, message, "let one pattern match each joint")
+    return found

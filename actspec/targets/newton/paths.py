@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, RobotError, listed, shortened
 from actspec.ir import ActuatorSet
-from actspec.patterns import resolve_patterns
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.spec.models import NewtonTarget
 from actspec.targets.base import TargetOptions
+from actspec.targets.kit.joint import pattern_of
 from actspec.targets.newton.usda import is_identifier, path_text, prim_path
 
 if TYPE_CHECKING:
@@ -99,33 +99,23 @@ def _root(robot: RobotView, options: TargetOptions, collector: Collector) -> Pat
 def _stated(names: list[str], root: Path, options: TargetOptions, collector: Collector) -> dict[str, Path]:
     """The paths that the spec states."""
     paths = options.of(NewtonTarget).joint_paths or {}
-    matches = resolve_patterns(list(paths), names)
-    for problem in matches.problems:
-        collector.at(
-            options.where(f"joint_paths.{problem.pattern}"), options.span(f"joint_paths[{problem.pattern}]")
-        ).error("NWT011", problem.message, problem.help)
-    by_joint: dict[str, str] = {}
     found: dict[str, Path] = {}
-    for (pattern, template), matched in zip(paths.items(), matches.by_pattern, strict=True):
-        place = collector.at(options.where(f"joint_paths.{pattern}"), options.span(f"joint_paths[{pattern}]"))
-        twice = [name for name in matched if by_joint.setdefault(name, pattern) != pattern]
-        if twice:
-            place.error(
-                "NWT011",
-                f"{listed(twice)}: matched by '{shortened(by_joint[twice[0]])}' too",
-                "let one pattern match each joint",
-            )
-        for name in matched:
-            text = template.replace(JOINT, name)
-            path = prim_path(text if text.startswith("/") else f"{path_text(root)}/{text}")
-            if path is None:
-                place.error(
-                    "NWT008",
-                    f"'{shortened(text)}' is not a valid USD prim path (joint {shortened(name)})",
-                    "write names of letters, digits and _ between slashes, as the stage has them",
-                )
-                break
+    faulty: set[str] = set()
+    for name, pattern in pattern_of(list(paths), names, "joint_paths", "NWT011", options, collector).items():
+        text = paths[pattern].replace(JOINT, name)
+        path = prim_path(text if text.startswith("/") else f"{path_text(root)}/{text}")
+        if path is not None:
             found[name] = path
+        elif pattern not in faulty:
+            faulty.add(pattern)
+            place = collector.at(
+                options.where(f"joint_paths.{pattern}"), options.span(f"joint_paths[{pattern}]")
+            )
+            place.error(
+                "NWT008",
+                f"'{shortened(text)}' is not a valid USD prim path (joint {shortened(name)})",
+                "write names of letters, digits and _ between slashes, as the stage has them",
+            )
     return found
 
 
