@@ -6,7 +6,7 @@ From ledger rows, and from the artifact for what the ledger has no column for. N
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 
 from actspec.diagnostics import Span, listed
@@ -421,13 +421,12 @@ def _command_gain(drive: ActuatorView) -> float | None:
 
 def is_turned(drive: ActuatorView) -> bool:
     """Whether an actuator is a servo of a position that goes to minus its target, because its gear is negative."""
-    known = drive.control in _SERVOS and not {"kp", "gear"} & drive.unknown
-    return known and not drive.disabled and drive.kp != 0.0 and drive.gear < 0.0
+    return drive.gear < 0.0 and _is_servo(drive, _SERVOS)
 
 
-def _is_servo(drive: ActuatorView) -> bool:
+def _is_servo(drive: ActuatorView, kinds: Collection[str] = ("position",)) -> bool:
     """Whether it acts as a servo of a position, with a stiffness that is known."""
-    known = drive.control == "position" and not {"kp", "gear"} & drive.unknown
+    known = drive.control in kinds and not {"kp", "gear"} & drive.unknown
     return known and not drive.disabled and drive.kp != 0.0
 
 
