@@ -9,12 +9,16 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     "effort_limit": re.compile(
         rb"(?:actuator_forcerange|jnt_actfrcrange)(?:\s*\[[^\]\n]*\])*\s*=(?!=)|set_dofs_force_range|\.forcerange\s*=(?!=)"
     ),
-    "urdf_effort": re.compile(rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""),
+    "urdf_effort": re.compile(
+        rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""
+        rb"""|\w\[["']effort["']\](?:\.fill\(|(?:\[(?!\s*-?\d)[^\]\n]*\])?\s*=(?!=))"""
+    ),
     "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
 }
 """What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names.
 
-Forks of legged_gym clip at limits of the configuration in place of the URDF's effort. What puts actuators that it made
+Forks of legged_gym clip at limits of the configuration in place of the URDF's effort, or put them in its place for all
+joints (for one of them by number: a gripper's). What puts actuators that it made
 into any configuration of Isaac Lab has their limits from elsewhere.
 """
 

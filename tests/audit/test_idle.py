@@ -676,6 +676,11 @@ def test_a_line_of_a_megabyte(text: bytes) -> None:
     [
         ("self.torque_limits *= self.cfg.control.torque_limits\n", Severity.INFO),
         ("self.torque_limits[i] = props['effort'][i]\n", Severity.WARNING),
+        ("props['effort'][i] = self.cfg.control.all_effort[i]\n", Severity.INFO),
+        ('dof_props["effort"].fill(200.0)\n', Severity.INFO),
+        ("if props['effort'][i] == 0.0:\n    pass\n", Severity.WARNING),
+        # The fingers of a gripper.
+        ("props['effort'][7] = 200\n", Severity.WARNING),
         ("data.ctrl[:] = np.clip(kp * (q - p), -23.7, 23.7)\n", Severity.INFO),
         ("tau = np.clip(tau, -1.0 * self._max_torque, self._max_torque)\n", Severity.INFO),
         ("clip_torques = 6.0\n", Severity.INFO),

@@ -15,6 +15,8 @@ class Gain(SourceRule):
     code = "SRC103"
     name = "gain-disagrees"
     groups = (("kp",), ("kd",))
+    # As the others of two files: which of a stranger's deploy files runs the policy is not seen.
+    noted_in_folders = True
     needs = "a gain of one joint"
 
     def consequence(self, case: Case, found: Disagreement) -> str:
