@@ -16,6 +16,7 @@ from actspec.audit.lock import (
     load_lock,
     locked,
     names_in_lock,
+    old_form,
     recorded_files,
     remarks,
     text_of,
@@ -138,6 +139,7 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
                 "LCK003", "is not in the lock", span=Span(file), help=f"add it with `actspec lock -o {path}`"
             )
     out.raise_if_failed(AuditError)
+    print_diagnostics(old_form(old, path))
     # All are read, because a configuration's joints come from the model beside it.
     wanted = set(asked.values())
     found = [item for item in changes(old, _case(recorded, versions, path), recorded) if item[0] in wanted]

@@ -446,6 +446,60 @@ def test_an_edited_lock_is_written_anew() -> None:
     assert main(["lock", "--check"]) == 0
 
 
+@pytest.mark.parametrize(
+    "edit, message",
+    [
+        (lambda d: d["files"].pop("leg.xml"), "the names of its files do not match their hash"),
+        (lambda d: d["files"].clear(), "the names of its files do not match their hash"),
+        (lambda d: d["files"].update(a=d["files"].pop("leg.xml")), "the names of its files do not match"),
+        (lambda d: (d["files"].pop("leg.xml"), d.update(hash=None)), "the names of its files do not match"),
+        (lambda d: (d["files"].clear(), d.pop("hash")), "it has no files: an edit or a merge lost them"),
+    ],
+    ids=["one", "all", "another name", "no text", "all, and the hash"],
+)
+def test_a_lock_that_lost_files(edit: Any, message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Neither checked nor recorded anew from what is left; named files make it whole."""
+    main(["lock", "leg.xml", "leg_cfg.py"])
+    found = lock()
+    edit(found)
+    text = json.dumps(found, indent=1)
+    Path("actspec.lock").write_text(text)
+    line = next(i for i, one in enumerate(text.splitlines(), 1) if '"files":' in one)
+    for arguments in (["lock", "--check"], ["lock"]):
+        capsys.readouterr()
+        assert main(arguments) == 2
+        assert capsys.readouterr().err.startswith(f"actspec.lock:{line}:2: LCK002: {message}")
+        assert Path("actspec.lock").read_text() == text
+    assert main(["lock", "leg.xml", "leg_cfg.py"]) == 0
+    assert main(["lock", "--check"]) == 0
+
+
+def test_a_lock_from_before_the_hash_of_its_files(capsys: pytest.CaptureFixture[str]) -> None:
+    """It is checked as before, with a warning; writing it again adds the hash."""
+    main(["lock", "leg.xml"])
+    new = Path("actspec.lock").read_bytes()
+    found = lock()
+    del found["hash"]
+    fits("lock", found)
+    Path("actspec.lock").write_text(json.dumps(found))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 0
+    told = capsys.readouterr().err
+    assert told.startswith("actspec.lock: LCK007 [warning]: it has no hash of the names of its files")
+    assert main(["lock"]) == 0
+    assert Path("actspec.lock").read_bytes() == new
+
+
+def test_two_branches_that_record_another_robot_each() -> None:
+    """The hash is of names alone: entries of two locks are put together without a conflict in it."""
+    main(["lock", "leg.xml", "leg_cfg.py"])
+    before = lock()
+    Path("leg.xml").write_text(LEG.replace('kv="3"', 'kv="3.72"'))
+    main(["lock"])
+    assert lock() != before
+    assert lock()["hash"] == before["hash"]
+
+
 @pytest.mark.skipif(os.sep != "/", reason="no such names here")
 @pytest.mark.parametrize("name", ["a:b.xml", "C:x.xml", "a\\b.xml", "a\nb.xml", os.fsdecode(b"caf\xe9.xml")])
 def test_files_of_any_name(name: str) -> None:
