@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NoReturn, SupportsFloat
 
 from actspec.diagnostics import AuditError, Collector, listed
-from actspec.fields import FIELDS
+from actspec.fields import FIELDS, Role
 from actspec.readings.compare import COPIED, Deviation, Figure, compare, times
 from actspec.units import format_quantity
 
@@ -40,6 +40,7 @@ class Comparison:
         differences: Joints, and a figure in which they alike differ from the spec.
         missing: Joints of the spec that the other has not.
         unknown: Joints, and a figure of the spec that the other does not state, so that it is not compared.
+        undriven: Joints of the spec that no actuator drives in the other, where others have one.
     """
 
     spec: str
@@ -48,14 +49,18 @@ class Comparison:
     differences: tuple[tuple[Joints, Deviation], ...]
     missing: Joints
     unknown: tuple[tuple[Joints, Deviation], ...]
+    undriven: Joints = ()
 
     def __str__(self) -> str:
         return "\n".join((*self.wrong(), *self.left_out()))
 
     def wrong(self) -> list[str]:
-        """A line for each figure that differs, and one for joints that are missing."""
+        """A line for each figure that differs, and one for joints that are missing, and for those without a drive."""
         lines = [f"{', '.join(joints)}: {_words(one)}" for joints, one in self.differences]
-        return [f"{', '.join(self.missing)}: not in {self.other}"] * bool(self.missing) + lines
+        for joints, what in ((self.undriven, "no actuator drives it in"), (self.missing, "not in")):
+            if joints:
+                lines.insert(0, f"{', '.join(joints)}: {what} {self.other}")
+        return lines
 
     def left_out(self) -> list[str]:
         """A line for each figure that is not compared."""
@@ -99,8 +104,8 @@ def assert_agrees(
     Returns: What was compared, `str()` of which lists what was not.
 
     Raises:
-        AssertionError: a figure differs, with both, their units and their places; a joint is missing; nothing at all
-            could be compared.
+        AssertionError: a figure differs, with both, their units and their places; a joint is missing, or has no
+            actuator in a model where others have one; nothing at all could be compared.
         ActspecError: the spec or the file cannot be read, or it is not known which robot is meant.
         TypeError: the object is none of those above.
         ValueError: an unknown field, a pattern of joints that is none, or a tolerance that is no number of 0 or more.
@@ -219,6 +224,7 @@ def _comparison(
     count = 0
     found: dict[object, tuple[list[str], Deviation]] = {}
     left: dict[object, tuple[list[str], Deviation]] = {}
+    bare: list[str] = []
     for joint in joints:
         theirs = other.joints.get(joint)
         if theirs is None:
@@ -226,6 +232,10 @@ def _comparison(
         mine = levelled(spec.joints[joint], theirs)
         stated = [name for name in fields if name in mine.figures and mine.figures[name].stated]
         stated = [name for name in stated if mine.figures[name].value is not None]
+        if joint in other.undriven and any(
+            FIELDS[name].role is Role.DRIVE and mine.figures[name].value for name in stated
+        ):
+            bare.append(joint)
         shared = [name for name in stated if states(theirs, name, other.kind)]
         count += len(shared)
         for one in compare(theirs.figures, mine.figures, shared, tolerance):
@@ -241,6 +251,7 @@ def _comparison(
         tuple((tuple(names), one) for names, one in found.values()),
         tuple(joint for joint in joints if joint not in other.joints),
         tuple((tuple(names), one) for names, one in left.values()),
+        tuple(bare),
     )
 
 

@@ -12,7 +12,7 @@ from actspec.audit.case import Case
 from actspec.audit.read import read_files
 from actspec.diagnostics import AuditError, Collector, Span, listed, one_line, shortened
 from actspec.fields import DAMPING_PARTS, FIELDS, Role
-from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.artifact import FileKind, FileReading, Framework
 from actspec.readings.compare import EXACT, Deviation, Figure, compare, ratio_of, same
 from actspec.readings.dynamics import (
     OF_CONTROLS,
@@ -41,6 +41,9 @@ UNKNOWN, NONE, NOT_STATED = "unknown", "none", "not stated"
 
 _WITH_LINKS = {FileKind.MJCF, FileKind.URDF, FileKind.SPEC}
 """Kinds of files with a model, whose links have inertia."""
+
+_DRIVES = {FileKind.SPEC, FileKind.CFG, FileKind.DEPLOY}
+"""Kinds of files whose joints all have a drive."""
 
 _UNDRIVEN = {"none", "motor", "network", "other"}
 """Controls without gains: there are none, which is not the same as unknown ones."""
@@ -301,6 +304,7 @@ def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EX
         found = list(_joint(before, after, fields, tolerance, alike=old.kind is new.kind))
         compared += len(fields)
         left += _left(before, after, old.kind, new.kind)
+        found += _drive_gone(old, new, name)
         changes += found
         if found:
             effects += _effects(before, after)
@@ -476,6 +480,28 @@ def _joint(
         for name, low, high in zip(("inertia_min", "inertia_max"), old.inertia, new.inertia, strict=True):
             if abs(high - low) > SAME_INERTIA * largest:
                 yield Change(new.joint, name, FIELDS[name].noun, low, high, unit)
+
+
+def _drive_gone(old: RobotDynamics, new: RobotDynamics, joint: str) -> Iterator[Change]:
+    """A drive that one of two kinds of file has and a model has not, where it has one for other joints.
+
+    mjlab adds the actuators of its configuration to those of the model. Gains of 0 are no drive, where a list has a
+    place for each joint.
+    """
+    before, after = old.joints[joint], new.joints[joint]
+    for bare, side, other in ((new, after, before), (old, before, after)):
+        whole = old if bare is new else new
+        drives = whole.kind in _DRIVES and whole.framework is not Framework.MJLAB
+        gains = [other.figures[name].value for name in ("kp", "kd") if name in other.figures]
+        if (
+            joint in bare.undriven
+            and drives
+            and other.control != side.control
+            and any(one != 0.0 for one in gains)
+        ):
+            yield Change(
+                joint, "control", "drive", before.control, after.control, "", before.place, after.place
+            )
 
 
 def _left(old: JointDynamics, new: JointDynamics, old_kind: FileKind, new_kind: FileKind) -> Iterator[Change]:

@@ -16,9 +16,10 @@ from actspec.ir import JointActuator, Origin, Quantity
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.compare import Figure, same
 from actspec.readings.config import plain_name
+from actspec.readings.joint import read_joints
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.networks import network_paths
-from actspec.robot.view import ActuatorView, JointView
+from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.units import format_number
 
 SETTING_NOUNS = {
@@ -102,6 +103,8 @@ class RobotDynamics:
         others: Other values that no figure is made from, by where they stand.
         unread: What is not read that concerns the actuators, and why.
         patterns: Those of `joints` that are patterns of a configuration whose robot is not at hand.
+        undriven: Joints of a model that no actuator drives, where others have one.
+        framework: Whose conventions a configuration follows; None of other files.
     """
 
     name: str
@@ -115,6 +118,8 @@ class RobotDynamics:
     others: Mapping[str, float | str] = field(default_factory=dict)
     unread: Mapping[str, str] = field(default_factory=dict)
     patterns: frozenset[str] = frozenset()
+    undriven: frozenset[str] = frozenset()
+    framework: Framework | None = None
 
 
 def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
@@ -143,6 +148,8 @@ def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
         others,
         unread_of(artifact.config),
         _patterns(artifact.config, own),
+        undriven(artifact.robot),
+        None if artifact.config is None else artifact.config.framework,
     )
 
 
@@ -164,6 +171,24 @@ def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
         value = math.fsum(known) if len(known) == len(values) else None
     first = said[0] if said else rows[0]
     return Figure(value, unit_of(name, rows[0].kind), first.place(name), bool(said))
+
+
+def undriven(robot: RobotView | None) -> frozenset[str]:
+    """Joints of a model that no actuator drives, where others have one.
+
+    A model without any, as a URDF, leaves all drives to others. What feels a tendon or a site, or moves with another
+    joint, needs none of its own.
+    """
+    if robot is None:
+        return frozenset()
+    readings = read_joints(robot)
+    if not any(reading.drives for reading in readings.values()):
+        return frozenset()
+    return frozenset(
+        name
+        for name, reading in readings.items()
+        if not (reading.drives or reading.movers or reading.joint.mimic) and name not in robot.coupled
+    )
 
 
 def settings_of(artifact: Artifact) -> dict[str, float | str]:

@@ -37,6 +37,40 @@ def told(found: Difference) -> list[str]:
     return [line for line in lines(found, "") if not line.strip().startswith(EFFECTS)]
 
 
+KNEE = '    <position name="knee" joint="knee" kp="100" kv="3" forcerange="-30 30" forcelimited="true"/>\n'
+MJLAB = """from mjlab.actuator import BuiltinPositionActuatorCfg
+from mjlab.entity import EntityArticulationInfoCfg
+
+LEG_CFG = EntityArticulationInfoCfg(
+    actuators=(BuiltinPositionActuatorCfg(target_names_expr=("hip", "knee"), stiffness=100.0, damping=3.0),)
+)
+"""
+DEPLOY = "robot: leg\njoint_names: [hip, knee]\nkp: [100, 100]\nkd: [3, 3]\n"
+
+
+@pytest.mark.parametrize(
+    "name, text, drive",
+    [
+        ("leg.yaml", SPEC, "ideal_pd"),
+        ("leg_cfg.py", CFG, "ideal_pd"),
+        ("leg_deploy.yaml", DEPLOY, "ideal_pd"),
+        ("leg_deploy.yaml", DEPLOY.replace("[100, 100]", "[100, 0]").replace("[3, 3]", "[3, 0]"), None),
+        ("leg_cfg.py", MJLAB, None),
+    ],
+    ids=["spec", "Isaac Lab", "deploy", "deploy of 0", "mjlab"],
+)
+def test_a_drive_that_a_model_lacks(name: str, text: str, drive: str | None, tmp_path: Path) -> None:
+    """Of another kind of file that has it, it is a change; mjlab adds its actuators to the model's, and 0 is none."""
+    other, bare = (name, text), ("leg.xml", LEG.replace(KNEE, ""))
+    for old, new, words in ((other, bare, "{} -> none"), (bare, other, "none -> {}")):
+        folder = tmp_path / words.replace(" ", "")
+        folder.mkdir()
+        (found,) = compare(folder, old, new)
+        expected = [] if drive is None else ["knee:", f"  drive {words.format(drive)}"]
+        assert [line for line in told(found) if "knee" in line or "drive " in line] == expected
+        assert found.same is (drive is None)
+
+
 @pytest.mark.parametrize(
     "old, new, expected",
     [
