@@ -95,6 +95,29 @@ def test_a_joint_without_its_drive(model: str, undriven: tuple[str, ...], leg: P
         assert_agrees("leg.yaml", "bare.xml", joints="hip")
 
 
+DEPLOY = "joint_names: [hip, knee]\nkp: [40, 40]\nkd: [2, 2]\n"
+
+
+def test_the_control_period(leg: Path) -> None:
+    """Five steps of 4 ms are 20 ms; it is compared where both state it and nobody asked for other figures."""
+    Path("leg.yaml").write_text(SPEC + "timing: {physics_dt: 4 ms, decimation: 5}\n")
+    Path("leg_deploy.yaml").write_text(DEPLOY)
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml").count == 4
+    Path("leg_deploy.yaml").write_text(DEPLOY + "control_dt: 0.02\n")
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml").count == 5
+    Path("leg_deploy.yaml").write_text(DEPLOY + "dt: 0.01\n")
+    with pytest.raises(AssertionError) as error:
+        assert_agrees("leg.yaml", "leg_deploy.yaml")
+    assert str(error.value).splitlines() == [
+        "leg_deploy.yaml does not agree with leg.yaml (5 figures compared):",
+        "  the control period is 0.01 s (leg_deploy.yaml:4:5), 0.02 s (leg.yaml:15:22) in the spec (x0.5)",
+    ]
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml", fields=["kp", "kd"]).count == 4
+    # A spec without a rate asks for none.
+    Path("leg.yaml").write_text(SPEC)
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml").count == 4
+
+
 def test_gains_of_0_are_no_drive(leg: Path) -> None:
     """A spec of a joint with kp 0 and kd 0 asks for no actuator."""
     Path("leg.xml").write_text(MODEL.replace(DRIVE, ""))

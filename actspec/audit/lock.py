@@ -12,7 +12,7 @@ import json
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 from actspec.audit.case import Case
@@ -35,6 +35,7 @@ from actspec.fields import FIELDS, Role
 from actspec.files import FAULTS, json_of, name_in_file, path_of_name, read_regular, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
+from actspec.readings.deploy_steps import STEP_OF_WHAT
 from actspec.readings.dynamics import (
     ORDERS,
     SETTING_NOUNS,
@@ -44,6 +45,7 @@ from actspec.readings.dynamics import (
     is_figure,
 )
 from actspec.readings.ledger import LedgerRow
+from actspec.readings.leftover import is_step
 from actspec.readings.versions import Versions
 
 FORMAT = "actspec-lock/1"
@@ -114,7 +116,9 @@ def remarks(case: Case, lock: Mapping[str, Any], names: Mapping[str, str]) -> It
         for model in file.refused_models:
             message = f"the model does not compile, and is recorded from its text alone: {model.text_only}"
             yield Diagnostic("LCK004", Severity.WARNING, message, "", model.refused_at or Span(file.path))
-        unknown = [item for item in said_of(file) if item.code in UNKNOWN]
+        said = said_of(file)
+        yield from (item for item in said if item.code == STEP_OF_WHAT)
+        unknown = [item for item in said if item.code in UNKNOWN]
         if all(
             _is_empty(robot, bool(unknown)) for robot in lock["files"][names[file.path]]["robots"].values()
         ):
@@ -173,8 +177,23 @@ def changes(
         for robot in sorted({*entry["robots"], *now}):
             new = now.get(robot, RobotDynamics(robot, path, kind, {}))
             old = _dynamics(robot, name, kind, entry["robots"].get(robot))
+            if "hash" not in lock:
+                new = _as_before_steps(new, old)
             found.append((name, compare_robots(old, new, SAME)))
     return tuple(found)
+
+
+def _as_before_steps(new: RobotDynamics, old: RobotDynamics) -> RobotDynamics:
+    """A robot beside a lock of an older actspec, which took no step of a deploy file that is called `dt`."""
+    if new.kind is not FileKind.DEPLOY:
+        return new
+    settings = {name: value for name, value in new.settings.items() if name in old.settings}
+    entries = {
+        where: value
+        for where, value in (new.entries or {}).items()
+        if where in (old.entries or ()) or not is_step(where)
+    }
+    return replace(new, settings=settings, entries=entries)
 
 
 def _robots(case: Case, path: str) -> dict[str, int]:

@@ -490,6 +490,37 @@ def test_a_lock_from_before_the_hash_of_its_files(capsys: pytest.CaptureFixture[
     assert Path("actspec.lock").read_bytes() == new
 
 
+@pytest.mark.parametrize(
+    "dt, told", [("0.02", "control period 0.02 -> 0.03 s"), ("0.002", "dt 0.002 -> 0.03")]
+)
+def test_a_lock_from_before_dt(dt: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """What it never had is no change; a new lock has it."""
+    rate = "" if dt == "0.02" else "rate: 3\n"
+    Path("deploy.yaml").write_text(f"joint_names: [hip, knee]\nkps: [100, 150]\ndt: {dt}\n{rate}")
+    main(["lock", "deploy.yaml"])
+    said = capsys.readouterr().err
+    assert ("deploy.yaml:3:5: DEPLOY004 [info] dt: 0.002 s is a step" in said) is (dt == "0.002")
+    found = lock()
+    del found["hash"]
+    robot = found["files"]["deploy.yaml"]["robots"]["deploy"]
+    robot["settings"].pop("control_dt", None)
+    robot["entries"].pop("dt", None)
+    robot["hash"] = _hash(
+        {
+            **{key: robot[key] for key in ("settings", "orders", "entries")},
+            "joints": {name: one["hash"] for name, one in robot["joints"].items()},
+        }
+    )
+    Path("actspec.lock").write_text(json.dumps(found))
+    assert main(["lock", "--check"]) == 0
+    main(["lock"])
+    assert main(["lock", "--check"]) == 0
+    Path("deploy.yaml").write_text(Path("deploy.yaml").read_text().replace(f"dt: {dt}", "dt: 0.03"))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert told in capsys.readouterr().out
+
+
 def test_two_branches_that_record_another_robot_each() -> None:
     """The hash is of names alone: entries of two locks are put together without a conflict in it."""
     main(["lock", "leg.xml", "leg_cfg.py"])
