@@ -139,7 +139,7 @@ def compare_files(
     Raises: AuditError: a file cannot be read, or it is not known which robots of two files are the same.
     """
     readings = read_all(tuple(dict.fromkeys((old, new))), texts or {})
-    case = case_of(of_robot(readings, robot), versions, {})
+    case = case_of(of_robot(readings, robot), versions, {}, whole=True)
     before, after = ([i for i, a in enumerate(case.artifacts) if a.path == path] for path in (old, new))
     shown = tuple((texts or {}).get(path, path) for path in (old, new))
     pairs = _pairs(case, before, after, robot, shown, "--robot NAME")

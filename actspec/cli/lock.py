@@ -86,9 +86,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.file:
         readings = read_all(arguments.file, {}, folders=True)
         names = names_in_lock([reading.path for reading in readings], path)
-        case = case_of([reading for reading in readings if reading.path in names], versions, {})
+        case = case_of([reading for reading in readings if reading.path in names], versions, {}, whole=True)
     else:
-        names, case = recorded, _case(recorded, versions, path)
+        names, case = recorded, _case(recorded, versions, path, whole=True)
     lock = locked(case, names)
     data = text_of(lock)
     try:
@@ -142,7 +142,9 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
     print_diagnostics(old_form(old, path))
     # All are read, because a configuration's joints come from the model beside it.
     wanted = set(asked.values())
-    found = [item for item in changes(old, _case(recorded, versions, path), recorded) if item[0] in wanted]
+    # An older actspec recorded no joints without gains.
+    case = _case(recorded, versions, path, whole="hash" in old)
+    found = [item for item in changes(old, case, recorded) if item[0] in wanted]
     changed = [(name, item) for name, item in found if not item.same]
     if arguments.output_format == "json":
         print_json({"format": "actspec-diff/1", "robots": [record(item, path, name) for name, item in found]})
@@ -164,10 +166,10 @@ def _below(file: str, recorded: Mapping[str, str]) -> list[str]:
     return inside if os.path.isdir(file) and inside else [file]
 
 
-def _case(names: Mapping[str, str], versions: Versions, lock: str) -> Case:
+def _case(names: Mapping[str, str], versions: Versions, lock: str, *, whole: bool) -> Case:
     """The files of a lock, read; they keep their names when a file gets another one."""
     gone = (
         f"{one_line(lock)} has this file; if it was renamed or deleted, record all files by their present names "
         f"with `actspec lock -o {one_line(lock)} FILE...`"
     )
-    return case_of(read_all(tuple(names), {}, gone), versions, {})
+    return case_of(read_all(tuple(names), {}, gone), versions, {}, whole=whole)

@@ -521,6 +521,68 @@ def test_a_lock_from_before_dt(dt: str, told: str, capsys: pytest.CaptureFixture
     assert told in capsys.readouterr().out
 
 
+GYM = """from legged_gym.envs.base.legged_robot_config import LeggedRobotCfg
+
+
+class LegCfg(LeggedRobotCfg):
+    class init_state(LeggedRobotCfg.init_state):
+        default_joint_angles = {"hip": 0.1, "knee": -0.2}
+
+    class control(LeggedRobotCfg.control):
+        control_type = "P"
+        stiffness = {"hip": 30.0, "knee": 30.0}
+        damping = {"hip": 0.8, "knee": 0.8}
+"""
+ZERO = "    stiffness kp 30 -> 0 N*m/rad\n    drive gain kd 0.8 -> 0 N*m*s/rad\n"
+
+
+@pytest.mark.parametrize("beside", [[], ["leg.xml"]], ids=["alone", "with its model"])
+@pytest.mark.parametrize(
+    "old, new", [('stiffness = {"hip"', 'stiffness = {"hpi"'), ('{"hip": 30', '{"hp": 30')]
+)
+def test_a_key_of_legged_gym_that_no_joint_has(
+    old: str, new: str, beside: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """legged_gym gives the hip kp 0 and kd 0, whatever its damping; lock, diff and audit say so alike."""
+    for folder in ("a", "b"):
+        Path(folder).mkdir()
+    Path("gym_cfg.py").write_text(GYM)
+    Path("a/gym_cfg.py").write_text(GYM)
+    main(["lock", "gym_cfg.py", *beside])
+    assert old in GYM
+    Path("gym_cfg.py").write_text(GYM.replace(old, new))
+    Path("b/gym_cfg.py").write_text(GYM.replace(old, new))
+    for arguments in (["lock", "--check"], ["diff", "a/gym_cfg.py", "b/gym_cfg.py"]):
+        capsys.readouterr()
+        assert main(arguments) == 1
+        out = capsys.readouterr().out
+        assert f"\n  hip:\n{ZERO}" in out
+        assert "joints" not in out and "knee" not in out
+    if beside:
+        main(["audit", "gym_cfg.py", "leg.xml"])
+        assert "hip: no key of stiffness is part of the name of this joint" in capsys.readouterr().out
+
+
+def test_joints_without_a_key_of_legged_gym(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of damping too; a lock of an older actspec has no such joint, and does not take it for a new one."""
+    Path("gym_cfg.py").write_text(GYM.replace('"hip": 30.0, ', "").replace('"hip": 0.8, ', ""))
+    main(["lock", "gym_cfg.py"])
+    found = lock()
+    robot = found["files"]["gym_cfg.py"]["robots"]["LegCfg"]
+    figures = {name: robot["joints"]["hip"][name] for name in ("kp", "kd", "default_position")}
+    # kd is 0 as kp, though no key of damping is the hip's.
+    assert figures == {"kp": 0.0, "kd": 0.0, "default_position": 0.1}
+    assert main(["lock", "--check"]) == 0
+    del found["hash"], robot["joints"]["hip"]
+    record = {key: one for key, one in robot.items() if key not in ("hash", "joints")}
+    hashes = {name: one["hash"] for name, one in robot["joints"].items()}
+    robot["hash"] = _hash({**record, "joints": hashes})
+    Path("actspec.lock").write_text(json.dumps(found))
+    capsys.readouterr()
+    main(["lock", "--check"])
+    assert "added: hip" not in capsys.readouterr().out
+
+
 def test_two_branches_that_record_another_robot_each() -> None:
     """The hash is of names alone: entries of two locks are put together without a conflict in it."""
     main(["lock", "leg.xml", "leg_cfg.py"])
