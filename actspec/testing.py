@@ -146,7 +146,8 @@ def compared(
 ) -> Comparison:
     """What `assert_agrees` asserts, as a value; arguments and errors are the same, without the AssertionError."""
     from actspec.audit.build import case_of
-    from actspec.audit.difference import of_robot, one_robot, read_all
+    from actspec.audit.difference import read_all
+    from actspec.audit.same_robot import of_robot, one_robot
     from actspec.audit.settings import named_versions
     from actspec.patterns import match_names
     from actspec.readings.dynamics import dynamics_of

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.audit.build import case_of
-from actspec.audit.case import Case
 from actspec.audit.read import read_files
-from actspec.diagnostics import AuditError, Collector, Span, listed, one_line, shortened
+from actspec.audit.same_robot import of_robot, pairs_of
+from actspec.diagnostics import AuditError, Collector, Span, one_line
 from actspec.fields import DAMPING_PARTS, FIELDS, Role
 from actspec.readings.artifact import FileKind, FileReading, Framework
 from actspec.readings.compare import EXACT, Deviation, Figure, compare, ratio_of, same
@@ -142,7 +142,7 @@ def compare_files(
     case = case_of(of_robot(readings, robot), versions, {}, whole=True)
     before, after = ([i for i, a in enumerate(case.artifacts) if a.path == path] for path in (old, new))
     shown = tuple((texts or {}).get(path, path) for path in (old, new))
-    pairs = _pairs(case, before, after, robot, shown, "--robot NAME")
+    pairs = pairs_of(case, before, after, robot, shown, "--robot NAME")
     dynamics = [dynamics_of(artifact, case.rows_of(i)) for i, artifact in enumerate(case.artifacts)]
     found = [compare_robots(dynamics[one], dynamics[other]) for one, other in pairs]
     by_name = all(dynamics[one].name == dynamics[other].name for one, other in pairs)
@@ -153,34 +153,6 @@ def compare_files(
             whole, none = dynamics[index], replace(dynamics[index], joints={})
             found.append(compare_robots(whole, none) if index in before else compare_robots(none, whole))
     return tuple(found)
-
-
-def one_robot(case: Case, spec: int, other: int, robot: str | None) -> tuple[int, int]:
-    """Which robot of a spec and of a file, both at the beginning of a case, are one.
-
-    Args:
-        case: The spec, the file, and what else describes the robot.
-        spec: How many artifacts the spec has.
-        other: How many the file has.
-        robot: As in `compare_files`, which the readings are taken of by `of_robot`.
-
-    Raises: AuditError: it is not known which.
-    """
-    ours, theirs = list(range(spec)), list(range(spec, spec + other))
-    texts = (case.artifacts[ours[0]].path, case.artifacts[theirs[0]].path)
-    return _pairs(case, ours, theirs, robot, texts, "robot='NAME'")[0]
-
-
-def of_robot(readings: Sequence[FileReading], robot: str | None) -> tuple[FileReading, ...]:
-    """Readings, without the other robots of files that have one of this name.
-
-    Which model's joints a pattern means is known for the only configuration of a file.
-    """
-    own = [tuple(one for one in reading.artifacts if one.name == robot) for reading in readings]
-    return tuple(
-        replace(reading, artifacts=found or reading.artifacts)
-        for reading, found in zip(readings, own, strict=True)
-    )
 
 
 def read_all(
@@ -222,57 +194,6 @@ def read_all(
             out.error("DIF001", "describes no robot", span=Span(shown))
     out.raise_if_failed(AuditError)
     return readings
-
-
-def _pairs(
-    case: Case, old: list[int], new: list[int], robot: str | None, texts: tuple[str, ...], how: str
-) -> list[tuple[int, int]]:
-    """Which robots of two files are one: by name, or because there is one only; `how` a user says which."""
-    has = "; ".join(
-        f"{one_line(text)} has {listed(shortened(case.artifacts[i].name) for i in indices)}"
-        for indices, text in zip((old, new), texts, strict=True)
-    )
-    if robot is not None:
-        old, new = (_named(case, found, robot, text) for found, text in zip((old, new), texts, strict=True))
-        if all(case.artifacts[i].name != robot for i in (*old, *new)):
-            raise AuditError.of("DIF003", f"no robot is called {robot!r}: {has}")
-    if len(old) == len(new) == 1:
-        return [(old[0], new[0])]
-    ours, theirs = (
-        dict(zip(called(case.artifacts[i].name for i in side), side, strict=True)) for side in (old, new)
-    )
-    pairs = [(i, theirs[name]) for name, i in ours.items() if name in theirs]
-    if pairs:
-        return pairs
-    # One robot beside several: the one that its joints and its name belong to.
-    for few, many in ((old, new), (new, old)):
-        if len(few) == 1:
-            fitting = [i for i in many if i in case.robot_of(few[0]).artifacts]
-            if len(fitting) == 1:
-                return [(few[0], fitting[0]) if few is old else (fitting[0], few[0])]
-    raise AuditError.of(
-        "DIF003", f"it is not known which robots are the same: {has}", help=f"name one with {how}"
-    )
-
-
-def called(names: Iterable[str]) -> list[str]:
-    """Names of the robots of one file, of which two may be alike: the second one gets a number."""
-    found: list[str] = []
-    for name in names:
-        count, told = 2, name
-        while told in found:
-            told, count = f"{name} {count}", count + 1
-        found.append(told)
-    return found
-
-
-def _named(case: Case, indices: list[int], robot: str, text: str) -> list[int]:
-    """The robot of that name; the only one of a file has any."""
-    found = [i for i in indices if case.artifacts[i].name == robot]
-    if found or len(indices) == 1:
-        return found or indices
-    names = listed(shortened(case.artifacts[i].name) for i in indices)
-    raise AuditError.of("DIF003", f"has no robot {robot!r}", Span(text), help=f"it has {names}")
 
 
 def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EXACT) -> Difference:

@@ -16,9 +16,10 @@ from dataclasses import fields, replace
 from typing import Any
 
 from actspec.audit.case import Case
-from actspec.audit.difference import Difference, axis_text, called, compare_robots
+from actspec.audit.difference import Difference, axis_text, compare_robots
 from actspec.audit.outcome import UNKNOWN, said_of
 from actspec.audit.places import json_fault, json_places
+from actspec.audit.same_robot import called
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import (
     AuditError,

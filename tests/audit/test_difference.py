@@ -37,6 +37,62 @@ def told(found: Difference) -> list[str]:
     return [line for line in lines(found, "") if not line.strip().startswith(EFFECTS)]
 
 
+TASK = f"""{CFG}
+from isaaclab.envs import ManagerBasedRLEnvCfg
+from isaaclab.scene import InteractiveSceneCfg
+import isaaclab.envs.mdp as mdp
+
+
+class LegSceneCfg(InteractiveSceneCfg):
+    robot = LEG_CFG.replace(prim_path="Robot")
+
+
+class ActionsCfg:
+    joint_pos = mdp.JointPositionActionCfg(asset_name="robot", joint_names=[".*"], scale=0.25)
+
+
+class LegEnvCfg(ManagerBasedRLEnvCfg):
+    scene = LegSceneCfg()
+    actions = ActionsCfg()
+
+    def __post_init__(self):
+        self.decimation = 10
+        self.sim.dt = 0.002
+
+
+class LegEnvCfg_PLAY(LegEnvCfg):
+    def __post_init__(self):
+        super().__post_init__()
+        self.scene.num_envs = 50
+"""
+"""A robot alone, in a scene, in a task, and in the task that plays it."""
+
+
+@pytest.mark.parametrize("other", [("leg.xml", LEG), ("leg.yaml", SPEC)])
+def test_a_robot_its_scene_and_its_task_are_one(other: tuple[str, str], tmp_path: Path) -> None:
+    """The one that says the most is compared; the spec's period is that of the task, 10 x 2 ms."""
+    (found,) = compare(tmp_path, other, ("task_cfg.py", TASK))
+    assert found.new.name == "LegEnvCfg"
+    assert found.new.settings["control_dt"] == 0.02
+    assert found.same
+
+
+@pytest.mark.parametrize(
+    "old, new",
+    [
+        ("self.scene.num_envs = 50", "self.decimation = 5"),
+        ("self.scene.num_envs = 50", 'self.scene.robot.actuators["legs"].stiffness = 50.0'),
+        ("super().__post_init__()", "self.decimation = 5"),
+    ],
+    ids=["decimation", "gain", "step not stated"],
+)
+def test_tasks_that_contradict_are_several(old: str, new: str, tmp_path: Path) -> None:
+    """Nobody guesses which is meant."""
+    assert old in TASK
+    with pytest.raises(AuditError, match="DIF003"):
+        compare(tmp_path, ("leg.yaml", SPEC), ("task_cfg.py", TASK.replace(old, new)))
+
+
 KNEE = '    <position name="knee" joint="knee" kp="100" kv="3" forcerange="-30 30" forcelimited="true"/>\n'
 MJLAB = """from mjlab.actuator import BuiltinPositionActuatorCfg
 from mjlab.entity import EntityArticulationInfoCfg
