@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.audit.build import case_of
@@ -156,7 +156,12 @@ def compare_files(
 
 
 def read_all(
-    paths: Sequence[str], texts: Mapping[str, str], gone: str | None = None, *, folders: bool = False
+    paths: Sequence[str],
+    texts: Mapping[str, str],
+    gone: str | None = None,
+    *,
+    folders: bool = False,
+    exclude: Callable[[str, bool], bool] | None = None,
 ) -> tuple[FileReading, ...]:
     """Read files of which each must be readable.
 
@@ -165,6 +170,7 @@ def read_all(
         texts: Path to what the user called it.
         gone: What to do where there is no such file.
         folders: Take folders too, for the files in them that are of a robot and no part of another one.
+        exclude: Whether to pass over a file or folder, by its path and whether it was named.
 
     Raises: AuditError: one of them is not.
     """
@@ -173,7 +179,7 @@ def read_all(
         if os.path.isdir(path) and not folders:
             out.error("DIF001", "is a folder: name the files", span=Span(texts.get(path, path)))
     out.raise_if_failed(AuditError)
-    readings = read_files(paths)
+    readings = read_files(paths, exclude=exclude)
     if folders:
         whole = {reading.path for reading in without_fragments(readings)}
         readings = tuple(one.as_named() for one in readings if not one.in_folder or one.path in whole)

@@ -11,6 +11,7 @@ from typing import Any
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.difference import read_all
+from actspec.audit.exclude import Exclude
 from actspec.audit.lock import (
     changes,
     load_lock,
@@ -22,6 +23,7 @@ from actspec.audit.lock import (
     text_of,
     versions_of,
 )
+from actspec.audit.settings_file import excluded
 from actspec.cli.options import add_force, add_format, add_versions, configured_versions, describe, overridden
 from actspec.diagnostics import (
     EXIT_CLEAN,
@@ -54,7 +56,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "file",
         nargs="*",
         metavar="FILE",
-        help="files to record, or folders for the robot files in them (default: those of the lock)",
+        help="files to record, or folders for the robot files in them, without those that the settings exclude "
+        "(default: those of the lock)",
     )
     command.add_argument(
         "-o", "--output", default="actspec.lock", metavar="LOCK", help="the lock (default: actspec.lock)"
@@ -84,7 +87,9 @@ def run(arguments: argparse.Namespace) -> int:
         versions = overridden(versions_of(old), versions)
     recorded = {} if old is None else recorded_files(old, path)
     if arguments.file:
-        readings = read_all(arguments.file, {}, folders=True)
+        globs, folder, _ = excluded(None)
+        exclude = Exclude(tuple((glob, folder) for glob in globs))
+        readings = read_all(arguments.file, {}, folders=True, exclude=exclude)
         names = names_in_lock([reading.path for reading in readings], path)
         case = case_of([reading for reading in readings if reading.path in names], versions, {}, whole=True)
     else:
@@ -113,11 +118,14 @@ def _tell(path: str, case: Case, files: int) -> None:
     print(f"{one_line(path)}: {counted(joints, patterns)}{beside} of {many(files, 'file')}", file=sys.stderr)
     for robot in robots:
         for what, why_not in robot.unread.items():
-            print(
-                f"  not in it: {one_line(what)} of {one_line(robot.file)} ({one_line(robot.name)}), "
-                f"{one_line(why_not)}",
-                file=sys.stderr,
+            file, name = one_line(robot.file), one_line(robot.name)
+            # Of the class itself it is what is not written there.
+            told = (
+                f"{name} of {file} is recorded but for a part"
+                if what == robot.name
+                else f"not in it: {one_line(what)} of {file} ({name})"
             )
+            print(f"  {told}, {one_line(why_not)}", file=sys.stderr)
     others = [len(robot.others) for robot in robots if robot.others]
     if others:
         values = many(sum(others), "other value")

@@ -185,6 +185,37 @@ def test_a_folder(capsys: pytest.CaptureFixture[str]) -> None:
     assert not Path("other.lock").exists()
 
 
+@pytest.mark.parametrize("settings", ["actspec.toml", "pyproject.toml"])
+def test_excluded_files_of_a_folder(settings: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """What the settings exclude is passed over in a folder, and recorded where it is named."""
+    Path("robots/old").mkdir(parents=True)
+    for name in ("robots/leg.xml", "robots/old/leg.xml", "robots/copy.xml"):
+        Path(name).write_text(LEG)
+    head = "[audit]" if settings == "actspec.toml" else "[tool.actspec.audit]"
+    Path(settings).write_text(f'{head}\nexclude = ["old", "copy.*"]\n')
+    assert main(["lock", "robots"]) == 0
+    assert list(lock()["files"]) == ["robots/leg.xml"]
+    assert main(["lock", "robots", "robots/copy.xml"]) == 0
+    assert list(lock()["files"]) == ["robots/copy.xml", "robots/leg.xml"]
+    capsys.readouterr()
+    Path(settings).write_text(f'{head}\nexclude = ["robots/*"]\n')
+    assert main(["lock", "robots", "-o", "other.lock"]) == 2
+    assert "nothing to record: exclude leaves out all" in capsys.readouterr().err
+
+
+def test_what_a_class_inherits(capsys: pytest.CaptureFixture[str]) -> None:
+    """The class is recorded; what is not beside it is not."""
+    Path("gym_cfg.py").write_text(GYM)
+    main(["lock", "gym_cfg.py"])
+    said = capsys.readouterr().err
+    inherits = "not known without running it: what it inherits: LeggedRobotCfg comes from legged_gym"
+    assert f"\n  LegCfg of gym_cfg.py is recorded but for a part, {inherits}" in said
+    assert "not in it" not in said
+    Path("new_cfg.py").write_text(GYM)
+    main(["diff", "gym_cfg.py", "new_cfg.py"])
+    assert f"  not compared: a part of LegCfg, {inherits}" in capsys.readouterr().out
+
+
 def test_a_pose_that_nobody_states(capsys: pytest.CaptureFixture[str]) -> None:
     """It is not in a lock; a lock of an older actspec has 0 there, which is no change."""
     main(["lock", "leg.yaml"])
