@@ -35,8 +35,9 @@ def steps_of(
 ) -> dict[str, Setting]:
     """The settings of `TIMES`; and `dt` with `dt_of`, which of them it is, where the keys beside it tell.
 
-    Beside a decimation and no other step `dt` is the one that is counted: rl_sar, rl_sdk.cpp, runs its policy every
-    `dt * decimation`. Beside a shorter physics step it is the policy's, and so it is alone, from `LEAST_PERIOD` on.
+    Beside a decimation and no other step `dt` is the one that is counted: rl_sar, rl_sim.cpp and rl_real_a1.cpp, runs
+    its policy every `dt * decimation`. Beside a shorter physics step and no other it is the policy's, and so it is
+    alone, from `LEAST_PERIOD` on.
 
     Args:
         scopes: Mappings in which they may stand, the nearest first.
@@ -55,9 +56,9 @@ def steps_of(
         return found
     physics = found["physics_dt"].number if "physics_dt" in found else None
     others = {key for scope in scopes for key in scope if key != "dt" and _OF_TIME.search(key)}
-    longer = found.keys() == {"physics_dt"} and physics is not None and dt.number > physics
+    longer = physics is not None and others <= set(TIMES["physics_dt"]) and dt.number > physics
     of = None
-    if found.keys() == {"decimation"}:
+    if "decimation" in found and others <= set(TIMES["decimation"]):
         of = "physics_dt"
     elif longer or (not others and dt.number >= LEAST_PERIOD):
         of = "control_dt"

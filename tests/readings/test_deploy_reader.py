@@ -67,6 +67,8 @@ UNSAID = "{} s is a step of the policy, of the physics or of the drives: the fil
         ("dt: 0.005\ndecimation: 4", {"physics_dt": 0.005, "decimation": 4.0, "control_dt": 0.02}),
         ("dt: 0.02\nphysics_dt: 0.002", {"physics_dt": 0.002, "control_dt": 0.02}),
         ("dt: 0.001\nphysics_dt: 0.002", {"physics_dt": 0.002}),
+        ("dt: 0.005\nphysics_dt: 0.002\npolicy_hz: 50", {"physics_dt": 0.002}),
+        ("dt: 0.005\ndecimation: 4\npolicy_hz: 50", {"decimation": 4.0}),
         ("dt: 0.002\ncontrol_dt: 0.02", {"control_dt": 0.02}),
         ("dt: 0.002\ndecimation: 10\ncontrol_dt: 0.02", {"decimation": 10.0, "control_dt": 0.02}),
         ("dt: fast", {}),
