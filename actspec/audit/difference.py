@@ -415,20 +415,13 @@ def _drive_gone(old: RobotDynamics, new: RobotDynamics, joint: str) -> Iterator[
     mjlab adds the actuators of its configuration to those of the model. Gains of 0 are no drive, where a list has a
     place for each joint.
     """
-    before, after = old.joints[joint], new.joints[joint]
-    for bare, side, other in ((new, after, before), (old, before, after)):
-        whole = old if bare is new else new
-        drives = whole.kind in _DRIVES and whole.framework is not Framework.MJLAB
-        gains = [other.figures[name].value for name in ("kp", "kd") if name in other.figures]
-        if (
-            joint in bare.undriven
-            and drives
-            and other.control != side.control
-            and any(one != 0.0 for one in gains)
-        ):
-            yield Change(
-                joint, "control", "drive", before.control, after.control, "", before.place, after.place
-            )
+    for bare, other in ((new, old), (old, new)):
+        own, theirs = bare.joints[joint], other.joints[joint]
+        drives = other.kind in _DRIVES and other.framework is not Framework.MJLAB
+        gains = {theirs.figures[name].value for name in ("kp", "kd")}
+        if joint in bare.undriven and drives and own.control != theirs.control and gains != {0.0}:
+            was, now = old.joints[joint], new.joints[joint]
+            yield Change(joint, "control", "drive", was.control, now.control, "", was.place, now.place)
 
 
 def _left(old: JointDynamics, new: JointDynamics, old_kind: FileKind, new_kind: FileKind) -> Iterator[Change]:
