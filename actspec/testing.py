@@ -10,17 +10,17 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NoReturn, SupportsFloat
 
 from actspec.diagnostics import AuditError, Collector, listed
-from actspec.fields import FIELDS
-from actspec.readings.compare import COPIED, Deviation, Figure, compare, times
+from actspec.fields import FIELDS, Role
+from actspec.readings.compare import COPIED, Deviation, Figure, compare, same, times
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
     from actspec.ir import ActuatorSet
-    from actspec.readings.artifact import FileReading
+    from actspec.readings.artifact import Artifact, FileReading
     from actspec.readings.dynamics import RobotDynamics
     from actspec.spec.validate import Spec
 
@@ -40,6 +40,8 @@ class Comparison:
         differences: Joints, and a figure in which they alike differ from the spec.
         missing: Joints of the spec that the other has not.
         unknown: Joints, and a figure of the spec that the other does not state, so that it is not compared.
+        undriven: Joints of the spec that no actuator drives in the other, where others have one.
+        periods: Control period of the other and of the spec [s], where both state it and they differ.
     """
 
     spec: str
@@ -48,14 +50,23 @@ class Comparison:
     differences: tuple[tuple[Joints, Deviation], ...]
     missing: Joints
     unknown: tuple[tuple[Joints, Deviation], ...]
+    undriven: Joints = ()
+    periods: tuple[Figure, Figure] | None = None
 
     def __str__(self) -> str:
         return "\n".join((*self.wrong(), *self.left_out()))
 
     def wrong(self) -> list[str]:
-        """A line for each figure that differs, and one for joints that are missing."""
+        """A line for each figure that differs, for the control period, and for joints missing or without a drive."""
         lines = [f"{', '.join(joints)}: {_words(one)}" for joints, one in self.differences]
-        return [f"{', '.join(self.missing)}: not in {self.other}"] * bool(self.missing) + lines
+        for joints, what in ((self.undriven, "no actuator drives it in"), (self.missing, "not in")):
+            if joints:
+                lines.insert(0, f"{', '.join(joints)}: {what} {self.other}")
+        if self.periods is not None:
+            mine, wanted = self.periods
+            ratio = times(mine.value, wanted.value)
+            lines.insert(0, f"the control period is {_shown(mine)}, {_shown(wanted)} in the spec{ratio}")
+        return lines
 
     def left_out(self) -> list[str]:
         """A line for each figure that is not compared."""
@@ -99,8 +110,8 @@ def assert_agrees(
     Returns: What was compared, `str()` of which lists what was not.
 
     Raises:
-        AssertionError: a figure differs, with both, their units and their places; a joint is missing; nothing at all
-            could be compared.
+        AssertionError: a figure or the control period differs, with both, their units and their places; a joint is
+            missing, or has no actuator in a model where others have one; nothing at all could be compared.
         ActspecError: the spec or the file cannot be read, or it is not known which robot is meant.
         TypeError: the object is none of those above.
         ValueError: an unknown field, a pattern of joints that is none, or a tolerance that is no number of 0 or more.
@@ -135,7 +146,8 @@ def compared(
 ) -> Comparison:
     """What `assert_agrees` asserts, as a value; arguments and errors are the same, without the AssertionError."""
     from actspec.audit.build import case_of
-    from actspec.audit.difference import of_robot, one_robot, read_all
+    from actspec.audit.difference import read_all
+    from actspec.audit.same_robot import of_robot, one_robot
     from actspec.audit.settings import named_versions
     from actspec.patterns import match_names
     from actspec.readings.dynamics import dynamics_of
@@ -159,7 +171,12 @@ def compared(
     chosen: list[str] = []
     for pattern in [joints] if isinstance(joints, str) else joints:
         chosen += match_names(pattern, every) or _no_joint(pattern, every, mine.file)
-    return _comparison(mine, other, tuple(dict.fromkeys(chosen)), names, tolerance)
+    found = _comparison(mine, other, tuple(dict.fromkeys(chosen)), names, tolerance)
+    ends = None if fields else _periods(*(case.artifacts[i] for i in pair))
+    if ends is None:
+        return found
+    apart = not same(ends[0].value, ends[1].value, tolerance)
+    return replace(found, count=found.count + 1, periods=ends if apart else None)
 
 
 def _no_joint(pattern: str, joints: Joints, spec: str) -> NoReturn:
@@ -219,6 +236,7 @@ def _comparison(
     count = 0
     found: dict[object, tuple[list[str], Deviation]] = {}
     left: dict[object, tuple[list[str], Deviation]] = {}
+    bare: list[str] = []
     for joint in joints:
         theirs = other.joints.get(joint)
         if theirs is None:
@@ -226,6 +244,10 @@ def _comparison(
         mine = levelled(spec.joints[joint], theirs)
         stated = [name for name in fields if name in mine.figures and mine.figures[name].stated]
         stated = [name for name in stated if mine.figures[name].value is not None]
+        if joint in other.undriven and any(
+            FIELDS[name].role is Role.DRIVE and mine.figures[name].value for name in stated
+        ):
+            bare.append(joint)
         shared = [name for name in stated if states(theirs, name, other.kind)]
         count += len(shared)
         for one in compare(theirs.figures, mine.figures, shared, tolerance):
@@ -241,7 +263,21 @@ def _comparison(
         tuple((tuple(names), one) for names, one in found.values()),
         tuple(joint for joint in joints if joint not in other.joints),
         tuple((tuple(names), one) for names, one in left.values()),
+        tuple(bare),
     )
+
+
+def _periods(spec: Artifact, other: Artifact) -> tuple[Figure, Figure] | None:
+    """The control period of the other and of the spec [s]; None where one of them does not state it."""
+    from actspec.readings.dynamics import setting_place, settings_of
+
+    found = []
+    for artifact in (other, spec):
+        period = settings_of(artifact).get("control_dt")
+        if not isinstance(period, float):
+            return None
+        found.append(Figure(period, "s", setting_place(artifact, "control_dt"), True))
+    return found[0], found[1]
 
 
 def _called(robot: RobotDynamics) -> str:

@@ -55,6 +55,77 @@ def leg(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+DRIVE = '    <position name="knee" joint="knee" kp="10" kv="0.5" gear="2" forcerange="-15 15"/>\n'
+
+
+@pytest.mark.parametrize(
+    "model, undriven",
+    [
+        (MODEL.replace(DRIVE, ""), ("knee",)),
+        # Nobody is driven in the file itself.
+        (MODEL[: MODEL.index("  <actuator>")] + "</mujoco>", ()),
+        # A tendon moves it.
+        (
+            MODEL.replace(DRIVE, '    <motor tendon="t"/>\n').replace(
+                "  <actuator>",
+                '  <tendon><fixed name="t"><joint joint="knee" coef="1"/></fixed></tendon>\n  <actuator>',
+            ),
+            (),
+        ),
+        # It moves with the hip.
+        (
+            MODEL.replace(DRIVE, "").replace(
+                "  <actuator>", '  <equality><joint joint1="knee" joint2="hip"/></equality>\n  <actuator>'
+            ),
+            (),
+        ),
+    ],
+    ids=["one", "all", "tendon", "coupled"],
+)
+def test_a_joint_without_its_drive(model: str, undriven: tuple[str, ...], leg: Path) -> None:
+    """It fails where another joint of the model has an actuator, whatever its passive part; so do objects."""
+    Path("bare.xml").write_text(model)
+    for other in ("bare.xml", mujoco.MjSpec.from_string(model)):
+        assert compared("leg.yaml", other).undriven == undriven
+    if undriven:
+        with pytest.raises(AssertionError, match=r"\n  knee: no actuator drives it in bare\.xml"):
+            assert_agrees("leg.yaml", "bare.xml")
+        # Who asks for the armature alone does not ask for the drive, nor who asks for the hip.
+        assert_agrees("leg.yaml", "bare.xml", fields="armature")
+        assert_agrees("leg.yaml", "bare.xml", joints="hip")
+
+
+DEPLOY = "joint_names: [hip, knee]\nkp: [40, 40]\nkd: [2, 2]\n"
+
+
+def test_the_control_period(leg: Path) -> None:
+    """Five steps of 4 ms are 20 ms; it is compared where both state it and nobody asked for other figures."""
+    Path("leg.yaml").write_text(SPEC + "timing: {physics_dt: 4 ms, decimation: 5}\n")
+    Path("leg_deploy.yaml").write_text(DEPLOY)
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml").count == 4
+    Path("leg_deploy.yaml").write_text(DEPLOY + "control_dt: 0.02\n")
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml").count == 5
+    Path("leg_deploy.yaml").write_text(DEPLOY + "dt: 0.01\n")
+    with pytest.raises(AssertionError) as error:
+        assert_agrees("leg.yaml", "leg_deploy.yaml")
+    assert str(error.value).splitlines() == [
+        "leg_deploy.yaml does not agree with leg.yaml (5 figures compared):",
+        "  the control period is 0.01 s (leg_deploy.yaml:4:5), 0.02 s (leg.yaml:15:22) in the spec (x0.5)",
+    ]
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml", fields=["kp", "kd"]).count == 4
+    # A spec without a rate asks for none.
+    Path("leg.yaml").write_text(SPEC)
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml").count == 4
+
+
+def test_gains_of_0_are_no_drive(leg: Path) -> None:
+    """A spec of a joint with kp 0 and kd 0 asks for no actuator."""
+    Path("leg.xml").write_text(MODEL.replace(DRIVE, ""))
+    passive = "    overrides: {knee: {kp: 0 N*m/rad, kd: 0 N*m*s/rad}}\n"
+    Path("leg.yaml").write_text(SPEC.replace("    effort_limit: 30 N*m\n", "") + passive)
+    assert compared("leg.yaml", "leg.xml").undriven == ()
+
+
 def test_a_file_that_agrees(leg: Path) -> None:
     """Both joints have the six figures of the spec, behind gear 1 and behind gear 2."""
     found = assert_agrees("leg.yaml", "leg.xml")

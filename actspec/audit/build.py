@@ -18,6 +18,8 @@ def case_of(
     versions: Versions,
     options: Mapping[str, Mapping[str, float]],
     spec: str | None = None,
+    *,
+    whole: bool = False,
 ) -> Case:
     """Put together what the rules judge.
 
@@ -27,6 +29,7 @@ def case_of(
         options: Rule code to its options.
         spec: The spec that the other files are held to. Where its own model is not at hand, it is fitted to the
             first robot among the files that it fits.
+        whole: As in `rows_of_config`.
     """
     from actspec.readings.pair import pair
 
@@ -38,7 +41,7 @@ def case_of(
     by_hand = frozenset(index for index, met in enumerate(in_folder) if not met)
     paired = (part for robot in pair(artifacts, spec, by_hand) for part in _by_variant(robot, artifacts))
     robots = tuple(sorted(paired, key=lambda robot: robot.artifacts))
-    rows = _rows(artifacts, robots, versions)
+    rows = _rows(artifacts, robots, versions, whole)
     return Case(tuple(readings), artifacts, rows, robots, versions, options)
 
 
@@ -117,7 +120,7 @@ def _models_of(artifact: Artifact) -> frozenset[str]:
 
 
 def _rows(
-    artifacts: Sequence[Artifact], robots: Sequence[Robot], versions: Versions
+    artifacts: Sequence[Artifact], robots: Sequence[Robot], versions: Versions, whole: bool
 ) -> tuple[LedgerRow, ...]:
     from actspec.readings.config import rows_of_config
     from actspec.readings.ledger import rows_of_robot, rows_of_spec
@@ -131,5 +134,5 @@ def _rows(
         else:
             members = next((robot.artifacts for robot in robots if index in robot.artifacts), ())
             partners = tuple(artifacts[other] for other in members if other != index)
-            rows += rows_of_config(artifact, index, partners, meant_for(versions, artifact))
+            rows += rows_of_config(artifact, index, partners, meant_for(versions, artifact), whole=whole)
     return tuple(rows)

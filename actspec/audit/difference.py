@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.audit.build import case_of
-from actspec.audit.case import Case
 from actspec.audit.read import read_files
-from actspec.diagnostics import AuditError, Collector, Span, listed, one_line, shortened
+from actspec.audit.same_robot import of_robot, pairs_of
+from actspec.diagnostics import AuditError, Collector, Span, one_line
 from actspec.fields import DAMPING_PARTS, FIELDS, Role
-from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.artifact import FileKind, FileReading, Framework
 from actspec.readings.compare import EXACT, Deviation, Figure, compare, ratio_of, same
 from actspec.readings.dynamics import (
     OF_CONTROLS,
@@ -41,6 +41,9 @@ UNKNOWN, NONE, NOT_STATED = "unknown", "none", "not stated"
 
 _WITH_LINKS = {FileKind.MJCF, FileKind.URDF, FileKind.SPEC}
 """Kinds of files with a model, whose links have inertia."""
+
+_DRIVES = {FileKind.SPEC, FileKind.CFG, FileKind.DEPLOY}
+"""Kinds of files whose joints all have a drive."""
 
 _UNDRIVEN = {"none", "motor", "network", "other"}
 """Controls without gains: there are none, which is not the same as unknown ones."""
@@ -136,10 +139,10 @@ def compare_files(
     Raises: AuditError: a file cannot be read, or it is not known which robots of two files are the same.
     """
     readings = read_all(tuple(dict.fromkeys((old, new))), texts or {})
-    case = case_of(of_robot(readings, robot), versions, {})
+    case = case_of(of_robot(readings, robot), versions, {}, whole=True)
     before, after = ([i for i, a in enumerate(case.artifacts) if a.path == path] for path in (old, new))
     shown = tuple((texts or {}).get(path, path) for path in (old, new))
-    pairs = _pairs(case, before, after, robot, shown, "--robot NAME")
+    pairs = pairs_of(case, before, after, robot, shown, "--robot NAME")
     dynamics = [dynamics_of(artifact, case.rows_of(i)) for i, artifact in enumerate(case.artifacts)]
     found = [compare_robots(dynamics[one], dynamics[other]) for one, other in pairs]
     by_name = all(dynamics[one].name == dynamics[other].name for one, other in pairs)
@@ -152,36 +155,13 @@ def compare_files(
     return tuple(found)
 
 
-def one_robot(case: Case, spec: int, other: int, robot: str | None) -> tuple[int, int]:
-    """Which robot of a spec and of a file, both at the beginning of a case, are one.
-
-    Args:
-        case: The spec, the file, and what else describes the robot.
-        spec: How many artifacts the spec has.
-        other: How many the file has.
-        robot: As in `compare_files`, which the readings are taken of by `of_robot`.
-
-    Raises: AuditError: it is not known which.
-    """
-    ours, theirs = list(range(spec)), list(range(spec, spec + other))
-    texts = (case.artifacts[ours[0]].path, case.artifacts[theirs[0]].path)
-    return _pairs(case, ours, theirs, robot, texts, "robot='NAME'")[0]
-
-
-def of_robot(readings: Sequence[FileReading], robot: str | None) -> tuple[FileReading, ...]:
-    """Readings, without the other robots of files that have one of this name.
-
-    Which model's joints a pattern means is known for the only configuration of a file.
-    """
-    own = [tuple(one for one in reading.artifacts if one.name == robot) for reading in readings]
-    return tuple(
-        replace(reading, artifacts=found or reading.artifacts)
-        for reading, found in zip(readings, own, strict=True)
-    )
-
-
 def read_all(
-    paths: Sequence[str], texts: Mapping[str, str], gone: str | None = None, *, folders: bool = False
+    paths: Sequence[str],
+    texts: Mapping[str, str],
+    gone: str | None = None,
+    *,
+    folders: bool = False,
+    exclude: Callable[[str, bool], bool] | None = None,
 ) -> tuple[FileReading, ...]:
     """Read files of which each must be readable.
 
@@ -190,6 +170,7 @@ def read_all(
         texts: Path to what the user called it.
         gone: What to do where there is no such file.
         folders: Take folders too, for the files in them that are of a robot and no part of another one.
+        exclude: Whether to pass over a file or folder, by its path and whether it was named.
 
     Raises: AuditError: one of them is not.
     """
@@ -198,7 +179,7 @@ def read_all(
         if os.path.isdir(path) and not folders:
             out.error("DIF001", "is a folder: name the files", span=Span(texts.get(path, path)))
     out.raise_if_failed(AuditError)
-    readings = read_files(paths)
+    readings = read_files(paths, exclude=exclude)
     if folders:
         whole = {reading.path for reading in without_fragments(readings)}
         readings = tuple(one.as_named() for one in readings if not one.in_folder or one.path in whole)
@@ -219,57 +200,6 @@ def read_all(
             out.error("DIF001", "describes no robot", span=Span(shown))
     out.raise_if_failed(AuditError)
     return readings
-
-
-def _pairs(
-    case: Case, old: list[int], new: list[int], robot: str | None, texts: tuple[str, ...], how: str
-) -> list[tuple[int, int]]:
-    """Which robots of two files are one: by name, or because there is one only; `how` a user says which."""
-    has = "; ".join(
-        f"{one_line(text)} has {listed(shortened(case.artifacts[i].name) for i in indices)}"
-        for indices, text in zip((old, new), texts, strict=True)
-    )
-    if robot is not None:
-        old, new = (_named(case, found, robot, text) for found, text in zip((old, new), texts, strict=True))
-        if all(case.artifacts[i].name != robot for i in (*old, *new)):
-            raise AuditError.of("DIF003", f"no robot is called {robot!r}: {has}")
-    if len(old) == len(new) == 1:
-        return [(old[0], new[0])]
-    ours, theirs = (
-        dict(zip(called(case.artifacts[i].name for i in side), side, strict=True)) for side in (old, new)
-    )
-    pairs = [(i, theirs[name]) for name, i in ours.items() if name in theirs]
-    if pairs:
-        return pairs
-    # One robot beside several: the one that its joints and its name belong to.
-    for few, many in ((old, new), (new, old)):
-        if len(few) == 1:
-            fitting = [i for i in many if i in case.robot_of(few[0]).artifacts]
-            if len(fitting) == 1:
-                return [(few[0], fitting[0]) if few is old else (fitting[0], few[0])]
-    raise AuditError.of(
-        "DIF003", f"it is not known which robots are the same: {has}", help=f"name one with {how}"
-    )
-
-
-def called(names: Iterable[str]) -> list[str]:
-    """Names of the robots of one file, of which two may be alike: the second one gets a number."""
-    found: list[str] = []
-    for name in names:
-        count, told = 2, name
-        while told in found:
-            told, count = f"{name} {count}", count + 1
-        found.append(told)
-    return found
-
-
-def _named(case: Case, indices: list[int], robot: str, text: str) -> list[int]:
-    """The robot of that name; the only one of a file has any."""
-    found = [i for i in indices if case.artifacts[i].name == robot]
-    if found or len(indices) == 1:
-        return found or indices
-    names = listed(shortened(case.artifacts[i].name) for i in indices)
-    raise AuditError.of("DIF003", f"has no robot {robot!r}", Span(text), help=f"it has {names}")
 
 
 def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EXACT) -> Difference:
@@ -301,6 +231,7 @@ def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EX
         found = list(_joint(before, after, fields, tolerance, alike=old.kind is new.kind))
         compared += len(fields)
         left += _left(before, after, old.kind, new.kind)
+        found += _drive_gone(old, new, name)
         changes += found
         if found:
             effects += _effects(before, after)
@@ -476,6 +407,21 @@ def _joint(
         for name, low, high in zip(("inertia_min", "inertia_max"), old.inertia, new.inertia, strict=True):
             if abs(high - low) > SAME_INERTIA * largest:
                 yield Change(new.joint, name, FIELDS[name].noun, low, high, unit)
+
+
+def _drive_gone(old: RobotDynamics, new: RobotDynamics, joint: str) -> Iterator[Change]:
+    """A drive that one of two kinds of file has and a model has not, where it has one for other joints.
+
+    mjlab adds the actuators of its configuration to those of the model. Gains of 0 are no drive, where a list has a
+    place for each joint.
+    """
+    for bare, other in ((new, old), (old, new)):
+        own, theirs = bare.joints[joint], other.joints[joint]
+        drives = other.kind in _DRIVES and other.framework is not Framework.MJLAB
+        gains = {theirs.figures[name].value for name in ("kp", "kd")}
+        if joint in bare.undriven and drives and own.control != theirs.control and gains != {0.0}:
+            was, now = old.joints[joint], new.joints[joint]
+            yield Change(joint, "control", "drive", was.control, now.control, "", was.place, now.place)
 
 
 def _left(old: JointDynamics, new: JointDynamics, old_kind: FileKind, new_kind: FileKind) -> Iterator[Change]:

@@ -1,7 +1,8 @@
 """The dynamics lock: what acts on each joint, as text for version control, and what has changed since.
 
 A joint's hash is of its figures, rounded to nine digits, so that the noise of a sum does not change it. Links'
-inertia is not in it: a lock is about actuators.
+inertia is not in it: a lock is about actuators. The lock's own hash is of the names of its files alone: two branches
+that record changes of different robots merge without a conflict, and a merge that loses a file is noticed.
 """
 
 from __future__ import annotations
@@ -10,14 +11,15 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, replace
 from typing import Any
 
 from actspec.audit.case import Case
-from actspec.audit.difference import Difference, axis_text, called, compare_robots
+from actspec.audit.difference import Difference, axis_text, compare_robots
 from actspec.audit.outcome import UNKNOWN, said_of
 from actspec.audit.places import json_fault, json_places
+from actspec.audit.same_robot import called
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import (
     AuditError,
@@ -34,6 +36,7 @@ from actspec.fields import FIELDS, Role
 from actspec.files import FAULTS, json_of, name_in_file, path_of_name, read_regular, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
+from actspec.readings.deploy_steps import STEP_OF_WHAT
 from actspec.readings.dynamics import (
     ORDERS,
     SETTING_NOUNS,
@@ -43,6 +46,7 @@ from actspec.readings.dynamics import (
     is_figure,
 )
 from actspec.readings.ledger import LedgerRow
+from actspec.readings.leftover import is_step
 from actspec.readings.versions import Versions
 
 FORMAT = "actspec-lock/1"
@@ -81,12 +85,24 @@ def locked(case: Case, names: Mapping[str, str]) -> dict[str, Any]:
         for field in fields(Versions)
         if (value := getattr(case.versions, field.name)) is not None
     }
-    return {"format": FORMAT, "versions": versions, "files": files}
+    return {"format": FORMAT, "versions": versions, "files": files, "hash": _hash_of_files(files)}
 
 
 def text_of(lock: Mapping[str, Any]) -> bytes:
     """A lock as the bytes of its file: sorted, one figure a line."""
     return f"{json_of(lock, sort_keys=True)}\n".encode()
+
+
+def old_form(lock: Mapping[str, Any], path: str) -> Iterator[Diagnostic]:
+    """What a lock of an older actspec cannot tell.
+
+    Args:
+        lock: From `read_lock`.
+        path: Of the lock.
+    """
+    if "hash" not in lock:
+        message = "it has no hash of the names of its files, so that a file which a merge lost is not noticed"
+        yield Diagnostic("LCK007", Severity.WARNING, message, "", Span(path), "`actspec lock` adds it")
 
 
 def remarks(case: Case, lock: Mapping[str, Any], names: Mapping[str, str]) -> Iterator[Diagnostic]:
@@ -101,7 +117,9 @@ def remarks(case: Case, lock: Mapping[str, Any], names: Mapping[str, str]) -> It
         for model in file.refused_models:
             message = f"the model does not compile, and is recorded from its text alone: {model.text_only}"
             yield Diagnostic("LCK004", Severity.WARNING, message, "", model.refused_at or Span(file.path))
-        unknown = [item for item in said_of(file) if item.code in UNKNOWN]
+        said = said_of(file)
+        yield from (item for item in said if item.code == STEP_OF_WHAT)
+        unknown = [item for item in said if item.code in UNKNOWN]
         if all(
             _is_empty(robot, bool(unknown)) for robot in lock["files"][names[file.path]]["robots"].values()
         ):
@@ -160,8 +178,23 @@ def changes(
         for robot in sorted({*entry["robots"], *now}):
             new = now.get(robot, RobotDynamics(robot, path, kind, {}))
             old = _dynamics(robot, name, kind, entry["robots"].get(robot))
+            if "hash" not in lock:
+                new = _as_before_steps(new, old)
             found.append((name, compare_robots(old, new, SAME)))
     return tuple(found)
+
+
+def _as_before_steps(new: RobotDynamics, old: RobotDynamics) -> RobotDynamics:
+    """A robot beside a lock of an older actspec, which took no step of a deploy file that is called `dt`."""
+    if new.kind is not FileKind.DEPLOY:
+        return new
+    settings = {name: value for name, value in new.settings.items() if name in old.settings}
+    entries = {
+        where: value
+        for where, value in (new.entries or {}).items()
+        if where in (old.entries or ()) or not is_step(where)
+    }
+    return replace(new, settings=settings, entries=entries)
 
 
 def _robots(case: Case, path: str) -> dict[str, int]:
@@ -175,7 +208,7 @@ def load_lock(path: str, *, needed: bool, figures: bool) -> dict[str, Any] | Non
 
     Args:
         path: Of the lock.
-        needed: Whether it must be there.
+        needed: Whether it must be there, because its list of files is used.
         figures: As in `read_lock`.
 
     Raises: AuditError: it is not there, cannot be read, or is not a lock.
@@ -190,7 +223,7 @@ def load_lock(path: str, *, needed: bool, figures: bool) -> dict[str, Any] | Non
         return None
     except FAULTS as err:
         raise AuditError.of("LCK001", f"cannot be read: {why(err)}", Span(path)) from err
-    return read_lock(path, data, figures=figures)
+    return read_lock(path, data, figures=figures, files=needed)
 
 
 def names_in_lock(files: Sequence[str], lock: str) -> dict[str, str]:
@@ -216,16 +249,17 @@ def recorded_files(lock: Mapping[str, Any], path: str) -> dict[str, str]:
     return {os.path.join(folder, *path_of_name(name).split("/")): name for name in lock["files"]}
 
 
-def read_lock(path: str, data: bytes, *, figures: bool = True) -> dict[str, Any]:
+def read_lock(path: str, data: bytes, *, figures: bool = True, files: bool = True) -> dict[str, Any]:
     """A lock from its bytes.
 
     Args:
         path: Of the lock, for messages.
         data: Its bytes.
         figures: Check its figures too; without, only which files and versions it is about.
+        files: Check that it has all the files that were recorded; without, they are named anew.
 
-    Raises: AuditError: it is no lock, is of another actspec, names files by an absolute path, or its figures do not
-        fit their hashes.
+    Raises: AuditError: it is no lock, is of another actspec, names files by an absolute path, or its figures or
+        files do not fit their hashes.
     """
     out = Collector()
     lock: Any = None
@@ -246,13 +280,19 @@ def read_lock(path: str, data: bytes, *, figures: bool = True) -> dict[str, Any]
         place = _spans(path, text, [form])[form]
         out.error("LCK001", f"has the format {told}, and this actspec knows {FORMAT}", span=place)
     else:
-        faults = _faults(lock, figures)
-        spans = _spans(path, text, [at for at, _ in faults])
-        for way, fault in faults:
-            out.error("LCK002", fault, span=spans[way], help="write it again with `actspec lock FILE`")
+
+        def refuse(faults: Sequence[tuple[Path, str]]) -> None:
+            spans = _spans(path, text, [at for at, _ in faults])
+            for way, fault in faults:
+                help = "write it again with `actspec lock FILE...`, with every file that it is to have"
+                out.error("LCK002", fault, span=spans[way], help=help)
+
+        refuse(_faults(lock, figures))
         if not out.failed:
             spans = _spans(path, text, [("versions", name) for name in lock["versions"]])
             read_versions(lock["versions"], "versions", lambda name: spans["versions", name], out)
+        if files and not out.failed:
+            refuse(_files_fault(lock))
     out.raise_if_failed(AuditError)
     assert isinstance(lock, dict)
     return lock
@@ -372,6 +412,21 @@ def _faults(lock: Mapping[str, Any], figures: bool) -> Sequence[tuple[Path, str]
                     way = (*here, "robots", robot, *below)
                     found.append((way, f"{shortened(name)}, {shortened(robot)}: {message}"))
     return found
+
+
+def _files_fault(lock: Mapping[str, Any]) -> Sequence[tuple[Path, str]]:
+    """What is wrong with the list of files. A lock of an older actspec has no hash of it, but never no files."""
+    if "hash" in lock and lock["hash"] != _hash_of_files(lock["files"]):
+        message = "the names of its files do not match their hash: an edit or a merge lost some or added some"
+    elif not lock["files"]:
+        message = "it has no files: an edit or a merge lost them"
+    else:
+        return []
+    return [(("files",), message)]
+
+
+def _hash_of_files(files: Iterable[str]) -> str:
+    return _hash({"files": sorted(files)})
 
 
 def _robot_fault(record: Any) -> tuple[Path, str] | None:

@@ -12,6 +12,7 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
+from actspec.readings.deploy_steps import STEP_OF_WHAT
 from actspec.readings.pair import (
     SHARE,
     distinctive,
@@ -26,7 +27,7 @@ from actspec.readings.pair import (
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
 
-UNKNOWN = frozenset({"AUD015", "CFG001", "DEPLOY002"})
+UNKNOWN = frozenset({"AUD015", "CFG001", "DEPLOY002", STEP_OF_WHAT})
 """Codes of information about figures that no rule looks at, or that are not compared."""
 
 
@@ -156,7 +157,9 @@ class Report:
             found += (
                 item
                 for item in said_of(file)
-                if file.readable or file.names_nothing or item.severity is not Severity.ERROR
+                if (file.readable or file.names_nothing or item.severity is not Severity.ERROR)
+                # Of files that nobody named it is nobody's question.
+                and not (file.in_folder and item.code == STEP_OF_WHAT)
             )
             found += _from_text(file)
         said = (*found, *_unpaired(self.case), *self.problems)

@@ -87,8 +87,11 @@ def read_files(
     keep_matrices: bool | None = None,
     jobs: int | None = None,
     skip_other: bool = False,
+    exclude: Callable[[str, bool], bool] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[FileReading, ...]:
     """Read files and wait for them; the arguments are those of `PendingFiles` and its `finish`."""
-    with pending_files(paths, keep_matrices=keep_matrices, jobs=jobs, skip_other=skip_other) as pending:
+    with pending_files(
+        paths, keep_matrices=keep_matrices, jobs=jobs, skip_other=skip_other, exclude=exclude
+    ) as pending:
         return pending.finish(progress)

@@ -11,16 +11,19 @@ from typing import Any
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.difference import read_all
+from actspec.audit.exclude import Exclude
 from actspec.audit.lock import (
     changes,
     load_lock,
     locked,
     names_in_lock,
+    old_form,
     recorded_files,
     remarks,
     text_of,
     versions_of,
 )
+from actspec.audit.settings_file import excluded
 from actspec.cli.options import add_force, add_format, add_versions, configured_versions, describe, overridden
 from actspec.diagnostics import (
     EXIT_CLEAN,
@@ -53,7 +56,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "file",
         nargs="*",
         metavar="FILE",
-        help="files to record, or folders for the robot files in them (default: those of the lock)",
+        help="files to record, or folders for the robot files in them, without those that the settings exclude "
+        "(default: those of the lock)",
     )
     command.add_argument(
         "-o", "--output", default="actspec.lock", metavar="LOCK", help="the lock (default: actspec.lock)"
@@ -83,11 +87,13 @@ def run(arguments: argparse.Namespace) -> int:
         versions = overridden(versions_of(old), versions)
     recorded = {} if old is None else recorded_files(old, path)
     if arguments.file:
-        readings = read_all(arguments.file, {}, folders=True)
+        globs, folder, _ = excluded(None)
+        exclude = Exclude(tuple((glob, folder) for glob in globs))
+        readings = read_all(arguments.file, {}, folders=True, exclude=exclude)
         names = names_in_lock([reading.path for reading in readings], path)
-        case = case_of([reading for reading in readings if reading.path in names], versions, {})
+        case = case_of([reading for reading in readings if reading.path in names], versions, {}, whole=True)
     else:
-        names, case = recorded, _case(recorded, versions, path)
+        names, case = recorded, _case(recorded, versions, path, whole=True)
     lock = locked(case, names)
     data = text_of(lock)
     try:
@@ -112,11 +118,14 @@ def _tell(path: str, case: Case, files: int) -> None:
     print(f"{one_line(path)}: {counted(joints, patterns)}{beside} of {many(files, 'file')}", file=sys.stderr)
     for robot in robots:
         for what, why_not in robot.unread.items():
-            print(
-                f"  not in it: {one_line(what)} of {one_line(robot.file)} ({one_line(robot.name)}), "
-                f"{one_line(why_not)}",
-                file=sys.stderr,
+            file, name = one_line(robot.file), one_line(robot.name)
+            # Of the class itself it is what is not written there.
+            told = (
+                f"{name} of {file} is recorded but for a part"
+                if what == robot.name
+                else f"not in it: {one_line(what)} of {file} ({name})"
             )
+            print(f"  {told}, {one_line(why_not)}", file=sys.stderr)
     others = [len(robot.others) for robot in robots if robot.others]
     if others:
         values = many(sum(others), "other value")
@@ -138,9 +147,12 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
                 "LCK003", "is not in the lock", span=Span(file), help=f"add it with `actspec lock -o {path}`"
             )
     out.raise_if_failed(AuditError)
+    print_diagnostics(old_form(old, path))
     # All are read, because a configuration's joints come from the model beside it.
     wanted = set(asked.values())
-    found = [item for item in changes(old, _case(recorded, versions, path), recorded) if item[0] in wanted]
+    # An older actspec recorded no joints without gains.
+    case = _case(recorded, versions, path, whole="hash" in old)
+    found = [item for item in changes(old, case, recorded) if item[0] in wanted]
     changed = [(name, item) for name, item in found if not item.same]
     if arguments.output_format == "json":
         print_json({"format": "actspec-diff/1", "robots": [record(item, path, name) for name, item in found]})
@@ -162,10 +174,10 @@ def _below(file: str, recorded: Mapping[str, str]) -> list[str]:
     return inside if os.path.isdir(file) and inside else [file]
 
 
-def _case(names: Mapping[str, str], versions: Versions, lock: str) -> Case:
+def _case(names: Mapping[str, str], versions: Versions, lock: str, *, whole: bool) -> Case:
     """The files of a lock, read; they keep their names when a file gets another one."""
     gone = (
         f"{one_line(lock)} has this file; if it was renamed or deleted, record all files by their present names "
         f"with `actspec lock -o {one_line(lock)} FILE...`"
     )
-    return case_of(read_all(tuple(names), {}, gone), versions, {})
+    return case_of(read_all(tuple(names), {}, gone), versions, {}, whole=whole)

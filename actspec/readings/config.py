@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -297,6 +297,8 @@ def figures_of(
 
     for field, name in _FIELDS[config.framework].items():
         take(field, name)
+    if "kd" in values and _is_undriven_in_legged_gym(config, group, joint, named):
+        values["kd"] = Found(0.0, group.settings["stiffness"].span, stated=False)
     take("default_position", "default_position")
     take("action_scale", "action_scale")
     if config.framework is Framework.ISAACLAB:
@@ -322,6 +324,27 @@ def figures_of(
             if step is None and steps is not None:
                 values[f"{field}_steps"] = Found(steps, lag.span)
     return values
+
+
+def _is_undriven_in_legged_gym(
+    config: RobotConfig, group: ActuatorGroup, joint: str, named: Sequence[str] | None
+) -> bool:
+    """Whether legged_gym gives a joint kp 0 and kd 0, because no key of `stiffness` is part of its name.
+
+    Source: leggedrobotics/legged_gym, legged_robot.py, `_init_buffers`: the keys of `stiffness` alone are looked for,
+    and `damping` is asked for the one that was found.
+    """
+    keys = group.settings["stiffness"].value if "stiffness" in group.settings else None
+    gains = (
+        config.framework is Framework.LEGGED_GYM and control_of_group(config.framework, group) in _OF_GAINS
+    )
+    if not gains or named is None or not isinstance(keys, Mapping):
+        return False
+    return not any(str(key) in joint for key in keys)
+
+
+_OF_GAINS = ("ideal_pd", "velocity")
+"""Controls of legged_gym that use its gains."""
 
 
 def _isaaclab_limits(control: str, take: Callable[..., None]) -> None:
@@ -419,7 +442,7 @@ _CLAMPED = ("implicit", "ideal_pd", "dc_motor", "position", "velocity", "dcmotor
 
 
 def rows_of_config(
-    artifact: Artifact, index: int, partners: Sequence[Artifact], versions: Versions
+    artifact: Artifact, index: int, partners: Sequence[Artifact], versions: Versions, *, whole: bool = False
 ) -> tuple[LedgerRow, ...]:
     """The rows of one configuration: what its actuator classes do with what is written.
 
@@ -430,18 +453,25 @@ def rows_of_config(
             joints, else the one in which it selects the most, an MJCF and then the first of equals; without a model
             its own order of joints does, and then another configuration's.
         versions: Decides what Isaac Lab's `friction` means; unknown without.
+        whole: Give a row to each joint that legged_gym gives gains of 0 too. Its default pose, which must have all
+            joints, names them where no model does.
     """
     config = artifact.config
     assert config is not None
     models = models_of(config, partners)
-    named = next((names for names in map(joint_names, (*models, artifact, *partners)) if names), None)
+    posed = _posed(config) if whole else ()
+    names_of = (*map(joint_names, models), posed, *map(joint_names, (artifact, *partners)))
+    named = next((names for names in names_of if names), None)
     robots = [model.robot for model in models if model.robot is not None]
     massive = next((robot for robot in _simulated(config, models) if robot.inertia is not None), None)
     passive = next((robot for robot in robots if robot.format is ModelFormat.MJCF), None)
     members = [
         (group, joint, figures_of(config, group, joint, pattern, named, versions, config.physics_dt))
         for group in config.groups
-        for joint, pattern in selected(config, group, named)
+        for joint, pattern in (
+            *selected(config, group, named),
+            *(_left(config, group, named) if whole else ()),
+        )
     ]
     inertia = _inertia(massive, {joint: figures.get("armature") for _, joint, figures in members})
     rows = []
@@ -453,6 +483,24 @@ def rows_of_config(
         order = {name: place for place, name in enumerate(named)}
         rows.sort(key=lambda row: order.get(row.joint, len(order)))
     return tuple(rows)
+
+
+def _posed(config: RobotConfig) -> tuple[str, ...]:
+    """The joints of legged_gym's `default_joint_angles`: it looks each joint of the robot up there."""
+    pose = config.settings.get("default_position")
+    if config.framework is not Framework.LEGGED_GYM or pose is None or not isinstance(pose.value, Mapping):
+        return ()
+    return tuple(map(str, pose.value))
+
+
+def _left(
+    config: RobotConfig, group: ActuatorGroup, named: Sequence[str] | None
+) -> Iterator[tuple[str, str]]:
+    """The joints that no key of legged_gym's gains selects, which get gains of 0."""
+    taken = {joint for joint, _ in selected(config, group, named)}
+    for joint in named or () if group.joints else ():
+        if joint not in taken and _is_undriven_in_legged_gym(config, group, joint, named):
+            yield joint, joint
 
 
 def _of_group(

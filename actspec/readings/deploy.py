@@ -31,6 +31,7 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
+from actspec.readings.deploy_steps import STEP_OF_WHAT, steps_of
 from actspec.readings.leftover import Leftover
 from actspec.robot.view import ModelFile
 from actspec.spec.yaml_problems import too_deep
@@ -81,13 +82,6 @@ PER_JOINT = {
 }
 """Field to the keys that people use for it. Source: unitree_rl_gym, unitree_rl_lab, rl_sar, ASAP, OpenHomie deploy
 files, and what actspec writes."""
-
-TIMES = {
-    "physics_dt": ("physics_dt", "simulation_dt", "sim_dt"),
-    "control_dt": ("policy_dt", "control_dt", "step_dt"),
-    "decimation": ("decimation", "control_decimation"),
-}
-"""Robot-wide setting to its keys, the first counts: beside `policy_dt` a `control_dt` is the loop of the drive."""
 
 OWN_FORMAT = "actspec-deploy/"
 """What `format` begins with in a file that actspec wrote, whose other lists are known too."""
@@ -261,7 +255,7 @@ class _Reader:
         block = self._mapping(node)
         if any(_is_per_joint(block.get(key)) for field in ("kp", "kd") for key in PER_JOINT[field]):
             config = self._config(node, block, above, name)
-            if config.groups or config.notes:
+            if config.groups or any(note.code != STEP_OF_WHAT for note in config.notes):
                 yield config
             return
         for key, value in block.items():
@@ -316,15 +310,10 @@ class _Reader:
         for joint in order:
             own = {field: values[joint] for field, values in fields.items() if joint in values}
             groups.append(ActuatorGroup(joint, "deploy", next(iter(own.values())).span, (joint,), own))
-        settings: dict[str, Setting] = {}
         timing = block.get("timing")
         if ours and isinstance(timing, yaml.MappingNode):
             scopes = (self._mapping(timing), *scopes)
-        for field, keys in TIMES.items():
-            found = _first(scopes, keys)
-            value = None if found is None else _number(found[1])
-            if found is not None and value is not None:
-                settings[field] = Setting(value, self._span(found[1]))
+        settings = steps_of(scopes, self._setting, out)
         if count is not None:
             settings["joint_count"] = count
         if joints is not None and names is not None:
@@ -511,6 +500,11 @@ class _Reader:
                 # legged_gym's rule: a key is part of the joint's name.
                 found.update({joint: setting for joint in joints if key in joint and joint not in found})
         return found
+
+    def _setting(self, node: yaml.Node) -> Setting | None:
+        """A number with its place; None for anything else."""
+        value = _number(node)
+        return None if value is None else Setting(value, self._span(node))
 
     def _span(self, node: yaml.Node) -> Span:
         return Span(self.path, *_at(node.start_mark))

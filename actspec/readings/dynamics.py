@@ -16,9 +16,10 @@ from actspec.ir import JointActuator, Origin, Quantity
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.compare import Figure, same
 from actspec.readings.config import plain_name
+from actspec.readings.joint import read_joints
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.networks import network_paths
-from actspec.robot.view import ActuatorView, JointView
+from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.units import format_number
 
 SETTING_NOUNS = {
@@ -98,10 +99,13 @@ class RobotDynamics:
         settings: Name of `SETTING_NOUNS` to the value [s, -]; a text for the integrator. Unknown ones are left out.
         unstated: Settings that no file states: they are an engine's default.
         orders: Names by place, by a key of `ORDERS`; None where nobody knows of any, as in a lock of an older actspec.
-        entries: Numbers that no figure is made from and that may be of a joint, by where they stand; None likewise.
+        entries: Numbers that no figure is made from and that may be of a joint, or of all as a step, by where they
+            stand; None likewise.
         others: Other values that no figure is made from, by where they stand.
         unread: What is not read that concerns the actuators, and why.
         patterns: Those of `joints` that are patterns of a configuration whose robot is not at hand.
+        undriven: Joints of a model that no actuator drives, where others have one.
+        framework: Whose conventions a configuration follows; None of other files.
     """
 
     name: str
@@ -115,6 +119,8 @@ class RobotDynamics:
     others: Mapping[str, float | str] = field(default_factory=dict)
     unread: Mapping[str, str] = field(default_factory=dict)
     patterns: frozenset[str] = frozenset()
+    undriven: frozenset[str] = frozenset()
+    framework: Framework | None = None
 
 
 def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
@@ -143,6 +149,8 @@ def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
         others,
         unread_of(artifact.config),
         _patterns(artifact.config, own),
+        undriven(artifact.robot),
+        None if artifact.config is None else artifact.config.framework,
     )
 
 
@@ -166,8 +174,31 @@ def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
     return Figure(value, unit_of(name, rows[0].kind), first.place(name), bool(said))
 
 
-def settings_of(artifact: Artifact) -> dict[str, float | str]:
-    """What an artifact says of the whole robot's steps, by the names of `SETTING_NOUNS`."""
+def undriven(robot: RobotView | None) -> frozenset[str]:
+    """Joints of a model that no actuator drives, where others have one.
+
+    A model without any, as a URDF, leaves all drives to others. What feels a tendon or a site, or moves with another
+    joint, needs none of its own.
+    """
+    if robot is None:
+        return frozenset()
+    readings = read_joints(robot)
+    if not any(reading.drives for reading in readings.values()):
+        return frozenset()
+    return frozenset(
+        name
+        for name, reading in readings.items()
+        if not (reading.drives or reading.movers or reading.joint.mimic) and name not in robot.coupled
+    )
+
+
+def settings_of(artifact: Artifact, *, bare_dt: bool = True) -> dict[str, float | str]:
+    """What an artifact says of the whole robot's steps, by the names of `SETTING_NOUNS`.
+
+    Args:
+        artifact: The robot in one file.
+        bare_dt: Take the `dt` of a deploy file too, for what the keys beside it make of it.
+    """
     found: dict[str, float | str] = {}
     if artifact.robot is not None and artifact.robot.timestep is not None:
         found["physics_dt"] = artifact.robot.timestep
@@ -186,10 +217,22 @@ def settings_of(artifact: Artifact) -> dict[str, float | str]:
             setting = artifact.config.settings.get(name)
             if setting is not None and setting.unknown is None and isinstance(setting.value, int | float):
                 found[name] = float(setting.value)
+        of, dt = (artifact.config.settings.get(name) for name in ("dt_of", "dt"))
+        if bare_dt and of is not None and dt is not None and dt.number is not None:
+            found.setdefault(str(of.value), dt.number)
     step, decimation = found.get("physics_dt"), found.get("decimation")
     if artifact.spec is None and isinstance(step, float) and isinstance(decimation, float):
         found.setdefault("control_dt", step * decimation)
     return found
+
+
+def setting_place(artifact: Artifact, name: str) -> Span:
+    """Where a configuration or spec writes a step, or what it is computed from; else the file."""
+    if artifact.spec is not None:
+        return artifact.spec.physics_dt.span or Span(artifact.path)
+    settings = {} if artifact.config is None else artifact.config.settings
+    found = next((settings[key] for key in (name, "dt", "decimation", "physics_dt") if key in settings), None)
+    return found.span if found is not None else Span(artifact.path)
 
 
 def _unstated(artifact: Artifact) -> frozenset[str]:

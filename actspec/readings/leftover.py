@@ -21,6 +21,8 @@ MOST_VALUES = 20_000
 MOST_LEVELS = 20
 """Chosen: lists and mappings within each other; aliases may form a circle."""
 
+_STEP = re.compile(r"(?:^|\.)(?:dt|decimation|\w+_(?:dt|decimation))(?: of entry .*)?$")
+
 _HASH = re.compile(r"[0-9a-f]{64}")
 
 
@@ -71,7 +73,7 @@ class Leftover:
         owners: Mapping[Span, int],
         depth: int,
     ) -> Iterator[tuple[int, str, Setting, bool]]:
-        """Owner, place in words, value, and whether it may be of a joint."""
+        """Owner, place in words, value, and whether it may be of a joint, or of all as a step."""
         span = self._span(node)
         size = len(node.value) if isinstance(node, yaml.SequenceNode) else 0
         if self.left <= size or depth > MOST_LEVELS:
@@ -84,7 +86,8 @@ class Leftover:
         if isinstance(node, yaml.ScalarNode):
             # A hash is of what is compared, or of what its file has.
             if span not in taken and not _HASH.fullmatch(node.value):
-                yield owner, where, self._scalar(node), False
+                value = self._scalar(node)
+                yield owner, where, value, is_step(where) and value.number is not None
             return
         if span in taken and isinstance(node, yaml.SequenceNode):
             return
@@ -114,6 +117,11 @@ class Leftover:
 
     def _span(self, node: yaml.Node) -> Span:
         return Span(self.path, node.start_mark.line + 1, node.start_mark.column + 1)
+
+
+def is_step(where: str) -> bool:
+    """Whether a place is called a step or a period, which acts on every joint, whosever it is."""
+    return _STEP.search(where) is not None
 
 
 def _below(where: str, key: str) -> str:

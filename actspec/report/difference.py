@@ -61,7 +61,9 @@ def _left_lines(found: Difference, old: str, new: str) -> Iterator[str]:
     others: dict[str, list[Change]] = {}
     for item in found.left:
         if item.field == "unread":
-            yield f"  not compared: {one_line(item.noun)}, {_unread(item)}"
+            # Of a class itself it is what is not written there.
+            part = "a part of " * (item.noun in (found.old.name, found.new.name))
+            yield f"  not compared: {part}{one_line(item.noun)}, {_unread(item)}"
         elif item.field == "other":
             yield f"  not compared: {one_line(words(item))}"
         elif item.absent != NOT_STATED:

@@ -37,6 +37,96 @@ def told(found: Difference) -> list[str]:
     return [line for line in lines(found, "") if not line.strip().startswith(EFFECTS)]
 
 
+TASK = f"""{CFG}
+from isaaclab.envs import ManagerBasedRLEnvCfg
+from isaaclab.scene import InteractiveSceneCfg
+import isaaclab.envs.mdp as mdp
+
+
+class LegSceneCfg(InteractiveSceneCfg):
+    robot = LEG_CFG.replace(prim_path="Robot")
+
+
+class ActionsCfg:
+    joint_pos = mdp.JointPositionActionCfg(asset_name="robot", joint_names=[".*"], scale=0.25)
+
+
+class LegEnvCfg(ManagerBasedRLEnvCfg):
+    scene = LegSceneCfg()
+    actions = ActionsCfg()
+
+    def __post_init__(self):
+        self.decimation = 10
+        self.sim.dt = 0.002
+
+
+class LegEnvCfg_PLAY(LegEnvCfg):
+    def __post_init__(self):
+        super().__post_init__()
+        self.scene.num_envs = 50
+"""
+"""A robot alone, in a scene, in a task, and in the task that plays it."""
+
+
+@pytest.mark.parametrize("other", [("leg.xml", LEG), ("leg.yaml", SPEC)])
+def test_a_robot_its_scene_and_its_task_are_one(other: tuple[str, str], tmp_path: Path) -> None:
+    """The one that says the most is compared; the spec's period is that of the task, 10 x 2 ms."""
+    (found,) = compare(tmp_path, other, ("task_cfg.py", TASK))
+    assert found.new.name == "LegEnvCfg"
+    assert found.new.settings["control_dt"] == 0.02
+    assert found.same
+
+
+@pytest.mark.parametrize(
+    "old, new",
+    [
+        ("self.scene.num_envs = 50", "self.decimation = 5"),
+        ("self.scene.num_envs = 50", 'self.scene.robot.actuators["legs"].stiffness = 50.0'),
+        ("super().__post_init__()", "self.decimation = 5"),
+    ],
+    ids=["decimation", "gain", "step not stated"],
+)
+def test_tasks_that_contradict_are_several(old: str, new: str, tmp_path: Path) -> None:
+    """Nobody guesses which is meant."""
+    assert old in TASK
+    with pytest.raises(AuditError, match="DIF003"):
+        compare(tmp_path, ("leg.yaml", SPEC), ("task_cfg.py", TASK.replace(old, new)))
+
+
+KNEE = '    <position name="knee" joint="knee" kp="100" kv="3" forcerange="-30 30" forcelimited="true"/>\n'
+MJLAB = """from mjlab.actuator import BuiltinPositionActuatorCfg
+from mjlab.entity import EntityArticulationInfoCfg
+
+LEG_CFG = EntityArticulationInfoCfg(
+    actuators=(BuiltinPositionActuatorCfg(target_names_expr=("hip", "knee"), stiffness=100.0, damping=3.0),)
+)
+"""
+DEPLOY = "robot: leg\njoint_names: [hip, knee]\nkp: [100, 100]\nkd: [3, 3]\n"
+
+
+@pytest.mark.parametrize(
+    "name, text, drive",
+    [
+        ("leg.yaml", SPEC, "ideal_pd"),
+        ("leg_cfg.py", CFG, "ideal_pd"),
+        ("leg_deploy.yaml", DEPLOY, "ideal_pd"),
+        ("leg_deploy.yaml", DEPLOY.replace("[100, 100]", "[100, 0]").replace("[3, 3]", "[3, 0]"), None),
+        ("leg_cfg.py", MJLAB, None),
+    ],
+    ids=["spec", "Isaac Lab", "deploy", "deploy of 0", "mjlab"],
+)
+def test_a_drive_that_a_model_lacks(name: str, text: str, drive: str | None, tmp_path: Path) -> None:
+    """Of another kind of file that has it, it is a change; mjlab adds its actuators to the model's, and 0 is none."""
+    other, bare = (name, text), ("leg.xml", LEG.replace(KNEE, ""))
+    for old, new, words in ((other, bare, "{} -> none"), (bare, other, "none -> {}")):
+        folder = tmp_path / words.replace(" ", "")
+        folder.mkdir()
+        (found,) = compare(folder, old, new)
+        expected = [] if drive is None else ["knee:", f"  drive {words.format(drive)}"]
+        assert [line for line in told(found) if "knee" in line or "drive " in line] == expected
+        assert found.same is (drive is None)
+
+
 @pytest.mark.parametrize(
     "old, new, expected",
     [

@@ -88,6 +88,28 @@ def test_what_is_of_no_joint_is_told_and_not_compared(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    "times, old, new, expected",
+    [
+        # Half of 20 ms.
+        ("dt: {}", "0.02", "0.01", ["control period 0.02 -> 0.01 s (-50 %)"]),
+        ("dt: {}", "0.005", "0.002", ["dt 0.005 -> 0.002 (x0.4)"]),
+        ("control_dt: 0.02\ndt: {}", "0.005", "0.002", ["dt 0.005 -> 0.002 (x0.4)"]),
+        ("policy_dt: 0.02\ncontrol_dt: {}", "0.005", "0.002", ["control_dt 0.005 -> 0.002 (x0.4)"]),
+        ("sim: {{dt: {}}}", "0.005", "0.002", ["sim.dt 0.005 -> 0.002 (x0.4)"]),
+        ("num_dt_samples: {}", "5", "2", []),
+    ],
+)
+def test_steps_that_are_not_read_are_compared(
+    times: str, old: str, new: str, expected: list[str], tmp_path: Path
+) -> None:
+    """A step acts on every joint, whatever it is of."""
+    texts = (f"{NAMED}{times.format(value)}\n" for value in (old, new))
+    found = both(tmp_path, "deploy.yaml", *texts)
+    assert list(lines(found, "")) == expected
+    assert found.same is not bool(expected)
+
+
 def test_between_two_kinds(tmp_path: Path) -> None:
     """What has no joint is counted, and compared with nothing."""
     (found,) = compare(tmp_path, ("leg.yaml", SPEC), ("gym.yaml", GYM.replace("4]", "3]")))

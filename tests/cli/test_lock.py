@@ -185,6 +185,37 @@ def test_a_folder(capsys: pytest.CaptureFixture[str]) -> None:
     assert not Path("other.lock").exists()
 
 
+@pytest.mark.parametrize("settings", ["actspec.toml", "pyproject.toml"])
+def test_excluded_files_of_a_folder(settings: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """What the settings exclude is passed over in a folder, and recorded where it is named."""
+    Path("robots/old").mkdir(parents=True)
+    for name in ("robots/leg.xml", "robots/old/leg.xml", "robots/copy.xml"):
+        Path(name).write_text(LEG)
+    head = "[audit]" if settings == "actspec.toml" else "[tool.actspec.audit]"
+    Path(settings).write_text(f'{head}\nexclude = ["old", "copy.*"]\n')
+    assert main(["lock", "robots"]) == 0
+    assert list(lock()["files"]) == ["robots/leg.xml"]
+    assert main(["lock", "robots", "robots/copy.xml"]) == 0
+    assert list(lock()["files"]) == ["robots/copy.xml", "robots/leg.xml"]
+    capsys.readouterr()
+    Path(settings).write_text(f'{head}\nexclude = ["robots/*"]\n')
+    assert main(["lock", "robots", "-o", "other.lock"]) == 2
+    assert "nothing to record: exclude leaves out all" in capsys.readouterr().err
+
+
+def test_what_a_class_inherits(capsys: pytest.CaptureFixture[str]) -> None:
+    """The class is recorded; what is not beside it is not."""
+    Path("gym_cfg.py").write_text(GYM)
+    main(["lock", "gym_cfg.py"])
+    said = capsys.readouterr().err
+    inherits = "not known without running it: what it inherits: LeggedRobotCfg comes from legged_gym"
+    assert f"\n  LegCfg of gym_cfg.py is recorded but for a part, {inherits}" in said
+    assert "not in it" not in said
+    Path("new_cfg.py").write_text(GYM)
+    main(["diff", "gym_cfg.py", "new_cfg.py"])
+    assert f"  not compared: a part of LegCfg, {inherits}" in capsys.readouterr().out
+
+
 def test_a_pose_that_nobody_states(capsys: pytest.CaptureFixture[str]) -> None:
     """It is not in a lock; a lock of an older actspec has 0 there, which is no change."""
     main(["lock", "leg.yaml"])
@@ -444,6 +475,153 @@ def test_an_edited_lock_is_written_anew() -> None:
     Path("actspec.lock").write_text(json.dumps(found))
     assert main(["lock"]) == 0
     assert main(["lock", "--check"]) == 0
+
+
+@pytest.mark.parametrize(
+    "edit, message",
+    [
+        (lambda d: d["files"].pop("leg.xml"), "the names of its files do not match their hash"),
+        (lambda d: d["files"].clear(), "the names of its files do not match their hash"),
+        (lambda d: d["files"].update(a=d["files"].pop("leg.xml")), "the names of its files do not match"),
+        (lambda d: (d["files"].pop("leg.xml"), d.update(hash=None)), "the names of its files do not match"),
+        (lambda d: (d["files"].clear(), d.pop("hash")), "it has no files: an edit or a merge lost them"),
+    ],
+    ids=["one", "all", "another name", "no text", "all, and the hash"],
+)
+def test_a_lock_that_lost_files(edit: Any, message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Neither checked nor recorded anew from what is left; named files make it whole."""
+    main(["lock", "leg.xml", "leg_cfg.py"])
+    found = lock()
+    edit(found)
+    text = json.dumps(found, indent=1)
+    Path("actspec.lock").write_text(text)
+    line = next(i for i, one in enumerate(text.splitlines(), 1) if '"files":' in one)
+    for arguments in (["lock", "--check"], ["lock"]):
+        capsys.readouterr()
+        assert main(arguments) == 2
+        assert capsys.readouterr().err.startswith(f"actspec.lock:{line}:2: LCK002: {message}")
+        assert Path("actspec.lock").read_text() == text
+    assert main(["lock", "leg.xml", "leg_cfg.py"]) == 0
+    assert main(["lock", "--check"]) == 0
+
+
+def test_a_lock_from_before_the_hash_of_its_files(capsys: pytest.CaptureFixture[str]) -> None:
+    """It is checked as before, with a warning; writing it again adds the hash."""
+    main(["lock", "leg.xml"])
+    new = Path("actspec.lock").read_bytes()
+    found = lock()
+    del found["hash"]
+    fits("lock", found)
+    Path("actspec.lock").write_text(json.dumps(found))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 0
+    told = capsys.readouterr().err
+    assert told.startswith("actspec.lock: LCK007 [warning]: it has no hash of the names of its files")
+    assert main(["lock"]) == 0
+    assert Path("actspec.lock").read_bytes() == new
+
+
+@pytest.mark.parametrize(
+    "dt, told", [("0.02", "control period 0.02 -> 0.03 s"), ("0.002", "dt 0.002 -> 0.03")]
+)
+def test_a_lock_from_before_dt(dt: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """What it never had is no change; a new lock has it."""
+    rate = "" if dt == "0.02" else "rate: 3\n"
+    Path("deploy.yaml").write_text(f"joint_names: [hip, knee]\nkps: [100, 150]\ndt: {dt}\n{rate}")
+    main(["lock", "deploy.yaml"])
+    said = capsys.readouterr().err
+    assert ("deploy.yaml:3:5: DEPLOY004 [info] dt: 0.002 s is a step" in said) is (dt == "0.002")
+    found = lock()
+    del found["hash"]
+    robot = found["files"]["deploy.yaml"]["robots"]["deploy"]
+    robot["settings"].pop("control_dt", None)
+    robot["entries"].pop("dt", None)
+    robot["hash"] = _hash(
+        {
+            **{key: robot[key] for key in ("settings", "orders", "entries")},
+            "joints": {name: one["hash"] for name, one in robot["joints"].items()},
+        }
+    )
+    Path("actspec.lock").write_text(json.dumps(found))
+    assert main(["lock", "--check"]) == 0
+    main(["lock"])
+    assert main(["lock", "--check"]) == 0
+    Path("deploy.yaml").write_text(Path("deploy.yaml").read_text().replace(f"dt: {dt}", "dt: 0.03"))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    assert told in capsys.readouterr().out
+
+
+GYM = """from legged_gym.envs.base.legged_robot_config import LeggedRobotCfg
+
+
+class LegCfg(LeggedRobotCfg):
+    class init_state(LeggedRobotCfg.init_state):
+        default_joint_angles = {"hip": 0.1, "knee": -0.2}
+
+    class control(LeggedRobotCfg.control):
+        control_type = "P"
+        stiffness = {"hip": 30.0, "knee": 30.0}
+        damping = {"hip": 0.8, "knee": 0.8}
+"""
+ZERO = "    stiffness kp 30 -> 0 N*m/rad\n    drive gain kd 0.8 -> 0 N*m*s/rad\n"
+
+
+@pytest.mark.parametrize("beside", [[], ["leg.xml"]], ids=["alone", "with its model"])
+@pytest.mark.parametrize(
+    "old, new", [('stiffness = {"hip"', 'stiffness = {"hpi"'), ('{"hip": 30', '{"hp": 30')]
+)
+def test_a_key_of_legged_gym_that_no_joint_has(
+    old: str, new: str, beside: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """legged_gym gives the hip kp 0 and kd 0, whatever its damping; lock, diff and audit say so alike."""
+    for folder in ("a", "b"):
+        Path(folder).mkdir()
+    Path("gym_cfg.py").write_text(GYM)
+    Path("a/gym_cfg.py").write_text(GYM)
+    main(["lock", "gym_cfg.py", *beside])
+    assert old in GYM
+    Path("gym_cfg.py").write_text(GYM.replace(old, new))
+    Path("b/gym_cfg.py").write_text(GYM.replace(old, new))
+    for arguments in (["lock", "--check"], ["diff", "a/gym_cfg.py", "b/gym_cfg.py"]):
+        capsys.readouterr()
+        assert main(arguments) == 1
+        out = capsys.readouterr().out
+        assert f"\n  hip:\n{ZERO}" in out
+        assert "joints" not in out and "knee" not in out
+    if beside:
+        main(["audit", "gym_cfg.py", "leg.xml"])
+        assert "hip: no key of stiffness is part of the name of this joint" in capsys.readouterr().out
+
+
+def test_joints_without_a_key_of_legged_gym(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of damping too; a lock of an older actspec has no such joint, and does not take it for a new one."""
+    Path("gym_cfg.py").write_text(GYM.replace('"hip": 30.0, ', "").replace('"hip": 0.8, ', ""))
+    main(["lock", "gym_cfg.py"])
+    found = lock()
+    robot = found["files"]["gym_cfg.py"]["robots"]["LegCfg"]
+    figures = {name: robot["joints"]["hip"][name] for name in ("kp", "kd", "default_position")}
+    # kd is 0 as kp, though no key of damping is the hip's.
+    assert figures == {"kp": 0.0, "kd": 0.0, "default_position": 0.1}
+    assert main(["lock", "--check"]) == 0
+    del found["hash"], robot["joints"]["hip"]
+    record = {key: one for key, one in robot.items() if key not in ("hash", "joints")}
+    hashes = {name: one["hash"] for name, one in robot["joints"].items()}
+    robot["hash"] = _hash({**record, "joints": hashes})
+    Path("actspec.lock").write_text(json.dumps(found))
+    capsys.readouterr()
+    main(["lock", "--check"])
+    assert "added: hip" not in capsys.readouterr().out
+
+
+def test_two_branches_that_record_another_robot_each() -> None:
+    """The hash is of names alone: entries of two locks are put together without a conflict in it."""
+    main(["lock", "leg.xml", "leg_cfg.py"])
+    before = lock()
+    Path("leg.xml").write_text(LEG.replace('kv="3"', 'kv="3.72"'))
+    main(["lock"])
+    assert lock() != before
+    assert lock()["hash"] == before["hash"]
 
 
 @pytest.mark.skipif(os.sep != "/", reason="no such names here")

@@ -9,6 +9,7 @@ import pytest
 from actspec.audit.engine import audit
 from actspec.audit.settings import Settings
 from actspec.readings.artifact import FileKind, RobotConfig
+from actspec.readings.dynamics import settings_of
 from actspec.readings.read import read_file
 
 
@@ -49,6 +50,75 @@ def test_the_policys_period(tmp_path: Path) -> None:
     config = read_file(str(path)).artifacts[0].config
     assert config is not None
     assert (config.settings["control_dt"].value, config.settings["control_dt"].span.line) == (0.02, 4)
+
+
+UNSAID = "{} s is a step of the policy, of the physics or of the drives: the file does not say of which"
+
+
+@pytest.mark.parametrize(
+    "times, expected",
+    [
+        ("dt: 0.02", {"control_dt": 0.02}),
+        ("dt: 0.01", {"control_dt": 0.01}),
+        ("dt: 0.009", {}),
+        ("dt: 0.002", {}),
+        ("dt: 0.02\npolicy_freq: 100", {}),
+        # rl_sar: 5 ms, of which four are 20 ms.
+        ("dt: 0.005\ndecimation: 4", {"physics_dt": 0.005, "decimation": 4.0, "control_dt": 0.02}),
+        ("dt: 0.02\nphysics_dt: 0.002", {"physics_dt": 0.002, "control_dt": 0.02}),
+        ("dt: 0.001\nphysics_dt: 0.002", {"physics_dt": 0.002}),
+        ("dt: 0.005\nphysics_dt: 0.002\npolicy_hz: 50", {"physics_dt": 0.002}),
+        ("dt: 0.005\ndecimation: 4\npolicy_hz: 50", {"decimation": 4.0}),
+        ("dt: 0.002\ncontrol_dt: 0.02", {"control_dt": 0.02}),
+        ("dt: 0.002\ndecimation: 10\ncontrol_dt: 0.02", {"decimation": 10.0, "control_dt": 0.02}),
+        ("dt: fast", {}),
+    ],
+)
+def test_what_dt_is_a_step_of(times: str, expected: dict[str, float], tmp_path: Path) -> None:
+    """What is taken is no entry beside; what is not taken is said, and stays a number that `diff` compares."""
+    _, _, said = _read(tmp_path, f"joint_names: [knee, hip]\nkps: [60, 25]\n{times}\n")
+    artifact = read_file(str(tmp_path / "deploy.yaml")).artifacts[0]
+    assert artifact.config is not None
+    assert settings_of(artifact) == expected
+    value = times.split()[1]
+    taken = "dt" in artifact.config.settings
+    assert [line.partition(",")[0] for line in said] == (
+        [] if taken or value == "fast" else [UNSAID.format(value).partition(",")[0]]
+    )
+    assert ("dt" in artifact.config.entries) is (not taken and value != "fast")
+    assert "dt" not in artifact.config.others or value == "fast"
+
+
+TRAINED = """from legged_gym.envs.base.legged_robot_config import LeggedRobotCfg
+class DogCfg(LeggedRobotCfg):
+    class control(LeggedRobotCfg.control):
+        stiffness = {"hip": 60.0, "knee": 25.0}
+        damping = {"hip": 2.0, "knee": 2.0}
+        decimation = 4
+    class sim(LeggedRobotCfg.sim):
+        dt = 0.005
+"""
+
+
+def test_a_dt_is_held_to_training_where_its_file_was_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """10 ms beside 4 x 5 ms; in a folder that is audited as strangers' are, `dt` is taken for nothing."""
+    monkeypatch.chdir(tmp_path)
+    Path("dog_cfg.py").write_text(TRAINED)
+    Path("dog_deploy.yaml").write_text("joint_names: [knee, hip]\nkps: [25, 60]\ndt: 0.01\n")
+    for named, count in ((["dog_cfg.py", "dog_deploy.yaml"], 1), (["."], 0)):
+        found = audit(named, Settings()).findings
+        assert sum(item.finding.code == "SRC107" for item in found) == count
+
+
+def test_nobody_is_asked_about_a_file_that_was_met(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The remark is for who named the file."""
+    _read(tmp_path, "joint_names: [knee, hip]\nkps: [60, 25]\ndt: 0.002\n")
+    monkeypatch.chdir(tmp_path)
+    for named, count in (("deploy.yaml", 1), (".", 0)):
+        told = audit([named], Settings()).for_people()
+        assert [item.code for item in told if item.code == "DEPLOY004"] == ["DEPLOY004"] * count
 
 
 def test_lists_in_the_policys_order(tmp_path: Path) -> None:

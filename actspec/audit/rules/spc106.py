@@ -8,7 +8,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import times
-from actspec.readings.dynamics import settings_of
+from actspec.readings.dynamics import setting_place, settings_of
 from actspec.units import format_quantity
 
 _NAMES = {"control_dt": "control period", "physics_dt": "physics step"}
@@ -94,11 +94,7 @@ def _place(case: Case, index: int, name: str) -> Span | None:
     artifact = case.artifacts[index]
     if artifact.robot is not None:
         return _written_step(case, artifact.path)
-    if artifact.spec is not None:
-        return artifact.spec.physics_dt.span or Span(artifact.path)
-    written = artifact.config.settings if artifact.config is not None else {}
-    place = next((written[key].span for key in (name, "decimation", "physics_dt") if key in written), None)
-    return place or Span(artifact.path)
+    return setting_place(artifact, name)
 
 
 def _written_step(case: Case, path: str) -> Span | None:

@@ -4,10 +4,9 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import times
-from actspec.readings.dynamics import settings_of
+from actspec.readings.dynamics import setting_place, settings_of
 from actspec.units import format_quantity
 
 
@@ -43,7 +42,8 @@ class Timing(RuleInParts):
                     break
 
     def _period(self, case: Case, index: int, name: str) -> float | None:
-        value = settings_of(case.artifacts[index]).get(name)
+        # A `dt` says of what it is to whoever named the file.
+        value = settings_of(case.artifacts[index], bare_dt=not case.is_met(index)).get(name)
         return value if isinstance(value, float) and value > 0.0 else None
 
     def _departing(
@@ -66,20 +66,12 @@ class Timing(RuleInParts):
         return Finding(
             self.code,
             what,
-            _place(case, index, name),
+            setting_place(case.artifacts[index], name),
             value=mine,
             unit="s",
             expected=theirs,
             help="run the policy at the rate that it was trained with",
-            related=(_place(case, other, name),),
+            related=(setting_place(case.artifacts[other], name),),
             severity=Severity.INFO if rare else None,
             confidence=Confidence.LOW if rare else None,
         )
-
-
-def _place(case: Case, index: int, name: str) -> Span:
-    """Where a period is written, or what it is computed from."""
-    artifact = case.artifacts[index]
-    settings = artifact.config.settings if artifact.config is not None else {}
-    found = next((settings[key] for key in (name, "decimation", "physics_dt") if key in settings), None)
-    return found.span if found is not None else Span(artifact.path)
