@@ -23,6 +23,7 @@ DIAGNOSTICS = {
     "DEPLOY001": "list-length",
     "DEPLOY002": "list-without-names",
     "DEPLOY003": "no-number",
+    "DEPLOY004": "stands-twice",
 }
 """What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
 

@@ -32,6 +32,7 @@ from actspec.readings.artifact import (
     Setting,
 )
 from actspec.readings.leftover import Leftover
+from actspec.readings.twice import keys_twice, name_twice
 from actspec.robot.view import ModelFile
 from actspec.spec.yaml_problems import too_deep
 
@@ -148,6 +149,7 @@ def read_deploy(path: str, data: bytes) -> FileReading:
     name = os.path.splitext(os.path.basename(path))[0]
     try:
         configs = () if root is None else _Reader(path).whole(root, name)
+        twice = () if root is None or not configs else keys_twice(root, path)
     except Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,), refused=err.span(path))
     if not configs:
@@ -158,7 +160,7 @@ def read_deploy(path: str, data: bytes) -> FileReading:
         None,
         tuple(Artifact(path, FileKind.DEPLOY, config.name, config=config) for config in configs),
         (file,),
-        tuple(note for config in configs for note in config.notes),
+        (*(note for config in configs for note in config.notes), *twice),
     )
 
 
@@ -225,6 +227,8 @@ class _Reader:
     def __init__(self, path: str) -> None:
         self.path = path
         self.steps = 0
+        self.refused: yaml.SequenceNode | None = None
+        """The nearest list of joint names of this block that has one twice."""
 
     def whole(self, root: yaml.Node, name: str) -> tuple[RobotConfig, ...]:
         """Every block that has gains, with what no figure is made from."""
@@ -292,6 +296,7 @@ class _Reader:
 
     def _config(self, node: yaml.Node, block: _Block, above: tuple[_Block, ...], name: str) -> RobotConfig:
         out = Collector()
+        self.refused = None
         names = self._in_policy_order(self._names(block, above), (block, *reversed(above)))
         joints = tuple(names) if names is not None else None
         fields: dict[str, dict[str, Setting]] = {}
@@ -307,6 +312,8 @@ class _Reader:
                 lists[field] = NamelessList(found[0], len(found[1].value), self._span(found[1]))
             if found is not None and ".*" in values and isinstance(found[1], yaml.SequenceNode):
                 count = Setting(float(len(found[1].value)), self._span(found[1]))
+        if self.refused is not None and any(one.entries == len(self.refused.value) for one in lists.values()):
+            name_twice(self.refused, self.path, out)
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))
@@ -435,8 +442,11 @@ class _Reader:
             if not isinstance(item, yaml.ScalarNode) or item.tag != "tag:yaml.org,2002:str":
                 return None
             found[str(item.value)] = self._span(item)
+        if len(found) == len(node.value):
+            return found
         # A name twice would put every later number on a wrong joint.
-        return found if len(found) == len(node.value) else None
+        self.refused = self.refused or node
+        return None
 
     def _per_joint(
         self, key: str, node: yaml.Node, joints: tuple[str, ...] | None, out: Collector
@@ -476,6 +486,9 @@ class _Reader:
         if values:
             message = f"{key} is a list without joint names: which joint a value belongs to is not guessed"
             help = f"add joint_names: [...] with {len(values)} names in the order of the lists"
+            if self.refused is not None and len(self.refused.value) == len(values):
+                message = message.replace("without joint names", "whose joint names have one twice")
+                help = f"name each of its {len(values)} joints once"
             out.info("DEPLOY002", message, where=key, span=span, help=help)
         return {}
 
