@@ -227,7 +227,10 @@ def test_the_sdks_order_of_our_own(tmp_path: Path, sdk: str, expected: tuple[str
     [
         ("[.nan, 5]", ["leg.yaml:2:6: kp: hip has .nan, which is no finite number: it is not judged"]),
         ("[.inf, -.inf]", ["leg.yaml:2:6: kp: hip has .inf", "leg.yaml:2:12: kp: knee has -.inf"]),
-        ("[4, oops]", ["leg.yaml:2:9: kp: knee has oops, which is no number as YAML reads it: it is not judged"]),
+        (
+            "[4, oops]",
+            ["leg.yaml:2:9: kp: knee has oops, which is no number as YAML reads it: it is not judged"],
+        ),
         ("[4, null]", []),
         ("[left, right]", []),
     ],
