@@ -227,8 +227,8 @@ class _Reader:
     def __init__(self, path: str) -> None:
         self.path = path
         self.steps = 0
-        self.refused: yaml.SequenceNode | None = None
-        """The nearest list of joint names of this block that has one twice."""
+        self.refused: list[yaml.SequenceNode] = []
+        """Lists of joint names of the block at hand that have one twice, the nearest first."""
 
     def whole(self, root: yaml.Node, name: str) -> tuple[RobotConfig, ...]:
         """Every block that has gains, with what no figure is made from."""
@@ -296,7 +296,7 @@ class _Reader:
 
     def _config(self, node: yaml.Node, block: _Block, above: tuple[_Block, ...], name: str) -> RobotConfig:
         out = Collector()
-        self.refused = None
+        self.refused = []
         names = self._in_policy_order(self._names(block, above), (block, *reversed(above)))
         joints = tuple(names) if names is not None else None
         fields: dict[str, dict[str, Setting]] = {}
@@ -312,8 +312,9 @@ class _Reader:
                 lists[field] = NamelessList(found[0], len(found[1].value), self._span(found[1]))
             if found is not None and ".*" in values and isinstance(found[1], yaml.SequenceNode):
                 count = Setting(float(len(found[1].value)), self._span(found[1]))
-        if self.refused is not None and any(one.entries == len(self.refused.value) for one in lists.values()):
-            name_twice(self.refused, self.path, out)
+        for twice in self.refused[:1]:
+            if any(one.entries == len(twice.value) for one in lists.values()):
+                name_twice(twice, self.path, out)
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))
@@ -445,7 +446,7 @@ class _Reader:
         if len(found) == len(node.value):
             return found
         # A name twice would put every later number on a wrong joint.
-        self.refused = self.refused or node
+        self.refused.append(node)
         return None
 
     def _per_joint(
@@ -486,7 +487,7 @@ class _Reader:
         if values:
             message = f"{key} is a list without joint names: which joint a value belongs to is not guessed"
             help = f"add joint_names: [...] with {len(values)} names in the order of the lists"
-            if self.refused is not None and len(self.refused.value) == len(values):
+            if any(len(twice.value) == len(values) for twice in self.refused[:1]):
                 message = message.replace("without joint names", "whose joint names have one twice")
                 help = f"name each of its {len(values)} joints once"
             out.info("DEPLOY002", message, where=key, span=span, help=help)

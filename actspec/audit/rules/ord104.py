@@ -147,7 +147,7 @@ def _model(case: Case, index: int) -> Artifact | None:
 
 
 def _is_loaded(case: Case, config: RobotConfig, model: Artifact) -> bool:
-    """Whether a configuration names this very file, a URDF or MJCF, and both were named: with its folder, or beside it."""
+    """Whether a configuration names this very file with its folder, or lies beside it, and both were named."""
     if config.model is None or case.is_met_at(config.span) or case.is_met_at(Span(model.path)):
         return False
     written, there = (
