@@ -14,7 +14,7 @@ from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Reported, Suppressed
 from actspec.audit.places import json_fault, json_places
 from actspec.audit.selection import is_diagnostic
-from actspec.diagnostics import SEVERITIES, AuditError, Diagnostic, Severity, Span
+from actspec.diagnostics import SEVERITIES, AuditError, Diagnostic, Severity, Span, shell_word
 from actspec.files import NotRegular, TooLarge, json_of, name_in_file, read_regular
 from actspec.owned import put_file
 
@@ -191,7 +191,9 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
     except (NotRegular, TooLarge) as err:
         raise _error("AUD005", f"the baseline cannot be read: {err}", path) from err
     except OSError as err:
-        help = f"write it with --write-baseline {path}" if isinstance(err, FileNotFoundError) else None
+        # The settings name it before there is one; what is typed after `audit` is the user's.
+        write = f"`actspec audit FILE --write-baseline {shell_word(path)}` writes it; until then all is shown"
+        help = write if isinstance(err, FileNotFoundError) else None
         reason = (err.strerror or str(err)).lower()
         raise _error("AUD005", f"the baseline cannot be read: {reason}", path, help) from err
     except (ValueError, RecursionError) as err:

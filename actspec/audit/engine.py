@@ -35,7 +35,7 @@ from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
 from actspec.audit.selection import ALL, DIAGNOSTICS, NOT_JUDGED, is_diagnostic, is_selected, strength
 from actspec.audit.settings import Settings, beyond_known, not_read
-from actspec.diagnostics import Diagnostic, Severity, Span, listed
+from actspec.diagnostics import AuditError, Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileReading
 from actspec.readings.read import PendingFiles, without_fragments
 
@@ -103,8 +103,9 @@ def judge(
     everything = all_rules() if rules is None else tuple(rules)
     asked = tuple(rule for rule in everything if _is_asked_for(rule, settings))
     former = {old: rule.code for rule in everything for old in rule.aliases}
-    baseline = read_baseline(settings.baseline, former) if settings.baseline is not None else None
+    baseline, missing = _baseline(settings, former)
     found, skipped, problems = _run(asked, case)
+    problems += missing
     real_path = cache(os.path.realpath)  # it asks the system for each folder on the way
     by_code = {rule.code: rule for rule in everything}
     said_of = cache(lambda code: _severity_said(by_code[code], settings))
@@ -124,11 +125,19 @@ def judge(
     about = (*without_reason(remarks), *unused(useless), *unknown(remarks, everything))
     problems += dict.fromkeys((*said, *about))
     kept, suppressed = _in_order(without_doubtful(after.kept)), list(after.suppressed)
+    # Those of rules that are not asked for explain none of the others.
+    ignored, _, _ = _run(_ignored(everything, settings), case)
+    suppressed += (
+        Suppressed(item, Means.IGNORE) for item in _resolve(ignored, by_code, said_of, real_path, case)
+    )
+    kept = _split(kept, suppressed, Means.IGNORE, lambda item: _is_of_ignored(item.finding.names, settings))
     kept = _split(
         kept,
         suppressed,
         Means.SETTING,
-        lambda item: _ignored_by_setting(item.finding.span.path, called[item.finding.code], settings),
+        lambda item: _ignored_by_setting(
+            item.finding.span.path, (*called[item.finding.code], *item.finding.names), settings
+        ),
     )
     if baseline is not None:
         folder = os.path.dirname(settings.baseline or "")
@@ -157,6 +166,38 @@ def _is_asked_for(rule: type[Rule], settings: Settings) -> bool:
     """Whether a rule is to run. Files that rules cannot look at are reported to whoever asks for any rule."""
     select = (*settings.select, ALL) if rule.code.startswith(NOT_JUDGED) else settings.select
     return is_selected(rule.code, rule.names(), select, settings.ignore)
+
+
+def _ignored(rules: Iterable[type[Rule]], settings: Settings) -> Iterator[type[Rule]]:
+    """Rules that `ignore` alone keeps from running: how much it sets aside is counted, as of the other means."""
+    all_of = replace(settings, ignore=())
+    yield from (
+        rule
+        for rule in rules
+        if settings.ignore and _is_asked_for(rule, all_of) and not _is_asked_for(rule, settings)
+    )
+
+
+def _is_of_ignored(names: Sequence[str], settings: Settings) -> bool:
+    """Whether a finding reports a reader's remark that is ignored by its own code."""
+    return bool(names) and not is_selected(names[0], names[1:], (ALL,), settings.ignore)
+
+
+def _baseline(
+    settings: Settings, former: Mapping[str, str]
+) -> tuple[Counter[Entry] | None, tuple[Diagnostic, ...]]:
+    """The baseline; one that is not there hides nothing, and the run fails after what it finds is told.
+
+    Raises: AuditError: it cannot be read.
+    """
+    if settings.baseline is None:
+        return None, ()
+    try:
+        return read_baseline(settings.baseline, former), ()
+    except AuditError as err:
+        if os.path.lexists(settings.baseline):
+            raise
+        return None, err.diagnostics
 
 
 def _run(

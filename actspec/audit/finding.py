@@ -84,6 +84,7 @@ class Finding:
         fix: None: no automatic fix.
         about: What tells it from others of its rule about this joint or file where `value` does not: a key, a pattern,
             a field, figures as written. Baselines hold it, so it has no words of the message and no line.
+        names: What else it is called in settings: code and name of the reader's remark that it reports.
         noted_in_folders: Whether it is a note in a file that was met in a folder, where those of its rule are not all.
         severity: Where it differs from the rule's own; None: the rule's.
         confidence: Likewise.
@@ -96,6 +97,7 @@ class Finding:
     joints: tuple[str, ...] = field(default=(), kw_only=True)
     fields: tuple[str, ...] = field(default=(), kw_only=True)
     about: str = field(default="", kw_only=True)
+    names: tuple[str, ...] = field(default=(), kw_only=True)
     noted_in_folders: bool = field(default=False, kw_only=True)
     value: float | None = None
     unit: str | None = None

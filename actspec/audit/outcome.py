@@ -34,6 +34,12 @@ UNKNOWN = frozenset({"AUD015", "CFG001", "DEPLOY002", STEP_OF_WHAT})
 LOST_FILE = "AUD021"
 """Code of a file that the baseline has findings of and that is not there: the one remark that an exit code counts."""
 
+NO_BASELINE = "AUD005"
+"""Code of a baseline that is not there, or cannot be read."""
+
+_OF_NAMED = frozenset({"DEPLOY004", STEP_OF_WHAT})
+"""Remarks that are none in a folder, where a file may be somebody else's."""
+
 
 @dataclass(frozen=True, slots=True)
 class Reported:
@@ -60,6 +66,7 @@ class Means(str, Enum):
     """How a finding was set aside."""
 
     INLINE = "inline"
+    IGNORE = "ignore"
     SETTING = "per-file-ignores"
     BASELINE = "baseline"
     CONFIDENCE = "min-confidence"
@@ -116,8 +123,9 @@ class Report:
 
     @property
     def misnamed(self) -> bool:
-        """Whether something that was named is not there."""
-        return any(file.names_nothing for file in self.case.files)
+        """Whether something that was named is not there: a file, or the baseline."""
+        lost = any(item.code == NO_BASELINE for item in self.problems)
+        return lost or any(file.names_nothing for file in self.case.files)
 
     @property
     def complete(self) -> bool:
@@ -151,15 +159,15 @@ class Report:
         return codes_run(self.rules, self.skipped, self.problems)
 
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """What readers and rules have to say; why a file could not be read is a finding."""
+        """What readers and rules have to say; why a file could not be read, and what is not taken, are findings."""
         found: list[Diagnostic] = []
         for file in self.case.files:
             found += (
                 item
                 for item in said_of(file)
                 if (file.readable or file.names_nothing or item.severity is not Severity.ERROR)
-                # Of files that nobody named it is nobody's question.
-                and not (file.in_folder and item.code == STEP_OF_WHAT)
+                and item not in file.not_taken
+                and not (file.in_folder and item.code in _OF_NAMED)
             )
             found += _from_text(file)
         said = (*found, *_unpaired(self.case), *self.problems)

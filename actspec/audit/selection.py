@@ -23,7 +23,8 @@ DIAGNOSTICS = {
     "DEPLOY001": "list-length",
     "DEPLOY002": "list-without-names",
     "DEPLOY003": "no-number",
-    "DEPLOY004": "step-of-what",
+    "DEPLOY004": "stands-twice",
+    "DEPLOY005": "step-of-what",
 }
 """What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
 

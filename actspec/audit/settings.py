@@ -25,6 +25,7 @@ from actspec.diagnostics import (
     nearest,
     shortened,
 )
+from actspec.readings.artifact import NOT_TAKEN
 from actspec.readings.versions import Versions
 from actspec.simulators import release, text_of
 
@@ -331,6 +332,8 @@ class _Reader:
                 refused = (
                     "a model that you name and MuJoCo refuses is AUD020" if selector == "AUD013" else None
                 )
+                if selector in NOT_TAKEN:
+                    refused = "of a file that you name it is AUD022"
                 self._error("AUD004", message, (*way, selector), refused)
             severity = self._one_of(item, (*way, selector), {s.value: s for s in Severity})
             if severity is not None:

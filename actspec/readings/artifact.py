@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Diagnostic, Span
+from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.robot.view import ModelFile, RobotView
 
 if TYPE_CHECKING:
@@ -329,6 +329,14 @@ PHYSX = "PhysX"
 NAMES_NOTHING = ("AUD014", "AUD016")
 """Codes of names that stand for no file."""
 
+NOT_TAKEN = frozenset({"DEPLOY001", "DEPLOY003", "DEPLOY004", "ROBOT009", "ROBOT123", "ROBOT124"})
+"""Warnings of readers that the file contradicts itself, so that something of it is not taken as it is written.
+
+The others tell no fault of the file: MuJoCo's own warnings, which its releases add to (ROBOT112), a mesh that is not
+there (ROBOT114), a URDF that MuJoCo refuses and other programs take (AUD013), where actspec stops reading (CFG001).
+Limits of 0 are a rule's (ROBOT125).
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class FileReading:
@@ -379,6 +387,17 @@ class FileReading:
         if self.in_folder or self.included:
             return ()
         return tuple(artifact for artifact in self.artifacts if artifact.is_refused)
+
+    @property
+    def not_taken(self) -> tuple[Diagnostic, ...]:
+        """What is not taken as it is written, of a file that somebody named."""
+        if self.in_folder or not self.readable:
+            return ()
+        return tuple(
+            item
+            for item in dict.fromkeys(self.diagnostics)
+            if item.code in NOT_TAKEN and item.severity is Severity.WARNING
+        )
 
     @property
     def names_nothing(self) -> bool:

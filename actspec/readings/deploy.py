@@ -33,6 +33,7 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.deploy_steps import STEP_OF_WHAT, steps_of
 from actspec.readings.leftover import Leftover
+from actspec.readings.twice import keys_twice, name_twice
 from actspec.robot.view import ModelFile
 from actspec.spec.yaml_problems import too_deep
 
@@ -142,6 +143,7 @@ def read_deploy(path: str, data: bytes) -> FileReading:
     name = os.path.splitext(os.path.basename(path))[0]
     try:
         configs = () if root is None else _Reader(path).whole(root, name)
+        twice = () if root is None or not configs else keys_twice(root, path)
     except Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,), refused=err.span(path))
     if not configs:
@@ -152,7 +154,7 @@ def read_deploy(path: str, data: bytes) -> FileReading:
         None,
         tuple(Artifact(path, FileKind.DEPLOY, config.name, config=config) for config in configs),
         (file,),
-        tuple(note for config in configs for note in config.notes),
+        (*(note for config in configs for note in config.notes), *twice),
     )
 
 
@@ -219,6 +221,8 @@ class _Reader:
     def __init__(self, path: str) -> None:
         self.path = path
         self.steps = 0
+        self.refused: list[yaml.SequenceNode] = []
+        """Lists of joint names of the block at hand that have one twice, the nearest first."""
 
     def whole(self, root: yaml.Node, name: str) -> tuple[RobotConfig, ...]:
         """Every block that has gains, with what no figure is made from."""
@@ -286,6 +290,7 @@ class _Reader:
 
     def _config(self, node: yaml.Node, block: _Block, above: tuple[_Block, ...], name: str) -> RobotConfig:
         out = Collector()
+        self.refused = []
         names = self._in_policy_order(self._names(block, above), (block, *reversed(above)))
         joints = tuple(names) if names is not None else None
         fields: dict[str, dict[str, Setting]] = {}
@@ -301,6 +306,9 @@ class _Reader:
                 lists[field] = NamelessList(found[0], len(found[1].value), self._span(found[1]))
             if found is not None and ".*" in values and isinstance(found[1], yaml.SequenceNode):
                 count = Setting(float(len(found[1].value)), self._span(found[1]))
+        for twice in self.refused[:1]:
+            if any(one.entries == len(twice.value) for one in lists.values()):
+                name_twice(twice, self.path, out)
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))
@@ -424,8 +432,11 @@ class _Reader:
             if not isinstance(item, yaml.ScalarNode) or item.tag != "tag:yaml.org,2002:str":
                 return None
             found[str(item.value)] = self._span(item)
+        if len(found) == len(node.value):
+            return found
         # A name twice would put every later number on a wrong joint.
-        return found if len(found) == len(node.value) else None
+        self.refused.append(node)
+        return None
 
     def _per_joint(
         self, key: str, node: yaml.Node, joints: tuple[str, ...] | None, out: Collector
@@ -465,6 +476,9 @@ class _Reader:
         if values:
             message = f"{key} is a list without joint names: which joint a value belongs to is not guessed"
             help = f"add joint_names: [...] with {len(values)} names in the order of the lists"
+            if any(len(twice.value) == len(values) for twice in self.refused[:1]):
+                message = message.replace("without joint names", "whose joint names have one twice")
+                help = f"name each of its {len(values)} joints once"
             out.info("DEPLOY002", message, where=key, span=span, help=help)
         return {}
 

@@ -10,7 +10,7 @@ import yaml
 from actspec.diagnostics import Collector
 from actspec.readings.artifact import Setting
 
-STEP_OF_WHAT = "DEPLOY004"
+STEP_OF_WHAT = "DEPLOY005"
 """Code of the remark on a `dt` of which nobody knows what it is a step of."""
 
 TIMES = {

@@ -85,7 +85,7 @@ class DriveReading:
         return self._gain("kd", self.units.velocity_gain)
 
     def _gain(self, name: str, unit: str) -> Quantity:
-        view, place = self.view, self.place(*_STATED_BY[name])
+        view, place = self.view, self._place_of_gain(name)
         if name in view.unknown:
             return unknown(unit, NOT_IN_FILE, place)
         value: float = getattr(view, name)
@@ -206,7 +206,14 @@ class DriveReading:
     def places(self) -> dict[str, Span]:
         """Figure that it states to where."""
         said = _said_of_actuator(self.view.stated, self.is_torque)
-        return {figure: self.view.places.get(name, self.view.span) for figure, name in said}
+        found = {figure: self.view.places.get(name, self.view.span) for figure, name in said}
+        return found | {figure: self._place_of_gain(figure) for figure in ("kp", "kd") if figure in found}
+
+    def _place_of_gain(self, name: str) -> Span:
+        """Where a gain is written: in the element, whichever attribute has it there, before its class."""
+        words = _STATED_BY[name]
+        own = any(word in self.view.stated and word not in self.view.places for word in words)
+        return self.view.span if own else self.place(*words)
 
     def place(self, *attributes: str) -> Span:
         """Where the first of these attributes is written: in the element, or in its default class."""

@@ -30,6 +30,7 @@ NOUNS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "n
 
 _MEANS = {
     Means.INLINE: "ignored in the files",
+    Means.IGNORE: "by ignore",
     Means.SETTING: "by per-file-ignores",
     Means.BASELINE: "in the baseline",
     Means.CONFIDENCE: "below --min-confidence",

@@ -40,7 +40,7 @@ from actspec.robot.attached import key_of, opened_by
 from actspec.robot.sizes import check
 from actspec.robot.view import ModelFile, ModelFormat
 from actspec.robot.xml import parse_document
-from actspec.robot.xml_tree import NUMBER, Element, XmlDocument
+from actspec.robot.xml_tree import NUMBER, Element, XmlDocument, legible
 
 if TYPE_CHECKING:
     import mujoco
@@ -415,7 +415,7 @@ def splice(document: XmlDocument) -> SplicedText:
     def put(index: int, begin: int, end: int) -> None:
         nonlocal line
         data = files[index].data
-        piece = data[begin:end].removeprefix(b"\xef\xbb\xbf") + b"\n"
+        piece = legible(data[begin:end].removeprefix(b"\xef\xbb\xbf")) + b"\n"
         starts.append(line)
         origins.append((files[index].path, 1 + data.count(b"\n", 0, begin)))
         pieces.append(piece)

@@ -136,7 +136,7 @@ class Element:
 
 def as_unicode(text: str) -> str:
     """What UTF-8 means that is held with one character a byte."""
-    return text if text.isascii() else text.encode("latin-1").decode()
+    return text if text.isascii() else text.encode("latin-1").decode("utf-8", "replace")
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,11 +231,12 @@ def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> lis
     Raises: Malformed: it is no XML that is read here.
     """
     check_encoding(file.path, file.data)
+    data = legible(file.data)
     try:
-        return _scan(file, _Lenient(file.data), index, depth, before, most)
+        return _scan(file, _Lenient(data), index, depth, before, most)
     except Malformed as err:
-        lenient = _as_mujoco_reads(file.data) if err.diagnostic.code == _NOT_XML else None
-        if lenient is None or lenient.data == file.data:
+        lenient = _as_mujoco_reads(data) if err.diagnostic.code == _NOT_XML else None
+        if lenient is None or lenient.data == data:
             raise
     return _scan(file, lenient, index, depth, before, most)
 
@@ -428,36 +429,68 @@ class Malformed(Exception):
         self.root = root
 
 
+_SINGLE_BYTES = re.compile(r"iso[-_]?8859[-_]\d{1,2}|windows[-_]?125\d|cp125\d|latin[-_]?1", re.IGNORECASE)
+"""Encodings in which each byte is a character, and those of ASCII are ASCII's, as CAD programs declare them."""
+
+
 def check_encoding(path: str, data: bytes) -> None:
-    """Refuse what is not UTF-8, or is declared as another encoding and has more than ASCII.
+    """Refuse what readers of XML do not all take for the same.
+
+    MuJoCo takes the bytes as they are, whatever is declared, and refuses UTF-16: measured with 4.0, by tinyxml2, which
+    urdfdom reads with too. So a file that declares another encoding is read where only comments and text have more than
+    ASCII. What is no UTF-8 and declares nothing else is refused.
 
     Raises: Malformed: with the first byte at fault.
     """
     help = 'save the file as UTF-8 and declare encoding="utf-8"'
     if data.startswith((b"\xff\xfe", b"\xfe\xff")) or b"\0" in data[:2]:
         place = Span(path, 1)
+        help += " (MuJoCo does not read it either)"
         raise Malformed(
             Diagnostic("ROBOT003", Severity.ERROR, "the file is UTF-16 or UTF-32", "", place, help), None
         )
-    try:
-        data.decode("utf-8")
-    except UnicodeDecodeError as err:
-        message = f"the file is not UTF-8: byte 0x{data[err.start]:02x}"
-        place = place_of(path, data, err.start)
-        help += _LENIENT
-        raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None) from err
+    if data.isascii():
+        return
     body = data.removeprefix(_BOM)
     declared = _DECLARED.match(body)
-    if declared is None or body.isascii():
-        return
-    name = declared[1].decode("ascii")
-    if name.lower().replace("-", "").replace("_", "") == "utf8":
-        return
-    first = next(i for i, byte in enumerate(body) if byte > 127)
-    place = place_of(path, data, first + len(data) - len(body))
-    message = f"the file declares encoding {name!r} and has a character that is not ASCII"
+    name = declared[1].decode("ascii") if declared is not None else "utf-8"
     help += _LENIENT
-    raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None)
+    if name.lower().replace("-", "").replace("_", "") == "utf8":
+        try:
+            data.decode("utf-8")
+        except UnicodeDecodeError as err:
+            message = f"the file is not UTF-8: byte 0x{data[err.start]:02x}"
+            place = place_of(path, data, err.start)
+            raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None) from err
+        return
+    whole = _SINGLE_BYTES.fullmatch(name) is None
+    first = next(iter(_beyond_ascii(body, whole)), None)
+    if first is not None:
+        place = place_of(path, data, first + len(data) - len(body))
+        message = f"the file declares encoding {name!r} and has a character that is not ASCII"
+        raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None)
+
+
+_MARKUP = re.compile(rb"<!--.*?(?:-->|\Z)|<\?.*?(?:\?>|\Z)|<(?:[^<>\"']|\"[^\"]*\"|'[^']*')*", re.DOTALL)
+_BEYOND = re.compile(rb"[\x80-\xff]")
+
+
+def _beyond_ascii(data: bytes, whole: bool) -> Iterator[int]:
+    """Where bytes are that are not ASCII: in tags, or anywhere."""
+    for found in (re.compile(rb"(?s).*").match(data),) if whole else _MARKUP.finditer(data):
+        if found is not None and (whole or not found[0].startswith((b"<!--", b"<?"))):
+            yield from (one.start() for one in _BEYOND.finditer(data, found.start(), found.end()))
+
+
+def legible(data: bytes) -> bytes:
+    """A file of which `check_encoding` has taken the encoding, as UTF-8 with each byte in its place: what is none, in
+    comments and text, is a question mark.
+    """
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        return _BEYOND.sub(b"?", data)
+    return data
 
 
 def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> tuple[str, str | None]:

@@ -190,7 +190,7 @@ def test_the_same_of_many_joints_is_said_once(capsys: pytest.CaptureFixture[str]
         for child, effort, speed in (("b", -1, 1), ("c", -1, 1), ("d", 5, -1), ("e", -1, 1))
     )
     Path("r.urdf").write_text(f'<robot name="r">{links}{joints}</robot>')
-    run("audit", "r.urdf")
+    run("audit", ".")
     told = [line for line in capsys.readouterr().err.splitlines() if "ROBOT123" in line]
     assert [line.partition(": ROBOT123 [warning] ")[2].partition(":")[0] for line in told] == [
         "jb, jc, je",

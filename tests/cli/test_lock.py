@@ -530,7 +530,7 @@ def test_a_lock_from_before_dt(dt: str, told: str, capsys: pytest.CaptureFixture
     Path("deploy.yaml").write_text(f"joint_names: [hip, knee]\nkps: [100, 150]\ndt: {dt}\n{rate}")
     main(["lock", "deploy.yaml"])
     said = capsys.readouterr().err
-    assert ("deploy.yaml:3:5: DEPLOY004 [info] dt: 0.002 s is a step" in said) is (dt == "0.002")
+    assert ("deploy.yaml:3:5: DEPLOY005 [info] dt: 0.002 s is a step" in said) is (dt == "0.002")
     found = lock()
     del found["hash"]
     robot = found["files"]["deploy.yaml"]["robots"]["deploy"]

@@ -118,7 +118,7 @@ def test_nobody_is_asked_about_a_file_that_was_met(tmp_path: Path, monkeypatch: 
     monkeypatch.chdir(tmp_path)
     for named, count in (("deploy.yaml", 1), (".", 0)):
         told = audit([named], Settings()).for_people()
-        assert [item.code for item in told if item.code == "DEPLOY004"] == ["DEPLOY004"] * count
+        assert [item.code for item in told if item.code == "DEPLOY005"] == ["DEPLOY005"] * count
 
 
 def test_lists_in_the_policys_order(tmp_path: Path) -> None:
@@ -295,9 +295,12 @@ def test_the_sdks_order_of_our_own(tmp_path: Path, sdk: str, expected: tuple[str
 @pytest.mark.parametrize(
     ("kp", "said"),
     [
-        ("[.nan, 5]", ["leg.yaml:2:6: hip has .nan, which is no finite number: it is not judged"]),
-        ("[.inf, -.inf]", ["leg.yaml:2:6: hip has .inf", "leg.yaml:2:12: knee has -.inf"]),
-        ("[4, oops]", ["leg.yaml:2:9: knee has oops, which is no number as YAML reads it: it is not judged"]),
+        ("[.nan, 5]", ["leg.yaml:2:6: kp: hip has .nan, which is no finite number: it is not judged"]),
+        ("[.inf, -.inf]", ["leg.yaml:2:6: kp: hip has .inf", "leg.yaml:2:12: kp: knee has -.inf"]),
+        (
+            "[4, oops]",
+            ["leg.yaml:2:9: kp: knee has oops, which is no number as YAML reads it: it is not judged"],
+        ),
         ("[4, null]", []),
         ("[left, right]", []),
     ],
@@ -307,7 +310,7 @@ def test_what_is_no_number(kp: str, said: list[str], tmp_path: Path, monkeypatch
     monkeypatch.chdir(tmp_path)
     Path("leg.yaml").write_text(f"joint_names: [hip, knee]\nkp: {kp}\nkd: [1, 1]\n")
     report = audit(["leg.yaml"], Settings(select=("SRC103",)))
-    found = [f"{item.span}: {item.message}" for item in report.for_people() if item.code == "DEPLOY003"]
+    found = [f"{item.finding.span}: {item.finding.message}" for item in report.findings]
     assert len(found) == len(said) and all(
         text.startswith(start) for text, start in zip(found, said, strict=True)
     )

@@ -356,6 +356,38 @@ def test_places_and_what_is_stated() -> None:
     assert found.stated == {"kp", "kd", "effort_limit", "joint_damping", "armature"}
 
 
+@pytest.mark.parametrize(
+    ("own", "lines", "gains"),
+    [
+        # The element's biasprm takes the place of what its class's kp and kv make: kp is -30, at its own line.
+        (
+            '<general class="leg" joint="j" gainprm="30" biastype="affine" biasprm="0 30 -0.8"/>',
+            (7, 7),
+            (-30, 0.8),
+        ),
+        ('<position class="leg" joint="j"/>', (2, 2), (7, 0.5)),
+        ('<position class="leg" joint="j" kv="2"/>', (2, 7), (7, 2)),
+        # Of a class of general actuators, whose biasprm states both.
+        ('<position class="arm" joint="j" kp="9"/>', (7, 3), (9, 4)),
+    ],
+)
+def test_a_gain_is_placed_where_it_comes_from(
+    own: str, lines: tuple[int, int], gains: tuple[float, float]
+) -> None:
+    """The element goes before its class, whichever attributes they have it in."""
+    text = f"""<mujoco><default>
+<default class="leg"><position kp="7" kv="0.5"/></default>
+<default class="arm"><general gainprm="6" biastype="affine" biasprm="0 -6 -4"/></default></default>
+<worldbody><body>
+<joint name="j"/><geom size="1"/></body></worldbody>
+<actuator>
+{own}
+</actuator></mujoco>"""
+    (found,) = rows(text)
+    assert (found.place("kp").line, found.place("kd").line) == lines
+    assert (found.kp, found.kd) == gains
+
+
 def test_default_position_is_the_keyframes() -> None:
     """qpos0 alone is nobody's default pose."""
     actuator = '<motor joint="j"/>'

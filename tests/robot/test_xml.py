@@ -233,6 +233,21 @@ def test_walk_and_sections() -> None:
             "2:7: ROBOT003: the file declares encoding 'ISO-8859-1' and has a character that is not ASCII",
             id="declared latin 1",
         ),
+        pytest.param(
+            "<?xml version='1.0' encoding='ISO-8859-1'?>\n<!-- é --><a x='é'/>".encode("latin-1"),
+            "2:17: ROBOT003: the file declares encoding 'ISO-8859-1' and has a character that is not ASCII",
+            id="latin 1 in a value",
+        ),
+        pytest.param(
+            "<?xml version='1.0' encoding='ISO-8859-1'?><a x='>é'/>".encode("latin-1"),
+            "1:51: ROBOT003: the file declares encoding 'ISO-8859-1' and has a character that is not ASCII",
+            id="latin 1 behind a bracket in a value",
+        ),
+        pytest.param(
+            b"<?xml version='1.0' encoding='utf-16'?><!-- \xc3\xa9 --><a/>",
+            "1:45: ROBOT003: the file declares encoding 'utf-16' and has a character that is not ASCII",
+            id="no encoding of single bytes",
+        ),
         pytest.param("<a/>".encode("utf-16"), "1: ROBOT003: the file is UTF-16 or UTF-32", id="utf-16"),
         pytest.param("<a/>".encode("utf-16-be"), "1: ROBOT003: the file is UTF-16 or UTF-32", id="no mark"),
         pytest.param(

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from os.path import basename
 from typing import ClassVar
@@ -121,7 +122,8 @@ class PatternMatchesNothing(RuleOver[_Subject]):
             other = near and len(missing) > 1 and case.is_met_at(group.span)
             # The robot of the configuration has those joints, and so not others in their place.
             instead = () if near or case.is_met_at(group.span) else lost
-            severity, confidence = _SURE if key else _NEAR if (near and not other) or instead else _UNSURE
+            likely = (near and not other) or instead or _is_loaded(case, config, model)
+            severity, confidence = _SURE if key else _NEAR if likely else _UNSURE
             yield Finding(
                 self.code,
                 f"the pattern '{shortened(pattern)}' matches no joint of {basename(model.path)}: with these joint "
@@ -142,6 +144,20 @@ def _model(case: Case, index: int) -> Artifact | None:
     """The model of the configuration's robot."""
     members = (case.artifacts[other] for other in case.robot_of(index).artifacts)
     return next((member for member in members if member.robot is not None), None)
+
+
+def _is_loaded(case: Case, config: RobotConfig, model: Artifact) -> bool:
+    """Whether a configuration names this very file with its folder, or lies beside it, and both were named."""
+    if config.model is None or case.is_met_at(config.span) or case.is_met_at(Span(model.path)):
+        return False
+    written, there = (
+        path.replace("\\", "/").split("/") for path in (config.model, os.path.abspath(model.path))
+    )
+    beside = os.path.dirname(os.path.abspath(config.span.path)) == os.path.dirname(
+        os.path.abspath(model.path)
+    )
+    parts = 1 if beside else 2
+    return len(written) >= parts and written[-parts:] == there[-parts:]
 
 
 def _lost(config: RobotConfig, names: Sequence[str]) -> tuple[str, ...]:

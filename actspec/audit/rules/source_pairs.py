@@ -30,6 +30,9 @@ SAME = 0.01
 GRAVE = 2.0
 """From here a limit that differs is an error. Chosen: revisions and safety margins of one motor stay below."""
 
+POSE = 0.01
+"""Chosen: rad or m up to which two default positions are one, half a degree."""
+
 _PUBLISHED = {"effort_limit": "effort", "velocity_limit": "velocity"}
 """Figures that makers publish of their robots, and what they are in the table of known ones."""
 
@@ -116,7 +119,7 @@ def disagreements(
         for found in every:
             wrong = _by_what_is_published(case, found)
             if not wrong.published:
-                wrong = _by_kinds(wrong, by_kinds)
+                wrong = _by_range(case, wrong) or _by_kinds(case, wrong, by_kinds)
             # Several files may be right beside one that is not.
             at = (wrong.rows[0].artifact, wrong.rows[0].joint)
             if wrong is found or at not in blamed:
@@ -178,7 +181,37 @@ def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
     return replace(found.turned if here else found, published=name)
 
 
-def _by_kinds(found: Disagreement, stated: Mapping[str, Mapping[FileKind, set[float]]]) -> Disagreement:
+def _by_range(case: Case, found: Disagreement) -> Disagreement | None:
+    """Turned where only the other file's default position is one that the joint cannot take; None: that tells nobody.
+
+    Only in files that are named: what is found in folders is as it was judged (docs/survey.md).
+    """
+    if found.field != "default_position" or _is_met(case, found):
+        return None
+    joint = found.rows[0].joint
+    ranges = {
+        row.position_range
+        for index in case.robot_of(found.rows[0].artifact).artifacts
+        for row in case.joints.get((index, joint), ())
+        if row.position_range is not None
+    }
+    mine, theirs = (
+        bool(ranges) and all(not low - POSE <= (side.value or 0.0) <= high + POSE for low, high in ranges)
+        for side in (found.mine, found.theirs)
+    )
+    if mine == theirs:
+        return None
+    return found if mine else found.turned
+
+
+def _is_met(case: Case, found: Disagreement) -> bool:
+    """Whether one of the two files was met in a folder."""
+    return any(case.is_met(rows[0].artifact) for rows in (found.rows, found.others))
+
+
+def _by_kinds(
+    case: Case, found: Disagreement, stated: Mapping[str, Mapping[FileKind, set[float]]]
+) -> Disagreement:
     """Turned where files of more kinds have the figure of the departing one than the other's; or where no
     kind has either, but more are near it: of 52, 60 and 520 the last is the odd one.
 
@@ -199,7 +232,13 @@ def _by_kinds(found: Disagreement, stated: Mapping[str, Mapping[FileKind, set[fl
     if found.ratio is None:
         # Nothing is near 0.
         return found
-    mine, theirs = count(lambda one, other: max(one, other) < GRAVE * min(one, other))
+    # Of figures below 0, as of a pose, none is near another in a folder, where it is as it was judged.
+    size = float if _is_met(case, found) else abs
+    mine, theirs = count(
+        lambda one, other: (
+            one * other > 0.0 and max(size(one), size(other)) < GRAVE * min(size(one), size(other))
+        )
+    )
     return found.turned if mine > theirs else found
 
 

@@ -4,13 +4,10 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rules.source_pairs import Disagreement, compared, disagreements
+from actspec.audit.rules.source_pairs import POSE, Disagreement, compared, disagreements
 from actspec.audit.rules.source_rule import SourceRule, is_of_one_training, shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
-
-POSE = 0.01
-"""Chosen: rad or m up to which two default positions are one, half a degree."""
 
 
 class ActionOrPose(SourceRule):
