@@ -58,11 +58,17 @@ class Setting:
             (joint pattern to number, in the author's order). Meaningless when `unknown` is set.
         span: Where it is written.
         unknown: Why it could not be folded (`a loop`, `name FOO comes from another package`); None when known.
+        places: Where the value of a key stands, of those that stand in the dict itself.
     """
 
     value: float | str | bool | tuple[object, ...] | Mapping[str, object] | None
     span: Span
     unknown: str | None = None
+    places: Mapping[str, Span] = field(default_factory=dict, compare=False)
+
+    def place(self, key: str) -> Span:
+        """Where a key of by-pattern values stands; the whole where nobody knows."""
+        return self.places.get(key, self.span)
 
     @property
     def number(self) -> float | None:
