@@ -498,7 +498,8 @@ def _twice(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
             owner = _CALLED.get(name, name)
             known = listed((joint for some in taken.values() for joint in some), 4)
             others = listed(f"`{one_line(other)}`" for other in taken)
-            message = f"`{one_line(key)}` of {owner} is for {known}, which {others} {'are' if len(taken) > 1 else 'is'} for already"
+            are = "are" if len(taken) > 1 else "is"
+            message = f"`{one_line(key)}` of {owner} is for {known}, which {others} {are} for already"
             severity = Severity.WARNING
             if refuses_two(framework, name):
                 help = f"let one key match each joint: {robot} is refused for it when the robot is made"

@@ -1,10 +1,10 @@
 """Keys of values by joint: whether one may match a joint, what one that matches none was meant for, and which of two
 for one joint counts.
 
-Source of the last: Isaac Lab 2.2.0 and 2.3.2 and mjlab 1.6.0, `resolve_matching_names_values` (ValueError "Multiple
-matches"), which Isaac Lab has for gains, limits and poses, mjlab for action scales; mjlab 1.6.0, `resolve_expr`, for its
-poses: the first whose pattern begins the name (`re.match`). legged_gym, legged_robot.py, `_init_buffers`: no `break`, so
-the last key of `stiffness` that is part of the name, for both gains; a pose by the whole name.
+Source of the last: Isaac Lab 2.2.0 and 2.3.2, mjlab 1.6.0, `resolve_matching_names_values` (ValueError "Multiple
+matches"), by which Isaac Lab reads gains, limits, scales and poses, mjlab scales; mjlab 1.6.0, `resolve_expr`, for its
+poses: the first whose pattern begins the name (`re.match`). legged_gym, legged_robot.py, `_init_buffers`: no `break`,
+so the last key of `stiffness` that is part of the name, for both gains; a pose by the whole name.
 """
 
 from __future__ import annotations
