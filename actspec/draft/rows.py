@@ -96,8 +96,11 @@ def rows_of(joint: JointActuator, kinds: Sequence[FileKind], *, speeds: bool) ->
         hint = "" if nominal.known else nominal.note or "not stated"
         rows["delay"] = _row(nominal, hint, _delay(joint.delay))
     add("encoder_bias", joint.encoder_bias, "encoder_bias", always=False)
-    if joint.action_scale is not None:
-        add("action_scale", joint.action_scale, "action_scale", always=False)
+    scale = joint.action_scale
+    if scale is not None:
+        # One that stands in a file and could not be read is told.
+        unread = not scale.known and scale.span is not None
+        add("action_scale", scale, "action_scale", always=unread)
     for part in FRICTION:
         add(part.spec, getattr(joint, part.ir), part.ir, always=not part.optional)
     return rows

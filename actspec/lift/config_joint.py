@@ -84,7 +84,10 @@ class ConfigJoint:
             for name, setting in group.settings.items()
             if name not in self._idle
         }
-        own = {n: settled(config.framework, n, s, self.joint) for n, s in config.settings.items()}
+        own = {
+            n: settled(config.framework, n, s, self.joint)
+            for n, s in {**config.settings, **config.looped}.items()
+        }
         acting = replace(group, settings=used)
         self._figures = figures_of(
             replace(config, settings=own),

@@ -217,6 +217,7 @@ class RobotConfig:
         entries: Numbers that no figure is made from and that may be of a joint, by where they stand: those of lists and
             maps (`entry 3 of kps`), and what is assigned to a robot that is not read.
         others: Other values that no figure is made from, likewise.
+        looped: Settings that a loop of the file fills, for import: the audit's figures are without them.
     """
 
     framework: Framework
@@ -231,6 +232,7 @@ class RobotConfig:
     nameless_lists: Mapping[str, NamelessList] = field(default_factory=dict)
     entries: Mapping[str, Setting] = field(default_factory=dict)
     others: Mapping[str, Setting] = field(default_factory=dict)
+    looped: Mapping[str, Setting] = field(default_factory=dict)
 
     @property
     def physics_dt(self) -> float | None:
