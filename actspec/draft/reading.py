@@ -491,8 +491,10 @@ def _twice(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
         own = [joint for joint, _ in selected(config, group, joints)]
         every += [(name, setting, own) for name, setting in group.settings.items()]
     for name, setting, mine in every if framework is not Framework.DEPLOY else ():
+        # mjlab's classes take one number, and no dict; legged_gym looks damping up by the keys of stiffness.
         if framework is Framework.MJLAB and name not in _CALLED:
-            # Its classes take one number, and no dict.
+            continue
+        if framework is Framework.LEGGED_GYM and name == "damping":
             continue
         for key, taken in again(framework, name, setting, mine):
             owner = _CALLED.get(name, name)
