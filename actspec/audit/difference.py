@@ -263,7 +263,9 @@ def _settings(old: RobotDynamics, new: RobotDynamics, tolerance: float) -> Itera
         if isinstance(before, str) or isinstance(after, str) or not same(before, after, tolerance):
             if before == after:
                 continue
-            yield _setting(name, before, after)
+            # A step that a spec leaves to the engine is nobody's number.
+            ends = [None if _is_left(side, name) else side.settings.get(name) for side in (old, new)]
+            yield _setting(name, *ends, *[NOT_STATED] * (ends != [before, after]))
 
 
 def _settings_left(old: RobotDynamics, new: RobotDynamics) -> tuple[int, list[Change]]:
@@ -284,7 +286,11 @@ def _settings_left(old: RobotDynamics, new: RobotDynamics) -> tuple[int, list[Ch
 
 def _says(robot: RobotDynamics, name: str) -> bool:
     """Whether a file has a setting: a model has its engine's default too, a spec leaves that to the model."""
-    return name in robot.settings and not (robot.kind is FileKind.SPEC and name in robot.unstated)
+    return name in robot.settings and not _is_left(robot, name)
+
+
+def _is_left(robot: RobotDynamics, name: str) -> bool:
+    return robot.kind is FileKind.SPEC and name in robot.unstated
 
 
 def _orders(old: RobotDynamics, new: RobotDynamics) -> Iterator[Change]:

@@ -193,6 +193,12 @@ def pose_lines(combined: Combined) -> list[Line]:
 def pose_remark(combined: Combined) -> str:
     """Why there are no such lines."""
     poses = [joint.default_position for joint in combined.actuators.joints]
+    unread = [
+        j for j in combined.actuators.joints if not j.default_position.known and j.default_position.span
+    ]
+    if unread and any(map(stated, poses)):
+        names = listed((joint.joint for joint in unread), 4)
+        return comment(f"stated as 0, but for {names}: {unread[0].default_position.note}")
     if any(map(stated, poses)):
         return "stated as 0"
     return comment(next((pose.note for pose in poses if not pose.known and pose.note), "not stated"))

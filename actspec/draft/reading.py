@@ -23,7 +23,7 @@ from actspec.diagnostics import (
 from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remark_of
 from actspec.draft.environment import are_one, in_environment, written_once
 from actspec.draft.including import including
-from actspec.draft.sources import RobotReading
+from actspec.draft.sources import RobotReading, stated
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
 from actspec.lift.config import asset_of
@@ -36,13 +36,14 @@ from actspec.readings.artifact import (
     Setting,
     without_comments,
 )
-from actspec.readings.config import lost_keys, plain_name
-from actspec.readings.dict_keys import meant_for
+from actspec.readings.config import lost_keys, plain_name, selected
+from actspec.readings.dict_keys import POSE, again, meant_for, refuses_two
 from actspec.readings.joint_lists import fitting, joint_lists, names_of, other_endings
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
+from actspec.units import format_quantity
 
 _PART_ROOT = b"<mujocoinclude"
 _REFUSED = "MuJoCo refuses the model: "
@@ -281,7 +282,16 @@ def _lifted(
         beside = next((names for names in map(joint_names, others) if names), None)
         same = [o.config for o in others if o.config and config and o.config.framework is config.framework]
         step = next((other.physics_dt for other in same if other.physics_dt is not None), None)
+        told = config is not None and step is None and config.physics_dt is None
+        if told and model is not None and not any(o.config and o.config.physics_dt for o in others):
+            # The spec has the robot file's step then, and its steps are the ones that count.
+            step = _stated_step(model)
         part = lift(artifact, joints or beside, versions=versions, physics_dt=step)
+        if told and step is not None and any(j.delay is not None for j in part.actuators.joints):
+            source = one_line(os.path.basename(model.path)) if model is not None else ""
+            part = _remarked(
+                part, f"delays count the step of {source}, {format_quantity(step, 's')}: no other is stated"
+            )
         if named is not None and config is not None and config.groups:
             kinds = "names" if isinstance(next(iter(joints), ""), str) else "names, kinds and ranges"
             source = os.path.basename(named) if os.path.exists(named) else "the list"
@@ -299,7 +309,9 @@ def _lifted(
                 *(item.joint for item in part.left_alone),
             ]
             typed = named is not None and not os.path.exists(named)
-            lost = list(_unmatched(config, names_of(joints) or beside or own, of, typed))
+            every_name = names_of(joints) or beside or own
+            lost = list(_unmatched(config, every_name, of, typed))
+            lost += _twice(config, every_name)
             if typed and not lost:
                 lost += _misspelt(config, names_of(joints))
             if model is None and named is not None and config.framework is Framework.DEPLOY:
@@ -311,6 +323,12 @@ def _lifted(
         elif model is not None and artifact is not model:
             _check_joints(artifact, part, model, joints, out)
         yield part
+
+
+def _stated_step(model: Artifact) -> float | None:
+    """The physics step that a robot file states [s]; None where it is the engine's default."""
+    step = lift(model).actuators.physics_dt
+    return step.value if stated(step) else None
 
 
 def _is_left_alone(config: RobotConfig, part: Lifted, names: Sequence[str]) -> bool:
@@ -460,6 +478,38 @@ def _unmatched(config: RobotConfig, joints: Sequence[str], of: str, typed: bool)
                     f"{guess if slips else 'is a joint misspelt in --joints, or missing'}? If not, {refused}"
                 )
             yield Diagnostic("DRF012", Severity.WARNING, message, "", span, help)
+
+
+_CALLED = {POSE: "the pose", "action_scale": "the action scale"}
+
+
+def _twice(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
+    """Keys of values by joint that are for a joint which another key is for: each once, and which of them counts."""
+    framework, robot = config.framework, one_line(config.name)
+    every = [(name, setting, joints) for name, setting in {**config.settings, **config.looped}.items()]
+    for group in config.groups:
+        own = [joint for joint, _ in selected(config, group, joints)]
+        every += [(name, setting, own) for name, setting in group.settings.items()]
+    for name, setting, mine in every if framework is not Framework.DEPLOY else ():
+        # mjlab's classes take one number, and no dict; legged_gym looks damping up by the keys of stiffness.
+        if framework is Framework.MJLAB and name not in _CALLED:
+            continue
+        if framework is Framework.LEGGED_GYM and name == "damping":
+            continue
+        for key, taken in again(framework, name, setting, mine):
+            owner = _CALLED.get(name, name)
+            known = listed((joint for some in taken.values() for joint in some), 4)
+            others = listed(f"`{one_line(other)}`" for other in taken)
+            are = "are" if len(taken) > 1 else "is"
+            message = f"`{one_line(key)}` of {owner} is for {known}, which {others} {are} for already"
+            severity = Severity.WARNING
+            if refuses_two(framework, name):
+                help = f"let one key match each joint: {robot} is refused for it when the robot is made"
+            elif framework is Framework.MJLAB:
+                help = f"mjlab takes the first that matches: put `{one_line(key)}` before {others}"
+            else:
+                severity, help = Severity.INFO, "legged_gym takes the last that is part of the name"
+            yield Diagnostic("DRF014", severity, message, "", setting.place(key), help)
 
 
 def _misspelt(config: RobotConfig, typed: Sequence[str]) -> Iterator[Diagnostic]:

@@ -11,6 +11,7 @@ from actspec.draft.sources import stated
 from actspec.draft.text import figure, quantity_text, scalar, sourced, time_text
 from actspec.fields import FRICTION, unit_of_kind
 from actspec.ir import Command, Delay, JointActuator, Level, Origin, Quantity, Randomization
+from actspec.lift.config_joint import NO_KEY
 from actspec.readings.artifact import FileKind
 from actspec.spec.rules.groups import RANDOMIZED_KINDS
 from actspec.units import Kind, format_number
@@ -95,8 +96,11 @@ def rows_of(joint: JointActuator, kinds: Sequence[FileKind], *, speeds: bool) ->
         hint = "" if nominal.known else nominal.note or "not stated"
         rows["delay"] = _row(nominal, hint, _delay(joint.delay))
     add("encoder_bias", joint.encoder_bias, "encoder_bias", always=False)
-    if joint.action_scale is not None:
-        add("action_scale", joint.action_scale, "action_scale", always=False)
+    scale = joint.action_scale
+    if scale is not None:
+        # One that stands in a file and could not be read is told.
+        unread = not scale.known and scale.span is not None
+        add("action_scale", scale, "action_scale", always=unread)
     for part in FRICTION:
         add(part.spec, getattr(joint, part.ir), part.ir, always=not part.optional)
     return rows
@@ -152,6 +156,8 @@ def _silence(key: str, name: str, quantity: Quantity, kinds: Sequence[FileKind])
     if not stated(quantity):
         if key == "armature" and FileKind.MJCF not in kinds and FileKind.URDF in kinds:
             return _SILENT[key]
+        if quantity.note == NO_KEY:
+            return NO_KEY
         engine = "MuJoCo takes" if FileKind.MJCF in kinds else "the default is"
         return f"not stated: {engine} {figure(quantity.value, quantity.unit)}"
     value = quantity.value
@@ -191,7 +197,7 @@ def _hints(joint: JointActuator) -> dict[str, str]:
         return {"friction.viscous": viscous.note or ""}
     if joint.kd.origin is Origin.DEFAULT or joint.kd.value in (None, 0.0):
         silent = joint.kd.known and not stated(joint.kd)
-        return {"kd": "the file's servo has no kv: MuJoCo takes 0"} if silent else {}
+        return {"kd": joint.kd.note or ""} if silent else {}
     if viscous.value is None or viscous.value <= 0.0:
         return {}
     together = figure(joint.kd.require() + viscous.require(), viscous.unit, computed=True)
@@ -231,7 +237,8 @@ def _places(quantity: Quantity) -> tuple[Span, ...]:
 
 def _delay(delay: Delay) -> str:
     nominal = sourced(delay.nominal) if delay.nominal.known else "unknown"
-    if delay.low == delay.high and delay.sampling == "episode":
+    # A range of unknown ends is none: 0 to 0 would be no delay.
+    if delay.low == delay.high and (delay.sampling == "episode" or not (delay.nominal.known or delay.high)):
         return nominal
     ends = f"[{time_text(delay.low)}, {time_text(delay.high)}]"
     return f"{{nominal: {nominal}, range: {ends}, sampling: {delay.sampling}}}"

@@ -25,6 +25,7 @@ from actspec.ir import (
 )
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config import Found, control_of_group, figures_of, is_own_class, lags_of
+from actspec.readings.dict_keys import settled
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
 from actspec.simulators.isaaclab import NEW_NAMES, OLD_NAMES
@@ -32,6 +33,9 @@ from actspec.units import format_quantity
 
 NONE_FROM = 1e9
 """A limit, stall torque or speed from which on there is none [SI]. Source: Isaac Lab's and mjlab's own defaults."""
+
+NO_KEY = "no key of the dict covers the joint: it gets 0"
+"""Why a number is 0 that nobody wrote, in Isaac Lab 2.x and legged_gym."""
 
 HELD_FROM = 1_000_000
 """Steps between two draws from which on a lag is held for an episode. Chosen: hours at any physics step."""
@@ -70,10 +74,29 @@ class ConfigJoint:
         config, group = self.config, self.group
         self._control = control_of_group(config.framework, group)
         self._idle = self._without_use()
-        used = {name: setting for name, setting in group.settings.items() if name not in self._idle}
+        # legged_gym looks both gains up by the keys of one.
+        order = group.settings.get("stiffness") if config.framework is Framework.LEGGED_GYM else None
+        keys = tuple(order.value) if order is not None and isinstance(order.value, Mapping) else ()
+        used = {
+            name: settled(
+                config.framework, name, setting, self.joint, keys if name in ("stiffness", "damping") else ()
+            )
+            for name, setting in group.settings.items()
+            if name not in self._idle
+        }
+        own = {
+            n: settled(config.framework, n, s, self.joint)
+            for n, s in {**config.settings, **config.looped}.items()
+        }
         acting = replace(group, settings=used)
         self._figures = figures_of(
-            config, acting, self.joint, self.pattern, self.named, self.versions, self.physics_dt
+            replace(config, settings=own),
+            acting,
+            self.joint,
+            self.pattern,
+            self.named,
+            self.versions,
+            self.physics_dt,
         )
         if config.framework is Framework.MJLAB and self._control == "network":
             # Its learned class is a DC motor. Source: mjlab 1.6.0, learned_actuator.py.
@@ -159,7 +182,7 @@ class ConfigJoint:
         if found.value is None:
             return unknown(unit, found.why, found.span)
         if not found.stated:
-            return assumed(found.value, unit, "no key of the dict covers the joint: it gets 0")
+            return assumed(found.value, unit, NO_KEY)
         return stated(found.value, unit, found.span)
 
     def _figure(self, name: str, unit: str, silent: str | None = None) -> Quantity:

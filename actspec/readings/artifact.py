@@ -58,11 +58,17 @@ class Setting:
             (joint pattern to number, in the author's order). Meaningless when `unknown` is set.
         span: Where it is written.
         unknown: Why it could not be folded (`a loop`, `name FOO comes from another package`); None when known.
+        places: Where the value of a key stands, of those that stand in the dict itself.
     """
 
     value: float | str | bool | tuple[object, ...] | Mapping[str, object] | None
     span: Span
     unknown: str | None = None
+    places: Mapping[str, Span] = field(default_factory=dict, compare=False)
+
+    def place(self, key: str) -> Span:
+        """Where a key of by-pattern values stands; the whole where nobody knows."""
+        return self.places.get(key, self.span)
 
     @property
     def number(self) -> float | None:
@@ -211,6 +217,7 @@ class RobotConfig:
         entries: Numbers that no figure is made from and that may be of a joint, by where they stand: those of lists and
             maps (`entry 3 of kps`), and what is assigned to a robot that is not read.
         others: Other values that no figure is made from, likewise.
+        looped: Settings that a loop of the file fills, for import: the audit's figures are without them.
     """
 
     framework: Framework
@@ -225,6 +232,7 @@ class RobotConfig:
     nameless_lists: Mapping[str, NamelessList] = field(default_factory=dict)
     entries: Mapping[str, Setting] = field(default_factory=dict)
     others: Mapping[str, Setting] = field(default_factory=dict)
+    looped: Mapping[str, Setting] = field(default_factory=dict)
 
     @property
     def physics_dt(self) -> float | None:

@@ -1,13 +1,22 @@
-"""Keys of values by joint: whether one may match a joint, and what one that matches none was meant for."""
+"""Keys of values by joint: whether one may match a joint, what one that matches none was meant for, and which of two
+for one joint counts.
+
+Source of the last: Isaac Lab 2.2.0 and 2.3.2, mjlab 1.6.0, `resolve_matching_names_values` (ValueError "Multiple
+matches"), by which Isaac Lab reads gains, limits, scales and poses, mjlab scales; mjlab 1.6.0, `resolve_expr`, for its
+poses: the first whose pattern begins the name (`re.match`). legged_gym, legged_robot.py, `_init_buffers`: no `break`,
+so the last key of `stiffness` that is part of the name, for both gains; a pose by the whole name.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from difflib import SequenceMatcher
 
-from actspec.patterns import PatternError, compile_pattern, suggest_pattern
-from actspec.readings.artifact import Framework
+from actspec.diagnostics import shortened
+from actspec.patterns import PatternError, compile_pattern, match_names, suggest_pattern
+from actspec.readings.artifact import Framework, Setting
 from actspec.readings.pair import matching
 
 _ALIKE = 0.9
@@ -52,6 +61,71 @@ def meant_for(pattern: str, names: Sequence[str], free: Sequence[str] = ()) -> s
         if near and SequenceMatcher(None, pattern, near).ratio() >= least:
             return near
     return None
+
+
+POSE = "default_position"
+
+_NAMES = {Framework.ISAACLAB: "Isaac Lab", Framework.MJLAB: "mjlab"}
+
+
+def refuses_two(framework: Framework, name: str) -> bool:
+    """Whether a framework raises an error where two keys of a setting match one joint."""
+    return framework is Framework.ISAACLAB or (framework is Framework.MJLAB and name == "action_scale")
+
+
+def meets(framework: Framework, name: str, key: str, joint: str) -> bool:
+    """Whether a key of a setting is for a joint by the framework's own rule for that setting."""
+    if name == POSE and framework is Framework.LEGGED_GYM:
+        return key == joint
+    if name == POSE and framework is Framework.MJLAB:
+        try:
+            return bool(match_names(f"(?:{key}).*", (joint,)))
+        except PatternError:
+            pass
+    return bool(matching(framework, key, (joint,)))
+
+
+def again(
+    framework: Framework, name: str, setting: Setting, joints: Sequence[str]
+) -> Iterator[tuple[str, dict[str, list[str]]]]:
+    """Keys that are for joints which an earlier key is for already: the key, and each such key to those joints."""
+    first: dict[str, str] = {}
+    for key in setting.value if isinstance(setting.value, Mapping) else ():
+        taken: dict[str, list[str]] = {}
+        for joint in joints:
+            if meets(framework, name, key, joint) and first.setdefault(joint, key) != key:
+                taken.setdefault(first[joint], []).append(joint)
+        if taken:
+            yield key, taken
+
+
+def settled(
+    framework: Framework, name: str, setting: Setting, joint: str, keys: Sequence[str] = ()
+) -> Setting:
+    """A setting with the value that the framework gives a joint, where that is not the first key's that matches it.
+
+    Args:
+        framework: Whose.
+        name: Of the setting.
+        setting: Values by joint; any other is given back.
+        joint: The joint.
+        keys: In whose order the keys count; empty: the setting's own.
+    """
+    value = setting.value
+    if not isinstance(value, Mapping) or framework is Framework.DEPLOY:
+        return setting
+    own = [key for key in keys or value if key in value and meets(framework, name, key, joint)]
+    if refuses_two(framework, name) and len(own) > 1:
+        why = f"the keys {_quoted(own)} both match the joint, which {_NAMES[framework]} refuses"
+        return Setting(None, setting.place(own[1]), why)
+    if not own or framework is Framework.ISAACLAB:
+        return setting
+    key = own[-1] if framework is Framework.LEGGED_GYM else own[0]
+    return replace(setting, value=value[key], span=setting.place(key), places={})  # type: ignore[arg-type]
+
+
+def _quoted(keys: Sequence[str]) -> str:
+    return " and ".join(f"'{shortened(key, 40)}'" for key in keys[:2])
 
 
 def may_match(framework: Framework, key: str, joint: str) -> bool:

@@ -26,6 +26,7 @@ from actspec.readings.python.run import Interpreter
 from actspec.readings.python.settings import JOINTS, NOTHING, UNFOLDED, fields_of, has_joints, setting
 from actspec.readings.python.source import Library, Source, UnreadableError, open_library
 from actspec.readings.python.unapplied import Assigned, sorted_out
+from actspec.readings.python.unrolled import loops_of, unrolled
 from actspec.readings.python.values import (
     MAX_STEPS,
     Cls,
@@ -151,6 +152,8 @@ class _Reader:
         self.found = 0
         self.assigned: dict[str, list[Assigned]] = {}
         self.beside: list[tuple[str, str, Value]] = []
+        self.scales: dict[str, Setting] = {}
+        self.only = ""
 
     def configs(self) -> Iterator[RobotConfig]:
         """Every configuration once, in the order of the file."""
@@ -175,6 +178,9 @@ class _Reader:
         constants.difference_update(name for name, value, _ in own if isinstance(value.data, Cls))
         self.found = len(found)
         self.beside = self._beside()
+        self.scales = dict(self._looped_scales())
+        drives = [config.name for config in found if config.groups]
+        self.only = drives[0] if len(set(drives)) == 1 else ""
         seen: list[object] = []
         kept: list[RobotConfig] = []
         for config in sorted(found, key=lambda one: (one.span.line, one.span.column))[:MAX_CONFIGS]:
@@ -222,7 +228,24 @@ class _Reader:
         for prefix, name, value in self.beside:
             if config.name.startswith(f"{prefix}_") and name not in settings:
                 settings[name] = setting(value)
-        return replace(config, settings=settings)
+        own = [one for name, one in self.scales.items() if config.name.startswith(f"{name}_")]
+        if not own and config.name == self.only:
+            own = list(self.scales.values())
+        stated = settings.get("action_scale")
+        looped = len(own) == 1 and config.groups and (stated is None or stated.unknown is not None)
+        return replace(config, settings=settings, looped={"action_scale": own[0]} if looped else {})
+
+    def _looped_scales(self) -> Iterator[tuple[str, Setting]]:
+        """Prefix and action scale of the constants that a loop fills."""
+        body = self.source.tree.body
+        for name, place in list(self.places.items())[:MAX_CONFIGS]:
+            prefix = name.removesuffix("_ACTION_SCALE")
+            loops = loops_of(name, body) if prefix != name else []
+            if not loops or not isinstance(place, (ast.Assign, ast.AnnAssign)) or place.value is None:
+                continue
+            found = unrolled(name, place.value, body, self.interpreter, self.scope)
+            why = "it is computed in a loop, which is not run"
+            yield prefix, Setting(None, self.source.span(loops[0]), why) if found is None else setting(found)
 
     def _beside(self) -> list[tuple[str, str, Value]]:
         """Prefix, setting and value of the constants that belong to a robot by their name."""

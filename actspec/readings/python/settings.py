@@ -104,7 +104,14 @@ def setting(value: Value, name: str = "") -> Setting:
     found, reason = plain(value)
     if reason is not None:
         return Setting(None, value.span, reason)
-    return Setting(found, value.span)  # type: ignore[arg-type]
+    places = {}
+    if isinstance(value.data, Table):
+        # A constant's own line is not the key's, and stands before the dict or in another file.
+        inside = (
+            (key, one.span) for key, one in value.data.items.items() if one.span.path == value.span.path
+        )
+        places = {str(key): span for key, span in inside if span >= value.span}
+    return Setting(found, value.span, places=places)  # type: ignore[arg-type]
 
 
 def known(value: Value | None) -> object:
