@@ -29,6 +29,7 @@ from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.more import LAGS, enlarged
 from actspec.sysid.recording import Recording, driven, record, unevenness
 from actspec.sysid.released import release
+from actspec.sysid.sparse import judge_rows
 from actspec.sysid.stand import Stand, idle
 from actspec.sysid.torques import prompt
 from actspec.sysid.unseen import held_out, judge_validation, tested, told_apart
@@ -108,6 +109,7 @@ def fit_logs(
     systems = {}
     for name, joint in joints.items():
         joints[name], systems[name] = enlarged(joint, options, _descend, out)
+        judge_rows(joints[name], options, _descend, out)
     errors: Mapping[str, float | None]
     if validation:
         errors = _validated(stand, validation, joints, unseen, out)
