@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span
 from actspec.sysid.course import Course
-from actspec.sysid.judge import UNLIKE
-from actspec.sysid.recording import Recording, reading_noise
+from actspec.sysid.descent import WIDE
+from actspec.sysid.recording import Recording
 from actspec.sysid.work import FitOptions, JointInWork
 from actspec.units import format_number
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 DENSE = 40.0
 """Rows in a period of the drive's oscillation from which on nothing is tried. Measured on a chirp of 500
 commands a second: with 26 rows kp is 0.3 % off, with 13 it is 20 %, with 5 58 %."""
+NO_DELAY = 0.1
+"""Delay up to which there is none, in rows. Chosen: beside what half a row does it is nothing."""
 FINE = 5e-3
 """Longest time between the commands that are tried [s]. Chosen: as a drive's usual 200 Hz."""
 EXPLAINS = 0.5
@@ -51,12 +53,13 @@ def judge_rows(
     fit = joint.fit
     assert fit is not None
     error = fit.noise["position"]
-    if error < UNLIKE * reading_noise(joint.recordings):
-        return
     step = max(recording.step for recording in joint.recordings)
     inertia = max(float(course.inertia.mean()) for course in joint.courses) + fit.values["armature"]
     period = 2.0 * math.pi * math.sqrt(inertia / max(fit.values["kp"], 1e-9))
-    if period > DENSE * step:
+    spread = WIDE * fit.std("delay") if "delay" in fit.free else 0.0
+    # Where a delay is left it has made up for all of it. The readings' noise is no guide: motion between few rows is as
+    # uneven.
+    if period > DENSE * step or fit.values["delay"] > max(spread, NO_DELAY * step):
         return
     parts = [max(1, math.ceil(recording.step / FINE)) for recording in joint.recordings]
     dense = [_dense(r, c, n) for r, c, n in zip(joint.recordings, joint.courses, parts, strict=True)]
