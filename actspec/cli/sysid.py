@@ -72,14 +72,7 @@ def _add_design(command: argparse.ArgumentParser) -> None:
         choices=("chirp", "multisine", "steps", "friction", "random"),
         help="what the command does",
     )
-    command.add_argument(
-        "--joint",
-        action="extend",
-        nargs="+",
-        default=[],
-        metavar="JOINT",
-        help="joints or patterns; default: all",
-    )
+    _add_joint(command, "all")
     command.add_argument(
         "--duration", default="20 s", metavar="TIME", help="of one joint's part; default 20 s"
     )
@@ -88,6 +81,17 @@ def _add_design(command: argparse.ArgumentParser) -> None:
     command.add_argument("--linear", action="store_true", help="let a chirp's frequency grow linearly")
     command.add_argument(
         "--seed", type=natural, default=0, metavar="N", help="of phases and levels; default 0"
+    )
+
+
+def _add_joint(command: argparse.ArgumentParser, which: str) -> None:
+    command.add_argument(
+        "--joint",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="JOINT",
+        help=f"joints or patterns; default: {which}",
     )
 
 
@@ -129,6 +133,7 @@ def _add_fit(command: argparse.ArgumentParser) -> None:
         default=METHODS[0],
         help="motion of all figures at once (default), spectra, steps, or constant speeds",
     )
+    _add_joint(command, "all that a log's commands move")
     command.add_argument("--free", default="", metavar="F,...", help="fields to fit beside the usual ones")
     command.add_argument(
         "--validate",
@@ -170,6 +175,7 @@ def _design(arguments: argparse.Namespace) -> int:
     from actspec.logs import LogError, check_log_path, write_log
     from actspec.owned import check_free
     from actspec.sysid.design import design
+    from actspec.sysid.stand import standing
 
     check_free(arguments.output, [arguments.spec], arguments.force, again=True)
     check_log_path(arguments.output)
@@ -180,9 +186,10 @@ def _design(arguments: argparse.Namespace) -> int:
     assert duration is not None and rate is not None
     spec = api.load(arguments.spec)
     robot = api.load_robot(spec)
-    actuators = joints_named(api.resolve(spec, robot), arguments.joint, "--joint")
+    resolved = api.resolve(spec, robot)
+    actuators = joints_named(resolved, arguments.joint, "--joint")
     made = design(
-        robot,
+        standing(robot, resolved),
         actuators,
         arguments.experiment,
         path=arguments.output,
@@ -205,6 +212,7 @@ def _design(arguments: argparse.Namespace) -> int:
 def _simulate(arguments: argparse.Namespace) -> int:
     from actspec.logs import LogError, check_log_path, load_log, write_log
     from actspec.owned import check_free
+    from actspec.sysid.stand import standing
     from actspec.sysid.virtual import Flaws, follow
 
     check_free(arguments.output, [arguments.spec, arguments.commands], arguments.force, again=True)
@@ -231,7 +239,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
         raise ResolveError.of("SYS021", message, Span(arguments.commands, 1))
     with Progress("simulating") as progress:
         log = follow(
-            robot,
+            standing(robot, actuators, commands),
             found,
             commands,
             arguments.output,
@@ -261,8 +269,12 @@ def _fit(arguments: argparse.Namespace) -> int:
     logs, validation = read[: len(arguments.log)], read[len(arguments.log) :]
     spec = api.load(arguments.spec)
     robot = api.load_robot(spec)
-    options = FitOptions(frozenset(_names(arguments.free)), frozenset(_names(arguments.hold)))
-    found = fit_by(arguments.method, api.resolve(spec, robot), robot, logs, options, validation)
+    actuators = api.resolve(spec, robot)
+    joints = [joint.joint for joint in joints_named(actuators, arguments.joint, "--joint")]
+    options = FitOptions(
+        *(frozenset(found) for found in (_names(arguments.free), _names(arguments.hold), joints))
+    )
+    found = fit_by(arguments.method, actuators, robot, logs, options, validation)
     if output is not None:
         write_text(output, results_text(found, logs, spec.document), force=arguments.force)
     if arguments.output_format == "json":

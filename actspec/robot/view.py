@@ -265,6 +265,7 @@ class RobotView:
         mass: Of all links together, as far as it is known [kg]; None: it is not.
         uncompiled: Whether a compilation would tell more, of inertia above all.
         coupled: Joints that an equality or a closed loop couples with others, so that they do not move alone (MJCF).
+        pose: Where joints stand in place of the reference pose's on a bench [rad or m]; no file says it.
     """
 
     name: str
@@ -289,6 +290,7 @@ class RobotView:
     coupled: frozenset[str] = frozenset()
     mass: float | None = None
     uncompiled: bool = False
+    pose: Mapping[str, float] = field(default_factory=dict)
 
     def joint(self, name: str) -> JointView | None:
         """The joint of that name, or None."""

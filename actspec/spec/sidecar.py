@@ -67,6 +67,8 @@ class Sidecar(Strict):
     """Joint, or pattern of joints, to its torque per current, at the joint: gears count [N*m/A or N/A]."""
     base: LogBase | None = None
     """How the base was held."""
+    pose: dict[str, Annotated[SpecValue, Number(Kind.POSITION, unknown=False)]] = Field(default_factory=dict)
+    """Joint that has no column, or pattern of joints, to where it was held [rad or m]."""
     accuracy: Accuracy = Accuracy()
     """Of figures that the fit takes as given."""
     note: str | None = None
@@ -83,6 +85,11 @@ class Sidecar(Strict):
     def torque_constant_of(self, joint: str) -> float | None:
         """Torque per current that is stated of a joint, likewise [N*m/A or N/A]."""
         found = _of(self.torque_constant, joint)
+        return None if found is None else found.value
+
+    def pose_of(self, joint: str) -> float | None:
+        """Where a joint was held that has no column, likewise [rad or m]."""
+        found = _of(self.pose, joint)
         return None if found is None else found.value
 
 

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from actspec.robot.view import RobotView
 from actspec.sysid.course import Between, Course
 from actspec.sysid.descent import Piecewise
 from actspec.sysid.links import Links, links_along
 from actspec.sysid.motion import Moved
-from actspec.sysid.recording import Recording, reading_noise
+from actspec.sysid.recording import SMOOTH, Recording, reading_noise, smooth
+from actspec.sysid.stand import Stand
 
 if TYPE_CHECKING:
     import numpy as np
@@ -68,6 +68,14 @@ def _moments(recording: Recording) -> int:
     return max(2, math.ceil(recording.step / MOMENT))
 
 
+def _inside(signal: Array, count: int) -> Array:
+    """A signal in the middle of so many parts of each row, by a straight line, shape (n - 1, count)."""
+    import numpy as np
+
+    found: Array = signal[:-1, None] + np.diff(signal)[:, None] * (np.arange(count) + 0.5) / count
+    return found
+
+
 def fitted(recording: Recording, bias: float, runs: Sequence[tuple[Piecewise, Moved]]) -> Path:
     """By a fit: what noise and the filter do to readings is not in it; outside of its pieces by the readings.
 
@@ -80,13 +88,7 @@ def fitted(recording: Recording, bias: float, runs: Sequence[tuple[Piecewise, Mo
 
     count, before = _moments(recording), read(recording, bias)
     q, qd, acceleration = before.q.copy(), before.qd.copy(), before.acceleration.copy()
-    shares = (np.arange(count) + 0.5) / count
-
-    def inside(signal: Array) -> Array:
-        found: Array = signal[:-1, None] + np.diff(signal)[:, None] * shares
-        return found
-
-    pushes, middle = inside(acceleration), inside(q)
+    pushes, middle = _inside(acceleration, count), _inside(q, count)
     off: list[Array] = []
     for pieces, moved in runs:
         for piece, start in enumerate(pieces.starts):
@@ -104,24 +106,39 @@ def fitted(recording: Recording, bias: float, runs: Sequence[tuple[Piecewise, Mo
             off.append(before.q[here] - q[here])
     left = math.sqrt(float(np.mean(np.concatenate(off) ** 2))) if off else 0.0
     if left > TRUSTED * reading_noise([recording]):
-        q, qd, middle = before.q, before.qd, inside(before.q)
+        q, qd, middle = before.q, before.qd, _inside(before.q, count)
     return Path(q, qd, acceleration, (pushes, middle))
 
 
 def links_of(
-    robot: RobotView, recordings: Sequence[Recording], paths: Sequence[Path], names: Sequence[str]
-) -> Links:
-    """The links along the paths of joints of one log.
+    stand: Stand, recordings: Sequence[Recording], paths: Sequence[Path], names: Sequence[str]
+) -> tuple[Links, list[Path]]:
+    """The links along the paths of joints of one log, and the paths with those of other joints that move behind them.
 
     Raises:
         RobotError: see `links_along`.
     """
     import numpy as np
 
-    base = recordings[0].log.sidecar.base
-    q, qd = np.stack([path.q for path in paths], axis=1), np.stack([path.qd for path in paths], axis=1)
-    every = max(1, round(POSE / recordings[0].step))
-    return links_along(robot, names, q, qd, None if base is None else base.orientation, every)
+    first = recordings[0]
+    robot, moving = stand.beside(first.log, names)
+    every = [*paths, *(_beside(first, signal) for signal in moving.values())]
+    base = first.log.sidecar.base
+    q, qd = np.stack([path.q for path in every], axis=1), np.stack([path.qd for path in every], axis=1)
+    rows = max(1, round(POSE / first.step))
+    orientation = None if base is None else base.orientation
+    return links_along(robot, [*names, *moving], q, qd, orientation, rows), every
+
+
+def _beside(recording: Recording, position: Array) -> Path:
+    """How a joint moves that is not fitted, by its readings at the log's rows."""
+    import numpy as np
+
+    time, known = recording.time, np.isfinite(position)
+    read = np.interp(time, recording.log.time[known], position[known])
+    q, qd, acceleration = (smooth(time, read, SMOOTH, derivative) for derivative in range(3))
+    count = _moments(recording)
+    return Path(q, qd, acceleration, (_inside(acceleration, count), _inside(q, count)))
 
 
 def course_of(recording: Recording, links: Links, paths: Sequence[Path], j: int) -> Course:
@@ -130,7 +147,7 @@ def course_of(recording: Recording, links: Links, paths: Sequence[Path], j: int)
     Args:
         recording: Of the joint.
         links: Along the paths.
-        paths: Of all joints, in the order of the links.
+        paths: Of all joints, in the order of the links; see `links_of`.
         j: Which of them it is.
     """
     rows = links.load[:, j].copy()

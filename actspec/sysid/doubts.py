@@ -136,8 +136,8 @@ def _judge_motion(joint: JointInWork, found: JointFit, out: Collector) -> None:
         f"{format_number(spread, 2)} {unit} (standard deviation): no figures make the model move as the log does"
     )
     help = (
-        "is the command what the drive got, does each column belong to its joint, and is the base held as in "
-        "the model?"
+        "is the command what the drive got, does each column belong to its joint, is the base held as in the model, "
+        "and does the drive give the torque that the spec's limit allows?"
     )
     place = Span(joint.recordings[0].log.path)
     out.error("SYS031", message, where=joint.actuator.joint, span=place, help=help)

@@ -29,6 +29,8 @@ from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.more import LAGS, enlarged
 from actspec.sysid.recording import Recording, driven, record, unevenness
 from actspec.sysid.released import release
+from actspec.sysid.sparse import judge_rows
+from actspec.sysid.stand import Stand, idle
 from actspec.sysid.torques import prompt
 from actspec.sysid.unseen import held_out, judge_validation, tested, told_apart
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
@@ -90,24 +92,27 @@ def fit_logs(
     """
     begun = clock.perf_counter()
     out = Collector()
+    stand = Stand(robot, actuators)
     _check_fields(options, out)
-    names = joints_of(actuators, logs, out)
-    _check_validation(logs, validation, out)
+    names = joints_of(actuators, logs, out, options.joints)
+    _check_validation(logs, validation, names, out)
     tests = joints_of(actuators, validation, out)
+    stand.check([*logs, *validation], out)
     out.raise_if_failed(LogError)
-    joints = prepared(actuators, robot, logs, names, options, out)
+    joints = prepared(stand, logs, names, options, out)
     unseen = recorded(actuators, validation, [name for name in tests if name in joints], out)
     for joint in joints.values():
         if joint.torque and joint.courses:
             judge_torque(joint, out)
     out.raise_if_failed(LogError)
-    roll(robot, logs, joints, options, out)
+    roll(stand, logs, joints, options, out)
     systems = {}
     for name, joint in joints.items():
         joints[name], systems[name] = enlarged(joint, options, _descend, out)
+        judge_rows(joints[name], options, _descend, out)
     errors: Mapping[str, float | None]
     if validation:
-        errors = _validated(robot, validation, joints, unseen, out)
+        errors = _validated(stand, validation, joints, unseen, out)
     else:
         errors = {name: held_out(joint, systems[name]) for name, joint in joints.items()}
     found = tuple(
@@ -123,7 +128,7 @@ def fit_logs(
 
 
 def roll(
-    robot: RobotView,
+    stand: Stand,
     logs: Sequence[Log],
     joints: Mapping[str, JointInWork],
     options: FitOptions,
@@ -142,7 +147,7 @@ def roll(
             break
         read = _biases(joints)
         before = {name: joint.courses for name, joint in joints.items()}
-        _couple(robot, logs, joints, fits=coupled)
+        _couple(stand, logs, joints, fits=coupled)
         for name, joint in joints.items():
             if _pushed(joint, before[name]):
                 _descend(joint, options, out)
@@ -187,8 +192,10 @@ def _check_fields(options: FitOptions, out: Collector) -> None:
         out.error("SYS020", f"{field} is both free and held", where="--free, --hold")
 
 
-def joints_of(actuators: ActuatorSet, logs: Sequence[Log], out: Collector) -> list[str]:
-    """Joints of the logs that the spec has, in the robot's order."""
+def joints_of(
+    actuators: ActuatorSet, logs: Sequence[Log], out: Collector, wanted: frozenset[str] = frozenset()
+) -> list[str]:
+    """Joints of the logs that the spec has in the robot's order: those that are wanted, or all."""
     logged = {name for log in logs for name in log.joints}
     known = [joint.joint for joint in actuators.joints]
     for log in logs:
@@ -202,18 +209,22 @@ def joints_of(actuators: ActuatorSet, logs: Sequence[Log], out: Collector) -> li
         if robot is not None and robot != actuators.robot:
             message = f"the log is of the robot '{robot}', the spec of '{actuators.robot}'"
             out.error("SYS021", message, span=Span(log.path))
-    return [name for name in known if name in logged]
+    found = [name for name in known if name in logged and name in (wanted or known)]
+    if logs and logged and not found and not out.failed:
+        help = f"joints of the logs: {listed(sorted(logged))}"
+        out.error("SYS021", "no log has such a joint", where="--joint", span=Span(logs[0].path), help=help)
+    return found
 
 
 def prepared(
-    actuators: ActuatorSet,
-    robot: RobotView,
+    stand: Stand,
     logs: Sequence[Log],
     names: Sequence[str],
     options: FitOptions,
     out: Collector,
 ) -> dict[str, JointInWork]:
     """Recordings of every joint, with the links along them."""
+    actuators = stand.actuators
     joints: dict[str, JointInWork] = {}
     known = {joint.joint: Bounds.of(joint) for joint in actuators.joints}
     checked = recorded(actuators, logs, names, out)
@@ -232,7 +243,10 @@ def prepared(
         gains = gains_of(actuator, made, torque=torque, free=options.free, hold=options.hold, out=out)
         joints[name] = JointInWork(actuator, known[name], recordings, [], gains, torque)
     if not out.failed:
-        _couple(robot, logs, joints, fits=False)
+        stand.tell(
+            {name: [(r.log, r.position) for r in joint.recordings] for name, joint in joints.items()}, out
+        )
+        _couple(stand, logs, joints, fits=False)
         for joint in joints.values():
             pairs = zip(joint.recordings, joint.courses, strict=True)
             joint.recordings = [prompt(recording, course, out) for recording, course in pairs]
@@ -242,13 +256,17 @@ def prepared(
 def recorded(
     actuators: ActuatorSet, logs: Sequence[Log], names: Sequence[str], out: Collector
 ) -> dict[str, list[Recording]]:
-    """The joints' parts of every log, without what is spoilt."""
+    """The joints' parts of every log, without what is spoilt and what no command moves.
+
+    Of a log in which nothing is moved all joints are asked, which say so.
+    """
     drives = {actuator.joint: actuator for actuator in actuators.joints}
+    moved = [[name for name in names if name in log.joints and not idle(log.joints[name])] for log in logs]
     parts = {
         name: [
             found
-            for log in logs
-            if name in log.joints
+            for log, here in zip(logs, moved, strict=True)
+            if name in (here or log.joints)
             and (found := record(log, driven(log, log.joints[name], drives[name], out), out)) is not None
         ]
         for name in names
@@ -257,9 +275,11 @@ def recorded(
     return check(parts, {name: Bounds.of(drives[name]) for name in names}, limits, out)
 
 
-def _check_validation(logs: Sequence[Log], validation: Sequence[Log], out: Collector) -> None:
+def _check_validation(
+    logs: Sequence[Log], validation: Sequence[Log], names: Sequence[str], out: Collector
+) -> None:
     seen = {log.sha256: log.path for log in logs}
-    fitted = {name for log in logs for name in log.joints}
+    fitted = set(names)
     for log in validation:
         if log.sha256 in seen:
             message = f"the same as {seen[log.sha256]}, which is fitted: a log cannot be both"
@@ -270,7 +290,7 @@ def _check_validation(logs: Sequence[Log], validation: Sequence[Log], out: Colle
 
 
 def _validated(
-    robot: RobotView,
+    stand: Stand,
     logs: Sequence[Log],
     joints: Mapping[str, JointInWork],
     recorded: Mapping[str, list[Recording]],
@@ -291,7 +311,7 @@ def _validated(
     if not blind:
         return {}
     for again in (False, True) if _coupled(blind) else (False,):
-        _couple(robot, logs, blind, fits=again)
+        _couple(stand, logs, blind, fits=again)
         for name, joint in blind.items():
             if not again:
                 joint.gains = told_apart(joint, possible[name], out)
@@ -305,11 +325,11 @@ def _bias(joint: JointInWork) -> float:
     return joint.actuator.encoder_bias.value or 0.0
 
 
-def _couple(robot: RobotView, logs: Sequence[Log], joints: Mapping[str, JointInWork], *, fits: bool) -> None:
+def _couple(stand: Stand, logs: Sequence[Log], joints: Mapping[str, JointInWork], *, fits: bool) -> None:
     """Give every joint its courses: the links along each log, and in the load what the others' motion does.
 
     Args:
-        robot: The model.
+        stand: The model, and where its other joints are.
         logs: That the joints' recordings are of.
         joints: Of which the courses are made.
         fits: Whether the joints move as their fits say; else as the readings do.
@@ -328,7 +348,7 @@ def _couple(robot: RobotView, logs: Sequence[Log], joints: Mapping[str, JointInW
             _path(joints[name], i) if fits else read(r, _bias(joints[name])) for name, (i, r) in here.items()
         ]
         recordings = [recording for _, recording in here.values()]
-        links = links_of(robot, recordings, paths, list(here))
+        links, paths = links_of(stand, recordings, paths, list(here))
         for j, (name, recording) in enumerate(zip(here, recordings, strict=True)):
             made[name].append(course_of(recording, links, paths, j))
     for name, joint in joints.items():

@@ -44,7 +44,8 @@ def links_along(
     orientation: Sequence[float] | None,
     every: int = EVERY,
 ) -> Links:
-    """The links of a robot on a stand, moved along a path; joints that are not named stay at the reference pose.
+    """The links of a robot on a stand, moved along a path; joints that are not named stand where `robot.pose`
+    has them, else at the reference pose.
 
     Args:
         robot: Read from its file.
@@ -97,7 +98,7 @@ def links_at(
 def bench_model(
     robot: RobotView, joints: Sequence[str], orientation: Sequence[float] | None
 ) -> tuple[Any, Array]:
-    """The compiled model on a stand, with nothing in it but links and springs, and its reference pose.
+    """The compiled model on a stand, with nothing in it but links and springs, and the pose of other joints.
 
     Args:
         robot: Read from its file.
@@ -107,10 +108,14 @@ def bench_model(
     Raises:
         RobotError: there is no model, or its masses are in meshes that are not there.
     """
+    import mujoco
+
     from actspec.robot.inertia import reference_pose
 
     model = _model(robot, joints)
     pose = reference_pose(model)
+    for name, position in robot.pose.items():
+        pose[model.jnt_qposadr[mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)]] = position
     hold_base(model, pose, orientation)
     return model, pose
 

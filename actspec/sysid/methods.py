@@ -16,6 +16,7 @@ from actspec.sysid.fit import fit_logs, joints_of, prepared, recorded, roll
 from actspec.sysid.gains import gains_of
 from actspec.sysid.identified import Identification, JointFit
 from actspec.sysid.recording import Recording
+from actspec.sysid.stand import Stand
 from actspec.sysid.work import FitOptions
 
 NOTHING = ("SYS051", "SYS055", "SYS059")
@@ -37,7 +38,7 @@ def fit_by(
         actuators: The spec, resolved.
         robot: Its model.
         logs: At least one.
-        options: What the user asks; only rollouts take any.
+        options: What the user asks; only rollouts free and hold fields.
         validation: Logs that the fit does not see, likewise.
 
     Raises:
@@ -49,12 +50,14 @@ def fit_by(
     begun = clock.perf_counter()
     out = Collector()
     _check_options(method, options, validation, out)
-    names = joints_of(actuators, logs, out)
+    stand = Stand(robot, actuators)
+    names = joints_of(actuators, logs, out, options.joints)
+    stand.check(logs, out)
     out.raise_if_failed(LogError)
     found = (
-        _friction(actuators, robot, logs, names, out)
+        _friction(stand, logs, names, out)
         if method == "friction"
-        else _closed_loop(method, actuators, recorded(actuators, logs, names, out), out)
+        else _closed_loop(method, stand, recorded(actuators, logs, names, out), out)
     )
     out.raise_if_failed(LogError)
     if not found:
@@ -79,14 +82,17 @@ def _check_options(method: str, options: FitOptions, validation: Sequence[Log], 
 
 
 def _closed_loop(
-    method: str, actuators: ActuatorSet, recordings: Mapping[str, Sequence[Recording]], out: Collector
+    method: str, stand: Stand, recordings: Mapping[str, Sequence[Recording]], out: Collector
 ) -> list[JointFit]:
     """What the position says of the command alone."""
+    for log in {id(one.log): one.log for mine in recordings.values() for one in mine}.values():
+        here = [name for name, mine in recordings.items() if any(one.log is log for one in mine)]
+        stand.tell_left_out(log, here, out)
     found = []
     for name, mine in recordings.items():
         if not mine:
             continue
-        actuator = actuators.joint(name)
+        actuator = stand.actuators.joint(name)
         assert actuator is not None
         logs = [recording.log for recording in mine]
         # Nothing is held here, so gains may be unknown.
@@ -111,11 +117,9 @@ def _closed_loop(
     return [one for one in found if one is not None]
 
 
-def _friction(
-    actuators: ActuatorSet, robot: RobotView, logs: Sequence[Log], names: Sequence[str], out: Collector
-) -> list[JointFit]:
+def _friction(stand: Stand, logs: Sequence[Log], names: Sequence[str], out: Collector) -> list[JointFit]:
     """What the torque at constant speeds says."""
-    joints = prepared(actuators, robot, logs, names, FitOptions(), out)
+    joints = prepared(stand, logs, names, FitOptions(), out)
     for name, joint in joints.items():
         for recording in joint.recordings:
             place = Span(recording.log.path)
@@ -128,5 +132,5 @@ def _friction(
                 help = f"log it as {name}.torque [N*m], or use --method rollout with `gains:` in the sidecar"
                 out.error("SYS058", message, where=name, span=place, help=help)
     out.raise_if_failed(LogError)
-    roll(robot, logs, joints, FitOptions(), out)
+    roll(stand, logs, joints, FitOptions(), out)
     return [one for joint in joints.values() if (one := friction.judged(joint, out)) is not None]

@@ -26,6 +26,7 @@ from actspec.sysid.identified import FIELDS
 from actspec.sysid.motion import Moved
 from actspec.sysid.recording import Recording, driven, record
 from actspec.sysid.settle import Going, moved_each, settled
+from actspec.sysid.stand import Stand, idle
 
 if TYPE_CHECKING:
     import numpy as np
@@ -131,6 +132,7 @@ def replay(
     """
     known = {joint.joint: Bounds.of(joint) for joint in actuators.joints}
     limits = {joint.joint: joint.position_range for joint in actuators.joints}
+    stand = Stand(robot, actuators)
     found: dict[str, list[Replay]] = {}
     total, done = sum(name in results.joints for log in logs for name in log.joints), 0
     for log in logs:
@@ -139,7 +141,7 @@ def replay(
             actuator = actuators.joint(name)
             if name not in results.joints or name not in log.joints or actuator is None:
                 continue
-            if actuator.command is Command.POSITION:
+            if actuator.command is Command.POSITION and not idle(log.joints[name]):
                 recording = record(log, driven(log, log.joints[name], actuator, out), out)
                 recorded[name] = [] if recording is None else [recording]
         checked = check(recorded, known, limits, out)
@@ -150,14 +152,14 @@ def replay(
             def tell_more(count: int, before: int = done) -> None:
                 tell(before + count, total)
 
-            for one in _replayed(robot, log, usable, known, first, results, tell_more):
+            for one in _replayed(stand, log, usable, known, first, results, tell_more):
                 found.setdefault(one.joint, []).append(one)
         done += len(recorded)
     return found
 
 
 def _replayed(
-    robot: RobotView,
+    stand: Stand,
     log: Log,
     recordings: Mapping[str, Recording],
     known: Mapping[str, Bounds],
@@ -171,8 +173,8 @@ def _replayed(
     paths = [read(recordings[name], values[name]["bias"]) for name in names]
     # Joints of one log move each other: the second time as they are fitted in place of a filter's.
     for again in (False, True) if len(names) > 1 else (False,):
-        links = links_of(robot, every, paths, names)
-        logs = [_pieces(r, course_of(r, links, paths, j)) for j, r in enumerate(every)]
+        links, beside = links_of(stand, every, paths, names)
+        logs = [_pieces(r, course_of(r, links, beside, j)) for j, r in enumerate(every)]
         if not again:
             for name, log_of in zip(names, logs, strict=True):
                 told = results.joints[name]

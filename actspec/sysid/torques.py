@@ -38,6 +38,11 @@ ABOVE = 1.2
 """Times the spec's limit above which a logged torque contradicts it. Chosen: sensors are better."""
 OFTEN = 0.01
 """Share of the rows that must be above it, or at an end stop."""
+EXCEEDS = 1.2
+"""Times a level of the torque that the drive's own gains must ask for where its torque stays there, to call it a limit.
+Chosen: what a low-pass or a delay makes of gains is less, and goes on changing."""
+STAYS = 0.9
+"""Share of these rows in which it must stay there. Chosen: a drive comes to its limit within a row or two."""
 STANDS = 6.0
 """Noise or counts of an encoder within which readings are of one place."""
 LATEST = 0.1
@@ -240,11 +245,12 @@ def _limited(recording: Recording, bounds: Bounds, out: Collector) -> None:
     at, near = (
         float(np.sum(asked > (1.0 - share) * most)) / len(size) for share in (AT_MOST, 10.0 * AT_MOST)
     )
+    level = (most, at) if at > AT_LIMIT and at > FLAT * near else _level(recording)
     unit = "N" if recording.log.joints[recording.joint].linear else "N*m"
     limit = "none" if math.isinf(bounds.limit) else f"{format_number(bounds.limit)} {unit}"
-    if at > AT_LIMIT and at > FLAT * near and most < 0.97 * bounds.limit:
-        row = int(np.flatnonzero(np.abs(read) > (1.0 - AT_MOST) * most)[0])
-        shown = f"the torque is clipped at {format_number(most, 4)} {unit} in {at:.0%} of the rows"
+    if level is not None and level[0] < 0.97 * bounds.limit:
+        row = int(np.flatnonzero(np.abs(read) > (1.0 - AT_MOST) * level[0])[0])
+        shown = f"the torque is clipped at {format_number(level[0], 4)} {unit} in {level[1]:.0%} of the rows"
         message = f"{shown}, the spec's limit is {limit}"
         help = "state the drive's effort_limit in the spec, or log a smaller experiment"
         out.error("SYS016", message, where=recording.joint, span=recording.place(row), help=help)
@@ -259,3 +265,31 @@ def _limited(recording: Recording, bounds: Bounds, out: Collector) -> None:
         )
         place = recording.place(int(np.flatnonzero(above)[0]))
         out.error("SYS016", message, where=recording.joint, span=place, help=help)
+
+
+def _level(recording: Recording) -> tuple[float, float] | None:
+    """The level at which a torque with noise is clipped [N*m or N], and the share of rows; None: at none.
+
+    The drive's gains by the torques below it ask for more than it there, and the torque stays.
+    """
+    import numpy as np
+
+    read = recording.measured["torque"]
+    noise = texture(read).noise
+    size = np.abs(read)
+    if not noise > 0.0:
+        return None
+    reach = STANDS * noise
+    # The largest reading is some deviations above what it is a reading of.
+    top = float(np.nanmedian(size[size > np.nanmax(size) - reach]))
+    own = answer(read, recording, (top - 2.0 * reach) / CLIPPED)
+    if own is None or own.kp <= 0.0 or own.left > EXPLAINED:
+        return None
+    error = recording.command - recording.measured["position"]
+    speed = recording.speed_command - recording.measured.get("velocity", recording.velocity)
+    asked = np.abs(own.kp * error + own.kd * speed) > EXCEEDS * top
+    told = asked & np.isfinite(read)
+    stays = told & (size > top - reach)
+    if told.sum() < AT_LIMIT * len(read) or stays.sum() < STAYS * told.sum():
+        return None
+    return top, float(stays.sum()) / len(read)

@@ -397,7 +397,7 @@ def sensed(
         actuator.joint: _joint(commands, actuator, q[:, j], qd[:, j], torque[:, j], step, flaws, random, kept)
         for j, actuator in enumerate(actuators)
     }
-    sidecar = Sidecar(robot=commands.sidecar.robot, base=commands.sidecar.base)
+    sidecar = Sidecar(robot=commands.sidecar.robot, base=commands.sidecar.base, pose=commands.sidecar.pose)
     return Log(path, "", time[kept], joints, sidecar)
 
 

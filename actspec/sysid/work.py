@@ -25,10 +25,12 @@ class FitOptions:
     Attributes:
         free: Fields that are free beside the usual ones.
         hold: Fields that are held at the spec's.
+        joints: Joints that are fitted; none: all that a log moves.
     """
 
     free: frozenset[str] = frozenset()
     hold: frozenset[str] = frozenset()
+    joints: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)

@@ -383,6 +383,17 @@ def test_sizes_that_are_not_the_networks(tmp_path: Path, monkeypatch: Any, capsy
     assert main(["net", "convert", "net.onnx", "--manifest", "net.json", "-o", "new"]) in (0, 1)
 
 
+def test_a_model_in_place_of_a_manifest(tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
+    """XML is one long YAML value: the help speaks of a manifest, and not of a spec."""
+    monkeypatch.chdir(folder(tmp_path))
+    write_log(replace(log(1), path="l.csv"))
+    Path("leg.xml").write_text("<mujoco/>")
+    assert main(["net", "evaluate", "spec.yaml", "l.csv", "--network", "leg.xml"]) == 2
+    text = capsys.readouterr().err
+    assert "NET004" in text and "help: a manifest is the JSON beside a network" in text
+    assert "actspec: 1" not in text
+
+
 def test_errors_by_hand() -> None:
     """Torques 3 and -4, found 3.5 and -4: mse 0.125; RMS^2 12.5; variance 12.25."""
     errors = errors_of(np.array([3.5, -4.0]), np.array([3.0, -4.0]))

@@ -15,6 +15,7 @@ from actspec.logs import Log, Sidecar
 from actspec.sysid.descent import System
 from actspec.sysid.fit import prepared, roll
 from actspec.sysid.profile import profiled, weak
+from actspec.sysid.stand import Stand
 from actspec.sysid.work import FitOptions, JointInWork, ended
 from tests.sysid import test_fit
 from tests.sysid.test_fit import LINK, TRUE, fitted, logged
@@ -128,8 +129,9 @@ def rolled(folder: Path, log: Log, hold: str = "") -> JointInWork:
     spec = api.load(folder / "spec.yaml")
     robot, out = api.load_robot(spec), Collector()
     options = FitOptions(hold=frozenset({hold} if hold else ()))
-    joints = prepared(api.resolve(spec, robot), robot, [log], ["hip"], options, out)
-    roll(robot, [log], joints, options, out)
+    stand = Stand(robot, api.resolve(spec, robot))
+    joints = prepared(stand, [log], ["hip"], options, out)
+    roll(stand, [log], joints, options, out)
     return joints["hip"]
 
 

@@ -403,7 +403,9 @@ def manifest_with_places(path: str, place: Place) -> tuple[NetworkManifest, Sour
         for item in err.diagnostics:
             placed = item.span is not None and item.span.line
             # Of the file as a whole the reader speaks as of a spec.
-            help = item.help if placed else "`actspec schema network` has the manifest's keys"
+            help = item.help
+            if not placed or item.code == "SPEC005":
+                help = "a manifest is the JSON beside a network; `actspec schema network` has its keys"
             at = replace(place, where=item.where or place.where, span=item.span if placed else place.span)
             at.error("NET004", f"the manifest cannot be read: {item.message}", help)
         return None

@@ -212,7 +212,7 @@ def test_network_files_that_are_not_there(tmp_path: Path) -> None:
         written(spec, path=str(tmp_path / "spec.yaml"))
     assert [(fault.code, fault.help) for fault in caught.value.diagnostics] == [
         ("NET003", "a network is a file beside its manifest, or network.file relative to the spec's folder"),
-        ("NET004", "`actspec schema network` has the manifest's keys"),
+        ("NET004", "a manifest is the JSON beside a network; `actspec schema network` has its keys"),
     ]
 
 
