@@ -377,6 +377,11 @@ class Approximation:
         """Name under which `accept` takes it."""
         return f"{self.target}.{self.field}"
 
+    @property
+    def open(self) -> bool:
+        """Whether the spec says of armature or friction that nobody knows it: no target can be held to a number."""
+        return self.asked == "unknown" and self.field.startswith(("armature", "friction."))
+
     def within(self, reason: str) -> bool:
         """Whether it is as small as the reason says for which `accept` takes it, as in "up to 82 N*m".
 

@@ -244,11 +244,16 @@ def _strict(law: TorqueLaw, motion: HeldMotion, column: int, *, single: bool) ->
 
 
 def _size(lost: Sequence[Approximation]) -> float:
-    """Largest torque of all losses together; infinity where one has no size."""
+    """Largest torque of all losses together; infinity where one has no size.
+
+    What the spec says is unknown of the joint's own friction is no part of its drive's torque.
+    """
     sizes = [
         loss.max_torque_error
         for loss in lost
-        if loss.field not in HELD and (loss.field != "delay" or loss.emitted == NONE)
+        if loss.field not in HELD
+        and (loss.field != "delay" or loss.emitted == NONE)
+        and not loss.open
     ]
     return math.inf if None in sizes else math.fsum(size for size in sizes if size is not None)
 
