@@ -202,6 +202,7 @@ def loss_record(loss: Approximation) -> dict[str, Any]:
         "emitted": loss.emitted,
         "why": loss.why,
         "max_torque_error": loss.max_torque_error,
+        **({"at": loss.at, "above_no_load_speed": loss.beyond} if loss.beyond is not None else {}),
     }
 
 

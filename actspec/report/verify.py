@@ -274,7 +274,9 @@ def _summary(compilation: Compilation, agreement: Agreement) -> str:
         where = listed(dict.fromkeys(f"{skip.target} {skip.group}".rstrip() for skip in missed), 3)
         verdict += f"; not run in full: {what} of {one_line(where)}"
     if compilation.failures:
-        verdict += f"; {listed(dict.fromkeys(name for name, _ in compilation.failures))} could not be compiled"
+        verdict += (
+            f"; {listed(dict.fromkeys(name for name, _ in compilation.failures))} could not be compiled"
+        )
     engines = (
         f"the torque of {len(asked)} of {len(compilation.targets)} was computed by the simulator's own code"
     )

@@ -29,12 +29,16 @@ def armature_of(inputs: JointInputs) -> Quantity:
             origin=Origin.DERIVED,
             formula=reflected.formula or "reflected inertia of the motor",
         )
-    elif reflected is not None and reflected.span is not None:
-        if own is None or own.origin is Origin.DEFAULT:
-            why = "the motor's inertia is unknown, and the file states no armature"
-            own = replace(reflected, unit=inputs.unit(Kind.INERTIA), note=why)
+    elif reflected is not None and reflected.span is not None and _nobodys(own):
+        why = "the motor's inertia is unknown, and the file states no armature"
+        own = replace(reflected, unit=inputs.unit(Kind.INERTIA), note=why)
     found = inputs.number("armature", Kind.INERTIA, derived=derived, rest=(own,))
     return found if found is not None else unknown(inputs.unit(Kind.INERTIA))
+
+
+def _nobodys(quantity: Quantity | None) -> bool:
+    """Whether the robot's file states no such number."""
+    return quantity is None or quantity.origin is Origin.DEFAULT
 
 
 def actuator_of(

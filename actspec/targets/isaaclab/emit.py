@@ -15,7 +15,12 @@ from actspec.targets.check import isaaclab_row
 from actspec.targets.isaaclab.classes import check_classes, classes_of
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_text
-from actspec.targets.kit.joint import delta_action_loss, joint_by_joint, unknown_passive, warn_unknown_armature
+from actspec.targets.kit.joint import (
+    delta_action_loss,
+    joint_by_joint,
+    unknown_passive,
+    warn_unknown_armature,
+)
 from actspec.targets.kit.network import NetworkWithManifest, check_joints, read_networks
 from actspec.targets.kit.python_text import grouped, identifier, module_name
 

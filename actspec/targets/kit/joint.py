@@ -18,7 +18,15 @@ from actspec.resolution.quantities import Reports
 from actspec.robot.view import JointView, RobotView
 from actspec.targets.base import TargetOptions
 from actspec.targets.kit.network import network_clip
-from actspec.targets.kit.sizes import command_range_error, held_step_error, lined, static_error, viscous_error
+from actspec.targets.kit.sizes import (
+    Torque,
+    command_range_error,
+    held_step_error,
+    line_error,
+    lined,
+    static_error,
+    viscous_error,
+)
 from actspec.units import format_number, format_quantity
 
 T = TypeVar("T")
@@ -48,6 +56,20 @@ class JointLosses:
                 self._target, self.actuator.joint, field, asked, emitted, why, error, unit or self.unit
             )
         )
+
+    def lose_line(self, asked: str, emitted: str, why: str, law: TorqueLaw, torque: Torque) -> None:
+        """Record the loss of a torque-speed line or curve.
+
+        Args:
+            asked: In words, as the two that follow; see `Approximation`.
+            emitted: What is written.
+            why: Reason.
+            law: What the spec asks for.
+            torque: What the target computes.
+        """
+        size = line_error(law, torque, self.actuator.velocity_limit.unit)
+        self.approximate("torque_speed_curve", asked, emitted, why, size.error)
+        self.lost[-1] = replace(self.lost[-1], at=size.at, beyond=size.beyond)
 
     def torque(self, value: float) -> str:
         """A torque with its unit."""
@@ -201,14 +223,11 @@ class JointEmission(JointLosses, Generic[T]):
         """The drive side of an asymmetric curve, as a line through knee and no-load speed, with what it loses."""
         line, number = lined(self.law), format_number
         assert line.stall_torque is not None and line.no_load_speed is not None
-        self.approximate(
-            "torque_speed_curve",
-            self.curve_text(self.law),
+        emitted = (
             f"line from {number(line.stall_torque)} to {number(line.no_load_speed)}, "
-            f"cut at {number(line.effort_limit)}",
-            why,
-            static_error(self.law, line.torque),
+            f"cut at {number(line.effort_limit)}"
         )
+        self.lose_line(self.curve_text(self.law), emitted, why, self.law, line.torque)
         return line
 
     def one_delay(
@@ -376,7 +395,7 @@ def unknown_passive(
 
 
 def _said_unknown(quantity: Quantity) -> bool:
-    """Whether the spec writes `unknown`: not the silence of all, and not what a file does not tell of its own number."""
+    """Whether the spec writes `unknown`: not that all are silent, nor that a file hides its own number."""
     return quantity.value is None and quantity.span is not None and quantity.note != NOT_IN_FILE
 
 
