@@ -178,8 +178,8 @@ def error_and_place(losses: Sequence[Approximation]) -> str:
     beyond = max(losses, key=lambda loss: loss.beyond or 0.0)
     if not beyond.beyond or beyond.beyond <= (worst.max_torque_error or 0.0) * (1.0 + NEGLIGIBLE):
         return text
-    more = f"{format_quantity(beyond.beyond, beyond.unit, 4)} above no-load speed"
-    return f"{text or 'none'} (up to {more})"
+    more = f"up to {format_quantity(beyond.beyond, beyond.unit, 4)}"
+    return f"{text}; above no-load speed {more}" if text else f"none up to no-load speed, above it {more}"
 
 
 def _count(taken: Sequence[Approximation], open_: Sequence[Approximation]) -> str:
