@@ -70,6 +70,7 @@ def compile(
     targets: Sequence[str | TargetOptions] = (),
     output: str | None = None,
     canonical: bool = False,
+    partial: bool = False,
 ) -> Compilation:
     """Compile a spec to its targets, without writing anything (see `actspec.output.write`).
 
@@ -78,6 +79,7 @@ def compile(
         targets: Names of the spec's targets, `KIND==VERSION` such as `mujoco==3.11`, or options; default: all.
         output: Folder to write below; default `build/<robot>`.
         canonical: Write the simulator's own form of the model.
+        partial: Leave out targets that cannot be compiled, as long as one can: the errors are in `failures`.
 
     Raises:
         SpecError, RobotError, ResolveError, EmitError: with every error of the stage.
@@ -101,20 +103,24 @@ def compile(
 
         check_named(actuators, robot, collector)
     check_manifests(actuators, loaded, collector)
-    emissions = []
+    made, emissions = [], []
+    failures: list[tuple[str, Diagnostic]] = []
     explicit: dict[str, frozenset[str]] = {}
     for options in chosen:
         try:
             emission = emitter(options.kind)(actuators, robot, options)
         except EmitError as err:
-            for item in err.diagnostics:
-                collector.add(_placed(item, loaded, options))
+            failures += [(options.name, _placed(item, loaded, options)) for item in err.diagnostics]
             continue
+        made.append(options)
         emissions.append(emission)
         title = "MuJoCo with the Euler integrator" if options.kind == "mujoco" else options.name
         explicit[title] = explicit.get(title, frozenset()) | emission.explicit
         for item in emission.diagnostics:
             collector.add(_placed(item, loaded, options))
+    if not (partial and emissions):
+        for _, item in failures:
+            collector.add(item)
     doubted = doubted_drives(actuators.joints, actuators.diagnostics)
     judged = {title: joints - doubted for title, joints in explicit.items()}
     for item in check_actuators(actuators, judged):
@@ -127,9 +133,11 @@ def compile(
             collector.add(item)
         network_doubts(actuators, loaded, collector)
     collector.raise_if_failed(EmitError)
-    warn_unlimited(actuators, chosen, emissions, collector)
-    check_accepted(loaded, actuators, chosen, emissions, collector)
-    return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
+    warn_unlimited(actuators, made, emissions, collector)
+    check_accepted(loaded, actuators, made, emissions, collector)
+    return Compilation(
+        loaded, robot, actuators, tuple(made), tuple(emissions), collector.sorted(), tuple(failures)
+    )
 
 
 def _placed(item: Diagnostic, spec: Spec, options: TargetOptions) -> Diagnostic:
@@ -156,6 +164,7 @@ def verify(
     run_edited: bool = False,
     trust: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    partial: bool = False,
 ) -> tuple[Compilation, Agreement]:
     """Show by numbers that every target makes what the spec says: see docs/verify.md.
 
@@ -167,6 +176,7 @@ def verify(
         run_edited: Let them execute Python files of `built` that are not what the spec compiles to.
         trust: Let them execute TorchScript of networks that actspec did not write.
         progress: Called with how many steps are done, of how many.
+        partial: As in `compile`.
 
     Raises:
         SpecError, RobotError, ResolveError, EmitError: as `compile`.
@@ -177,7 +187,7 @@ def verify(
     from actspec.verify.run import lay_out, relative, verify
 
     with tempfile.TemporaryDirectory(prefix="actspec-verify-") as folder:
-        compilation = compile(spec, targets=targets, output=folder)
+        compilation = compile(spec, targets=targets, output=folder, partial=partial)
         pairs = list(zip(compilation.targets, compilation.emissions, strict=True))
         found = lay_out(pairs, None if built is None else os.fspath(built))
         path = compilation.spec.document.path

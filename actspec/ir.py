@@ -361,6 +361,8 @@ class Approximation:
         max_torque_error: Largest difference in torque that it can make [N*m or N]; None when the
             loss is not one of torque.
         unit: Unit of `max_torque_error`.
+        at: Where that is, of a torque-speed line: `driving at 20.9 rad/s`; "" where it is not told.
+        beyond: Largest difference above the motor's no-load speed [N*m or N], of such a line; None: of another loss.
     """
 
     target: str
@@ -371,11 +373,18 @@ class Approximation:
     why: str
     max_torque_error: float | None
     unit: str = "N*m"
+    at: str = ""
+    beyond: float | None = None
 
     @property
     def key(self) -> str:
         """Name under which `accept` takes it."""
         return f"{self.target}.{self.field}"
+
+    @property
+    def open(self) -> bool:
+        """Whether the spec says of armature or friction that nobody knows it: no target can be held to a number."""
+        return self.asked == "unknown" and self.field.startswith(("armature", "friction."))
 
     def within(self, reason: str) -> bool:
         """Whether it is as small as the reason says for which `accept` takes it, as in "up to 82 N*m".

@@ -36,6 +36,8 @@ class Compilation:
         targets: Options of each target, in the spec's order.
         emissions: What each made, in the same order.
         diagnostics: Warnings and notes of all stages.
+        failures: Name of a target that could not be compiled and what it reports, where the others are asked for all
+            the same.
     """
 
     spec: Spec
@@ -44,6 +46,7 @@ class Compilation:
     targets: tuple[TargetOptions, ...]
     emissions: tuple[Emission, ...]
     diagnostics: tuple[Diagnostic, ...]
+    failures: tuple[tuple[str, Diagnostic], ...] = ()
 
     @property
     def approximations(self) -> tuple[Approximation, ...]:
@@ -199,6 +202,7 @@ def loss_record(loss: Approximation) -> dict[str, Any]:
         "emitted": loss.emitted,
         "why": loss.why,
         "max_torque_error": loss.max_torque_error,
+        **({"at": loss.at, "above_no_load_speed": loss.beyond} if loss.beyond is not None else {}),
     }
 
 

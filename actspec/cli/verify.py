@@ -8,7 +8,7 @@ from typing import Any
 
 from actspec import api
 from actspec.cli.options import add_format, add_packages, add_specs, add_targets, add_variant, describe
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, SpecError
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, Diagnostic, SpecError
 from actspec.output import loss_record
 from actspec.report.doubts import doubts
 from actspec.report.terminal import Progress, diagnostic_record, print_diagnostics, print_json, print_lines
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(_record(done))
     else:
         for compilation, agreement in done:
-            print_diagnostics(doubts(compilation.diagnostics))
+            print_diagnostics((*doubts(compilation.diagnostics), *_failed(compilation)))
             print_lines(_lines(compilation, agreement, arguments))
             print_diagnostics(_asked_for(agreement, arguments))
     return max(_code(compilation, agreement, arguments) for compilation, agreement in done)
@@ -106,6 +106,7 @@ def _verified(path: str, arguments: argparse.Namespace) -> tuple[api.Compilation
             run_edited=arguments.run_edited,
             trust=arguments.trust,
             progress=progress.step,
+            partial=True,
         )
 
 
@@ -127,8 +128,13 @@ def _asked_for(agreement: Agreement, arguments: argparse.Namespace) -> Collector
     return said
 
 
+def _failed(compilation: api.Compilation) -> Iterator[Diagnostic]:
+    """Why some targets could not be compiled."""
+    return (item for _, item in compilation.failures)
+
+
 def _code(compilation: api.Compilation, agreement: Agreement, arguments: argparse.Namespace) -> int:
-    if _asked_for(agreement, arguments).failed:
+    if compilation.failures or _asked_for(agreement, arguments).failed:
         return EXIT_FAILED
     refused = arguments.strict and compilation.unaccepted
     return EXIT_FINDINGS if refused or not agreement.ok else EXIT_CLEAN
@@ -140,5 +146,5 @@ def _record(done: Done) -> dict[str, Any]:
         "rows": [row_record(row) for _, agreement in done for row in agreement.rows],
         "skipped": [skip_record(skip) for _, agreement in done for skip in agreement.skipped],
         "approximations": [loss_record(loss) for c, _ in done for loss in c.approximations],
-        "diagnostics": [diagnostic_record(item) for c, _ in done for item in c.diagnostics],
+        "diagnostics": [diagnostic_record(item) for c, _ in done for item in (*c.diagnostics, *_failed(c))],
     }

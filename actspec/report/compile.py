@@ -12,6 +12,7 @@ from actspec.ir import ActuatorSet, Delay, JointActuator, JointKind
 from actspec.output import MANIFEST, Compilation, Output
 from actspec.report.show import number, title
 from actspec.report.tables import table
+from actspec.resolution.simplified import NEGLIGIBLE
 from actspec.targets.base import Approximation, TargetOptions
 from actspec.units import format_number, format_quantity
 
@@ -150,7 +151,7 @@ def _losses(losses: Sequence[Approximation], joints: int) -> Iterator[str]:
             said = key
             yield f"    {one_line(key)}"
         asked = listed(dict.fromkeys(member.asked for member in members), most=4)
-        worst = worst_error(members)
+        worst = error_and_place(members)
         size = f"; torque error {worst}" if worst else ""
         named = [member.joint for member in members if member.joint]
         who = f"{len(named)} of {many(joints, 'joint')}: " if 0 < len(named) < joints else ""
@@ -167,6 +168,18 @@ def worst_error(losses: Iterable[Approximation]) -> str:
         return ""
     worst = max(sized, key=lambda loss: loss.max_torque_error or 0.0)
     return f"up to {format_quantity(worst.max_torque_error, worst.unit, 4)}"
+
+
+def error_and_place(losses: Sequence[Approximation]) -> str:
+    """The largest torque error and where it is, and that above no-load speed where it is larger; "" where none is."""
+    worst = max(losses, key=lambda loss: loss.max_torque_error or 0.0)
+    size = worst_error(losses)
+    text = f"{size}, {worst.at}" if size and worst.at else size
+    beyond = max(losses, key=lambda loss: loss.beyond or 0.0)
+    if not beyond.beyond or beyond.beyond <= (worst.max_torque_error or 0.0) * (1.0 + NEGLIGIBLE):
+        return text
+    more = f"up to {format_quantity(beyond.beyond, beyond.unit, 4)}"
+    return f"{text}; above no-load speed {more}" if text else f"none up to no-load speed, above it {more}"
 
 
 def _count(taken: Sequence[Approximation], open_: Sequence[Approximation]) -> str:

@@ -11,6 +11,7 @@ from actspec.ir import Approximation, JointActuator, Quantity
 from actspec.report.tables import table
 from actspec.units import format_number, format_quantity
 
+_WITHOUT = "; the armature is unknown, and what follows holds for the file's own or none"
 _OVERVIEW = ("kp", "kd", "effort_limit", "armature", "friction_coulomb", "friction_viscous")
 
 
@@ -66,19 +67,23 @@ def _dynamics(joint: JointActuator) -> Iterator[str]:
         f"({format_number(inertia.low, 4)} to {format_number(inertia.high, 4)}"
         for name, inertia in (("held", held), ("free", free))
     ]
-    yield f"  inertia {words[0]} over the poses), {words[1]})"
+    known = joint.armature.known
+    yield f"  inertia {words[0]} over the poses), {words[1]}){'' if known else _WITHOUT}"
     kp = joint.kp.value if joint.kp is not None else None
     kd = joint.kd.value if joint.kd is not None else None
     if kp is None or kp <= 0 or kd is None:
         return
-    viscous = joint.friction_viscous.value or 0.0
     frequency = math.sqrt(kp / held.reference)
     scale = 2.0 * math.sqrt(kp * held.reference)
+    viscous = joint.friction_viscous.value
+    damped = (
+        "and more with viscous friction, which is unknown"
+        if viscous is None
+        else f"{format_number((kd + viscous) / scale, 3)} with viscous friction"
+    )
     yield (
         f"  natural frequency {format_number(frequency, 4)} rad/s ({format_number(frequency / (2 * math.pi), 3)} Hz), "
-        f"damping ratio {format_number(kd / scale, 3)} by kd alone, "
-        f"{format_number((kd + viscous) / scale, 3)} with viscous friction "
-        "(inertia held, reference pose)"
+        f"damping ratio {format_number(kd / scale, 3)} by kd alone, {damped} (inertia held, reference pose)"
     )
 
 

@@ -108,7 +108,10 @@ def github(compilation: Compilation, agreement: Agreement, *, built: bool, stric
         yield command(
             Severity.INFO, f"{target} not run", spec, one_line(f"{reason}{f' ({help})' if help else ''}")
         )
-    verdict = Severity.INFO if agreement.ok else Severity.ERROR
+    for _, item in compilation.failures:
+        if item.severity is Severity.ERROR:
+            yield command(item.severity, item.code, item.span or spec, one_line(item.message))
+    verdict = Severity.INFO if agreement.ok and not compilation.failures else Severity.ERROR
     yield command(verdict, one_line(compilation.actuators.robot), spec, _summary(compilation, agreement))
 
 
@@ -270,6 +273,10 @@ def _summary(compilation: Compilation, agreement: Agreement) -> str:
         missed = [skip for skip in agreement.skipped if skip.target in asked and skip.what == what]
         where = listed(dict.fromkeys(f"{skip.target} {skip.group}".rstrip() for skip in missed), 3)
         verdict += f"; not run in full: {what} of {one_line(where)}"
+    if compilation.failures:
+        verdict += (
+            f"; {listed(dict.fromkeys(name for name, _ in compilation.failures))} could not be compiled"
+        )
     engines = (
         f"the torque of {len(asked)} of {len(compilation.targets)} was computed by the simulator's own code"
     )

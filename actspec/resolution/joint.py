@@ -16,17 +16,29 @@ from actspec.units import Kind, format_quantity
 
 
 def armature_of(inputs: JointInputs) -> Quantity:
-    """Inertia that the drive adds to the joint [kg*m^2 or kg]: the motor's reflected one is derived."""
-    derived = None
-    if inputs.motor is not None and inputs.motor.reflected_inertia.known:
-        reflected = inputs.motor.reflected_inertia
+    """Inertia that the drive adds to the joint [kg*m^2 or kg]: the motor's reflected one is derived.
+
+    That the motor's inertia is written as unknown is no number that goes before the file's own, but it does go before
+    MuJoCo's default of 0, which is nobody's.
+    """
+    derived, own = None, inputs.model.armature
+    reflected = None if inputs.motor is None else inputs.motor.reflected_inertia
+    if reflected is not None and reflected.known:
         derived = replace(
             reflected,
             origin=Origin.DERIVED,
             formula=reflected.formula or "reflected inertia of the motor",
         )
-    found = inputs.number("armature", Kind.INERTIA, derived=derived, rest=(inputs.model.armature,))
+    elif reflected is not None and reflected.span is not None and _nobodys(own):
+        why = "the motor's inertia is unknown, and the file states no armature"
+        own = replace(reflected, unit=inputs.unit(Kind.INERTIA), note=why)
+    found = inputs.number("armature", Kind.INERTIA, derived=derived, rest=(own,))
     return found if found is not None else unknown(inputs.unit(Kind.INERTIA))
+
+
+def _nobodys(quantity: Quantity | None) -> bool:
+    """Whether the robot's file states no such number."""
+    return quantity is None or quantity.origin is Origin.DEFAULT
 
 
 def actuator_of(

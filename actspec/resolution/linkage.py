@@ -189,7 +189,7 @@ class LinkedMotors:
         ]
         first = parts[0][0]
         if not all(inertia.known for inertia, _, _ in parts):
-            return unknown(first.unit)
+            return next(inertia for inertia, _, _ in parts if not inertia.known)
         terms = [
             f"{format_quantity(inertia.value, inertia.unit)} ({name}) x {format_number(square)}"
             for inertia, name, square in parts

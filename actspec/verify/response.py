@@ -123,7 +123,7 @@ def without_loss(
 ) -> tuple[TorqueLaw, PassiveFriction] | None:
     """Law and friction that a loss leaves; None: it does not say."""
     gone = loss.emitted in ("none", "left out")
-    if loss.field in UNMOVED:
+    if loss.field in UNMOVED or loss.open:
         return law, friction
     if loss.field == "torque_speed_curve":
         if loss.emitted.startswith("line from "):

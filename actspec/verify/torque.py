@@ -145,8 +145,10 @@ def row_of(
 
     worst, unit = float(error.max()), actuator.effort_limit.unit
     ok = worst <= tolerance
-    k, env = (int(i) for i in np.unravel_index(int(error.argmax()), error.shape))
     inside = usual(law, actuator, motion, column)
+    # Of equal errors the one that a joint can meet is shown.
+    shown = np.where(inside, error, error * (1.0 - SINGLE))
+    k, env = (int(i) for i in np.unravel_index(int(shown.argmax()), error.shape))
     row = Row(
         *(target.name, actuator.group, actuator.joint, 1, quantity, unit, worst, tolerance, ok),
         at=at(law, motion, k, env, column),
@@ -244,11 +246,14 @@ def _strict(law: TorqueLaw, motion: HeldMotion, column: int, *, single: bool) ->
 
 
 def _size(lost: Sequence[Approximation]) -> float:
-    """Largest torque of all losses together; infinity where one has no size."""
+    """Largest torque of all losses together; infinity where one has no size.
+
+    What the spec says is unknown of the joint's own friction is no part of its drive's torque.
+    """
     sizes = [
-        loss.max_torque_error
+        loss.max_torque_error if loss.beyond is None else max(loss.max_torque_error or 0.0, loss.beyond)
         for loss in lost
-        if loss.field not in HELD and (loss.field != "delay" or loss.emitted == NONE)
+        if loss.field not in HELD and (loss.field != "delay" or loss.emitted == NONE) and not loss.open
     ]
     return math.inf if None in sizes else math.fsum(size for size in sizes if size is not None)
 

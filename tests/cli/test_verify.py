@@ -420,3 +420,23 @@ def test_the_last_line_tells_what_was_not_run(folder: Path) -> None:
         "not run in full: responses of mujoco hips, mujoco knee",
         "not run in full: torque of mujoco feet",
     ]
+
+
+def test_a_target_that_cannot_be_compiled_stops_no_other(
+    capsys: pytest.CaptureFixture[str], folder: Path
+) -> None:
+    """mjlab cannot have an unknown kd, deploy can: deploy is compared, mjlab's error is said; exit code 2."""
+    path = folder / "rich.yaml"
+    path.write_text(path.read_text("utf-8").replace("kd: 1.5", "kd: unknown"), "utf-8")
+    assert run("--fields-only", "-t", "mjlab", "-t", "deploy") == 2
+    said = capsys.readouterr()
+    assert "MJL001" in said.err and "  deploy " in said.out
+    assert said.out.splitlines()[-1].startswith("1 target was read back and not run (deploy)")
+    assert "; mjlab could not be compiled; " in said.out
+    assert run("--fields-only", "-t", "mjlab", "-t", "deploy", "--output-format", "json") == 2
+    found = record(capsys)
+    assert "MJL001" in {item["code"] for item in found["diagnostics"]}
+    assert {row["target"] for row in found["rows"]} == {"deploy"}
+    # Of no target anything is left to compare.
+    assert run("--fields-only", "-t", "mjlab") == 2
+    assert capsys.readouterr().err.endswith("1 error\n")

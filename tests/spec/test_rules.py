@@ -242,3 +242,35 @@ def test_faults_of_shape_have_no_false_consequences() -> None:
         "SPEC104 sources.s",
         "SPEC106 targets.mine",
     ]
+
+
+@pytest.mark.parametrize(
+    ("motor", "limit", "help"),
+    [
+        (
+            "peak_torque: 18 N*m, no_load_speed: 60 rad/s",
+            "",
+            "`stall_torque: 18 N*m`, its peak torque, gives no more",
+        ),
+        (
+            "continuous_torque: 9 N*m, no_load_speed: 60 rad/s",
+            "",
+            "state it (or `curve`), or use level ideal_pd",
+        ),
+        (
+            "stall_torque: 22 N*m, no_load_speed: 60 rad/s",
+            "peak",
+            "its stall_torque, 22 N*m, where the drive has the cur",
+        ),
+    ],
+    ids=["no stall torque", "neither", "no peak torque"],
+)
+def test_a_datasheet_without_one_of_the_torques(motor: str, limit: str, help: str) -> None:
+    """The other torque of the sheet is offered, and what it assumes."""
+    extra = ", motor: m" + (f", effort_limit: {limit}" if limit else "")
+    text = spec_of(LEGS % ("dc_motor", extra), motors=f"{{m: {{side: joint, {motor}}}}}", robot=NONE)
+    with pytest.raises(SpecError) as caught:
+        model_of(text)
+    (found,) = caught.value.diagnostics
+    assert found.code == ("SPEC144" if limit else "SPEC147")
+    assert help in str(found.help)

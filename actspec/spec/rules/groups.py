@@ -86,10 +86,25 @@ def _check_dc_motors(
                 f"level dc_motor needs {field} of the motor '{name}', which is "
                 f"{'not stated' if value is None else 'unknown'}",
                 at if value is None else place,
-                "state it (or `curve`), or use level ideal_pd"
-                if motor.curve is None
-                else "state it, or use level ideal_pd",
+                _way_out(field, motor),
             )
+
+
+NO_STALL = "docs/spec-language.md, A datasheet without a stall torque"
+"""Where the ways out are."""
+
+
+def _way_out(field: str, motor: Motor) -> str:
+    """What to write where a motor lacks a figure of its line."""
+    if motor.curve is not None:
+        return "state it, or use level ideal_pd"
+    peak = motor.peak_torque
+    if field == "stall_torque" and peak is not None and peak.value is not None:
+        return (
+            f"a datasheet without one: `stall_torque: {peak.written}`, its peak torque, gives no more than the motor "
+            f"has; nearer ones: {NO_STALL}. Or `curve`, or level ideal_pd"
+        )
+    return "state it (or `curve`), or use level ideal_pd"
 
 
 def _line_of(name: str, motor: Motor) -> Iterator[tuple[str, SpecValue | None, Path]]:
@@ -217,8 +232,20 @@ def _check_from_motor(path: Path, fields: Tunable, motor: Motor | None, breaches
             "SPEC144",
             f"{fields.effort_limit}_torque of the motor is not known",
             (*path, "effort_limit"),
-            f"state {fields.effort_limit}_torque of the motor, or a torque here",
+            _other_torque(motor, fields.effort_limit),
         )
+
+
+def _other_torque(motor: Motor, which: str) -> str:
+    """What to write where a motor lacks the torque that is to be the limit."""
+    stall = motor.stall_torque if motor.curve is None else motor.curve.drive_torque
+    if which == "peak" and stall is not None and stall.value is not None:
+        name = "stall_torque" if motor.curve is None else "curve's drive_torque"
+        return (
+            f"state peak_torque of the motor: its {name}, {stall.written}, where the drive has the current for "
+            "that, else torque_constant and peak_current; or a torque here"
+        )
+    return f"state {which}_torque of the motor, or a torque here"
 
 
 def _states_torque(motor: Motor, which: str) -> bool:

@@ -15,7 +15,12 @@ from actspec.targets.check import isaaclab_row
 from actspec.targets.isaaclab.classes import check_classes, classes_of
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_text
-from actspec.targets.kit.joint import delta_action_loss, joint_by_joint, warn_unknown_armature
+from actspec.targets.kit.joint import (
+    delta_action_loss,
+    joint_by_joint,
+    unknown_passive,
+    warn_unknown_armature,
+)
 from actspec.targets.kit.network import NetworkWithManifest, check_joints, read_networks
 from actspec.targets.kit.python_text import grouped, identifier, module_name
 
@@ -44,10 +49,11 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
 
     cfgs = joint_by_joint(actuators, cfg, ("ISL011",), collector)
     collector.raise_if_failed(EmitError)
-    _warn(actuators, robot, dialect, cfgs, collector)
+    _warn(actuators, options.name, robot, dialect, cfgs, collector)
 
     approximations = [loss for cfg in cfgs for loss in cfg.approximations]
     why = "no actuator class sees the whole robot: wrap the environment with the runtime"
+    approximations += unknown_passive(actuators, options.name, "Isaac Lab", lambda *_: "the USD's own")
     approximations += delta_action_loss(actuators, options.name, why)
     # A floating base is no joint of an articulation.
     names = [joint.name for joint in robot.joints if joint.kind is not JointKind.FREE]
@@ -128,12 +134,13 @@ def _check_network(file: NetworkWithManifest, stride: int | None, members: Seque
 
 def _warn(
     actuators: ActuatorSet,
+    target: str,
     robot: RobotView,
     dialect: IsaacLabDialect,
     cfgs: list[JointCfg],
     collector: Collector,
 ) -> None:
-    warn_unknown_armature(actuators, "ISL030", "Isaac Lab takes the USD's", collector)
+    warn_unknown_armature(actuators, target, "ISL030", "Isaac Lab takes the USD's", collector)
     open_gains = [d.actuator for d in cfgs if any(f.value is None for f in d.fields)]
     if open_gains:
         collector.at(f"actuators.{open_gains[0].group}", open_gains[0].span).warning(

@@ -144,10 +144,8 @@ def _implicit(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
         joint.approximate("effort_limit", format_quantity(joint.limit, joint.unit), clip, why, error)
         limited = free
     if joint.actuator.level is Level.DC_MOTOR:
-        error = static_error(joint.law, limited.torque)
-        joint.approximate(
-            "torque_speed_curve", joint.curve_text(joint.law, joint.speed_unit), clip, why, error
-        )
+        asked = joint.curve_text(joint.law, joint.speed_unit)
+        joint.lose_line(asked, clip, why, joint.law, limited.torque)
     names = joint.dialect.limits
     note = joint.note(joint.actuator.effort_limit) if known else "unknown: the USD's own"
     fields = [CfgField(names.solver_effort, joint.limit if known else None, note, scalar=not known)]
@@ -282,11 +280,5 @@ def _one_line(joint: IsaacJoint, line: TorqueLaw, cls: str) -> None:
         text += " and at 0: no braking torque is forced above no-load speed"
         reasons.append(f"{cls} of Isaac Lab {joint.dialect.text} ends its limits at 0")
     if reasons:
-        error = static_error(joint.law, emitted)
-        joint.approximate(
-            "torque_speed_curve",
-            joint.curve_text(joint.law, joint.speed_unit),
-            text,
-            "; ".join(reasons),
-            error,
-        )
+        asked = joint.curve_text(joint.law, joint.speed_unit)
+        joint.lose_line(asked, text, "; ".join(reasons), joint.law, emitted)

@@ -9,16 +9,24 @@ from dataclasses import replace
 from typing import Generic, TypeVar
 
 from actspec.diagnostics import Collector, Place, listed, many, shortened
-from actspec.fields import is_placeholder
-from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator, Level
+from actspec.fields import BY_IR, is_placeholder
+from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator, Level, Origin, Quantity
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.patterns import resolve_patterns
-from actspec.readings.joint import largest
+from actspec.readings.joint import NOT_IN_FILE, largest
 from actspec.resolution.quantities import Reports
 from actspec.robot.view import JointView, RobotView
 from actspec.targets.base import TargetOptions
 from actspec.targets.kit.network import network_clip
-from actspec.targets.kit.sizes import command_range_error, held_step_error, lined, static_error, viscous_error
+from actspec.targets.kit.sizes import (
+    Torque,
+    command_range_error,
+    held_step_error,
+    line_error,
+    lined,
+    static_error,
+    viscous_error,
+)
 from actspec.units import format_number, format_quantity
 
 T = TypeVar("T")
@@ -48,6 +56,20 @@ class JointLosses:
                 self._target, self.actuator.joint, field, asked, emitted, why, error, unit or self.unit
             )
         )
+
+    def lose_line(self, asked: str, emitted: str, why: str, law: TorqueLaw, torque: Torque) -> None:
+        """Record the loss of a torque-speed line or curve.
+
+        Args:
+            asked: In words, as the two that follow; see `Approximation`.
+            emitted: What is written.
+            why: Reason.
+            law: What the spec asks for.
+            torque: What the target computes.
+        """
+        size = line_error(law, torque, self.actuator.velocity_limit.unit)
+        self.approximate("torque_speed_curve", asked, emitted, why, size.error)
+        self.lost[-1] = replace(self.lost[-1], at=size.at, beyond=size.beyond)
 
     def torque(self, value: float) -> str:
         """A torque with its unit."""
@@ -201,14 +223,11 @@ class JointEmission(JointLosses, Generic[T]):
         """The drive side of an asymmetric curve, as a line through knee and no-load speed, with what it loses."""
         line, number = lined(self.law), format_number
         assert line.stall_torque is not None and line.no_load_speed is not None
-        self.approximate(
-            "torque_speed_curve",
-            self.curve_text(self.law),
+        emitted = (
             f"line from {number(line.stall_torque)} to {number(line.no_load_speed)}, "
-            f"cut at {number(line.effort_limit)}",
-            why,
-            static_error(self.law, line.torque),
+            f"cut at {number(line.effort_limit)}"
         )
+        self.lose_line(self.curve_text(self.law), emitted, why, self.law, line.torque)
         return line
 
     def one_delay(
@@ -340,17 +359,74 @@ def _is_bounded(joint: JointView | None) -> bool:
     return limit > 0.0 and not is_placeholder(limit)
 
 
-def warn_unknown_armature(actuators: ActuatorSet, code: str, simulator: str, collector: Collector) -> None:
-    """Warn where a simulator takes an armature that nobody states.
+def unknown_passive(
+    actuators: ActuatorSet,
+    target: str,
+    simulator: str,
+    takes: Callable[[str, str], str],
+    fields: Collection[str] = ("armature", "friction_coulomb", "friction_viscous"),
+) -> tuple[Approximation, ...]:
+    """Where the spec says that armature or friction is unknown, and something acts all the same.
+
+    What the spec does not speak of is not asked for, and nothing is lost.
 
     Args:
         actuators: What the spec asks for.
+        target: Name of the target.
+        simulator: What writes no number: `Isaac Lab`.
+        takes: Of a joint and an attribute of `JointActuator`, what acts: `the USD's own`.
+        fields: The attributes that the target can hold.
+    """
+    return tuple(
+        Approximation(
+            target,
+            actuator.joint,
+            BY_IR[name].spec,
+            "unknown",
+            takes(actuator.joint, name),
+            f"{simulator} has to take a number",
+            None,
+            actuator.effort_limit.unit,
+        )
+        for name in fields
+        for actuator in actuators.joints
+        if _said_unknown(getattr(actuator, name))
+    )
+
+
+def _said_unknown(quantity: Quantity) -> bool:
+    """Whether the spec writes `unknown`: not that all are silent, nor that a file hides its own number."""
+    return quantity.value is None and quantity.span is not None and quantity.note != NOT_IN_FILE
+
+
+def own_number(quantity: Quantity, whose: str, default: str) -> str:
+    """What acts in place of an unknown, in words: `0.1 N*m*s/rad, the file's`.
+
+    Args:
+        quantity: What the robot's file has.
+        whose: Of a number that the file states: `the file's`.
+        default: Of one that it does not: `MuJoCo's default`.
+    """
+    if quantity.value is None:
+        return whose
+    text = format_quantity(quantity.value, quantity.unit)
+    return f"{text}, {default if quantity.origin is Origin.DEFAULT else whose}"
+
+
+def warn_unknown_armature(
+    actuators: ActuatorSet, target: str, code: str, simulator: str, collector: Collector
+) -> None:
+    """Warn where a simulator takes an armature that nobody states, and that `accept` does not name.
+
+    Args:
+        actuators: What the spec asks for.
+        target: Name of the target.
         code: Of the warning.
         simulator: What it takes: `Isaac Lab takes the USD's`.
         collector: Takes the warning.
     """
     unknown = [actuator for actuator in actuators.joints if actuator.armature.value is None]
-    if unknown:
+    if unknown and f"{target}.armature" not in dict(actuators.accept):
         collector.at(
             f"actuators.{unknown[0].group}.armature", unknown[0].armature.span or unknown[0].span
         ).warning(

@@ -27,6 +27,8 @@ def loss_lines(
     for loss, members in grouped(approximations, lambda one: replace(one, joint="")):
         error = loss.max_torque_error
         size = "" if error is None else f"{comma} at most {format_quantity(error, loss.unit, digits)}"
+        if size and loss.at:
+            size += f" {loss.at}"
         named = [member.joint for member in members if member.joint and len(members) != all_joints]
         tail = f": {', '.join(named)}" if named else ""
         yield f"{loss.field}: {loss.asked} -> {loss.emitted}{size} ({loss.why}){tail}"

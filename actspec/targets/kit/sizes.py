@@ -10,12 +10,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from actspec.ir import Command
 from actspec.laws import TorqueLaw, clip_command
 from actspec.simulate.excitation import command_for, own_speed, speed_scale, torque_scale
+from actspec.units import format_quantity
+
+NEGLIGIBLE = 1e-9
+"""Of the limit: differences below are rounding. Chosen: as what targets are checked to."""
 
 GRID = 40
 """Points on either side of 0, which is among them.
@@ -49,6 +53,59 @@ def static_error(
     command = command_for(law, torques, q, speeds)
     difference = np.abs(law.torque(command, q, speeds) - emitted(command, q, speeds))
     return float(difference.max())
+
+
+@dataclass(frozen=True, slots=True)
+class LineError:
+    """How large the loss of a torque-speed line or curve is, and where.
+
+    Attributes:
+        error: Largest difference up to no-load speed, which no motor passes by itself [N*m or N].
+        at: Where that is: `driving at 20.9 rad/s`, and whether the other of driving and braking is right; "" where
+            there is none.
+        beyond: Largest difference from there to 2 w0, where a load drives the motor [N*m or N].
+    """
+
+    error: float
+    at: str
+    beyond: float
+
+
+def line_error(law: TorqueLaw, emitted: Torque, unit: str) -> LineError:
+    """The loss of a line or curve, over the grid of `static_error`; of equal differences that at the lowest speed.
+
+    Args:
+        law: What the spec asks for, with its line or curve.
+        emitted: What the target computes.
+        unit: Of a speed.
+    """
+    import numpy as np
+
+    w0 = speed_scale(law)
+    parts = np.arange(-GRID, GRID + 1) / GRID
+    torques, speeds = np.meshgrid(2.0 * torque_scale(law) * parts, 2.0 * w0 * parts)
+    q = np.zeros_like(torques)
+    command = command_for(law, torques, q, speeds)
+    difference = np.abs(law.torque(command, q, speeds) - emitted(command, q, speeds))
+    inside = np.abs(speeds) <= w0
+    error, beyond = float(difference[inside].max()), float(difference[~inside].max())
+    if error <= NEGLIGIBLE * torque_scale(law):
+        return LineError(0.0, "", beyond)
+    worst = inside & (difference >= error * (1.0 - NEGLIGIBLE))
+    slowest = np.abs(speeds[worst]).min()
+    here = worst & (np.abs(speeds) == slowest)
+    speed = format_quantity(float(slowest), unit, 3)
+    driving, braking = (sign * torques * speeds > 0.0 for sign in (1.0, -1.0))
+    if not here[driving].any() and not here[braking].any():
+        return LineError(error, "at standstill", beyond)
+    if here[driving].any() and here[braking].any():
+        return LineError(error, f"at {speed}", beyond)
+    way, other, none = "driving", braking, "braking"
+    if here[braking].any():
+        way, other, none = "braking", driving, "driving"
+    rest = float(difference[inside & other].max())
+    tail = "" if rest > NEGLIGIBLE * torque_scale(law) else f", none {none}"
+    return LineError(error, f"{way} at {speed}{tail}", beyond)
 
 
 def widest_speed(law: TorqueLaw, velocity_limit: float | None) -> float | None:

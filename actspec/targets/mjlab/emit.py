@@ -8,16 +8,17 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Sequence
+from functools import partial
 
 from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.check import mjlab_row
-from actspec.targets.kit.joint import delta_action_loss, unlimited_joints
+from actspec.targets.kit.joint import delta_action_loss, unknown_passive, unlimited_joints
 from actspec.targets.kit.network import network_files
 from actspec.targets.kit.python_text import joint_patterns, module_name, stated
-from actspec.targets.mjlab.joint_cfg import cfgs_of
+from actspec.targets.mjlab.joint_cfg import cfgs_of, own_passive
 from actspec.targets.mjlab.text import Preparation, module_text
 
 
@@ -42,6 +43,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
 
     lost = [loss for cfg in cfgs for loss in cfg.lost]
     why = "an actuator cfg holds no residual policy: wrap the environment with the runtime"
+    lost += unknown_passive(actuators, options.name, "mjlab", partial(own_passive, robot))
     lost += delta_action_loss(actuators, options.name, why)
     text = module_text(
         actuators,

@@ -14,6 +14,7 @@ import math
 from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Collector
+from actspec.fields import BY_IR
 from actspec.ir import ActuatorSet, Command, JointActuator, Level, Quantity
 from actspec.laws import delay_steps
 from actspec.robot.view import JointView, ModelFormat, RobotView
@@ -297,6 +298,26 @@ def passive_fields(joint: MjlabJoint, view: JointView | None) -> list[CfgField]:
     )
     joint.no_velocity_limit("mjlab has no speed limit of a joint; its velocity_limit is the no-load speed")
     return fields
+
+
+_OF_MODEL = {"armature": "armature", "friction_coulomb": "frictionloss", "friction_viscous": "damping"}
+"""Attribute of `JointActuator` to that of a model's joint, which acts where mjlab is given no number."""
+
+
+def own_passive(robot: RobotView, joint: str, name: str) -> str:
+    """What acts of an armature or a friction that the spec says is unknown, in words.
+
+    Args:
+        robot: The robot.
+        joint: Name of the joint.
+        name: Attribute of `JointActuator`.
+    """
+    view, own = robot.joint(joint), _OF_MODEL[name]
+    if robot.format is ModelFormat.NONE or view is None or own in view.unknown:
+        return "the model's own"
+    value = getattr(view, own)
+    stands = "the model's own" if value or own in view.stated else "MuJoCo's default"
+    return f"{format_quantity(value, BY_IR[name].unit(view.kind))}, {stands}"
 
 
 def network_fields(joint: MjlabJoint, network: NetworkWithManifest) -> list[CfgField]:

@@ -26,7 +26,7 @@ from actspec.simulators import text_of
 from actspec.simulators.mujoco import NATIVE_DELAY, DcMotorDialect, MujocoDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission, JointLosses
-from actspec.targets.kit.sizes import boxed, held_step_error, lined, static_error
+from actspec.targets.kit.sizes import boxed, held_step_error, lined
 from actspec.units import format_quantity
 
 VOLTAGE = 24.0
@@ -294,14 +294,14 @@ def _lose_line(joint: JointEmission[MujocoDialect], drive: Drive) -> None:
         return
     if drive.line is None:
         version = f"MuJoCo {dialect.text}"
-        joint.approximate(
-            "torque_speed_curve",
+        joint.lose_line(
             joint.curve_text(law),
             f"a clip at {format_quantity(joint.actuator.effort_limit.value, joint.unit)}",
             f"{version} has no dcmotor"
             if dialect.dcmotor is DcMotorDialect.NONE
             else f"the dcmotor of {version} takes position commands only",
-            static_error(law, boxed(law).torque),
+            law,
+            boxed(law).torque,
         )
     elif law.curve is not None:
         joint.drive_side("dcmotor has one line for driving and braking")

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
-from actspec.ir import ActuatorSet, Command, JointActuator
+from actspec.ir import ActuatorSet, Command, JointActuator, assumed
 from actspec.laws.stability import LIMIT, StepDrive
-from actspec.readings.joint import read_joints
+from actspec.readings.joint import JointReading, read_joints
 from actspec.resolution.quantities import Reports
-from actspec.robot.view import ActuatorView, JointView, RobotView
+from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
 from actspec.simulators import text_of
 from actspec.simulators.mujoco import POLYNOMIALS, MujocoDialect
 from actspec.targets.base import Approximation
-from actspec.targets.kit.joint import delta_action_loss, warn_unknown_armature
+from actspec.targets.kit.joint import delta_action_loss, own_number, unknown_passive, warn_unknown_armature
 from actspec.targets.mujoco.drive import Drive, Form, drive_of
 from actspec.units import format_number, format_quantity
 
@@ -160,7 +162,8 @@ def plan_model(
     reports.tell(collector)
     units = [a.armature.unit for a in actuators.joints if a.armature.value is None]
     kept = f"MuJoCo takes what the file has, else 0 {units[0] if units else ''}"
-    warn_unknown_armature(actuators, "MJC016", kept, collector)
+    warn_unknown_armature(actuators, target, "MJC016", kept, collector)
+    lost += unknown_passive(actuators, target, "MuJoCo", partial(_acting, robot, readings))
     timestep = None
     if robot.timestep is not None and step != robot.timestep:
         timestep = step
@@ -183,6 +186,21 @@ def plan_model(
         dcmotors=dcmotors or any(d.form is Form.DCMOTOR for d in (*(r.drive for r in replaced), *added)),
     )
     return plan, tuple(lost)
+
+
+def _acting(robot: RobotView, readings: Mapping[str, JointReading], joint: str, name: str) -> str:
+    """What MuJoCo takes for a number that the spec says is unknown; `name`: of armature or a friction."""
+    if robot.format is ModelFormat.NONE:
+        return "the including model's own"
+    reading = readings[joint]
+    own = {
+        "armature": reading.armature,
+        "friction_coulomb": reading.frictionloss,
+        "friction_viscous": reading.friction_viscous,
+    }[name]
+    if robot.format is ModelFormat.URDF and own.value is None:
+        own = assumed(0.0, own.unit, "a URDF cannot say it")
+    return own_number(own, "the file's", "MuJoCo's default")
 
 
 def integrator_for(

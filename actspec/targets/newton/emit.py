@@ -13,7 +13,7 @@ from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.newton import NewtonDialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 from actspec.targets.check import newton_row
-from actspec.targets.kit.joint import delta_action_loss, joint_by_joint, unlimited_joints
+from actspec.targets.kit.joint import delta_action_loss, joint_by_joint, unknown_passive, unlimited_joints
 from actspec.targets.kit.network import network_files, read_networks
 from actspec.targets.kit.provenance import sections, written_by
 from actspec.targets.kit.python_text import comment_lines, free_name, identifier, section_lines
@@ -57,6 +57,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
 
     lost = [loss for joint in joints for loss in joint.lost]
     why = "an actuator holds no residual policy: wrap the environment with the runtime"
+    lost += unknown_passive(actuators, options.name, "Newton", lambda *_: "the stage's own")
     lost += delta_action_loss(actuators, options.name, why)
     model = "" if robot.format is ModelFormat.NONE else os.path.basename(robot.path)
     text = overlay_text(actuators, robot, joints, layout, lost, dialect, model)

@@ -17,7 +17,7 @@ from actspec.robot.xml import parse_document
 from actspec.robot.xml_tree import Element, XmlDocument
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointLosses, delta_action_loss
-from actspec.targets.kit.sizes import boxed, static_error
+from actspec.targets.kit.sizes import boxed
 from actspec.units import format_quantity
 
 PARTS = {"limit": ("effort", "velocity"), "dynamics": ("damping", "friction")}
@@ -234,19 +234,15 @@ def _lose_curve(losses: JointLosses) -> None:
         "unknown" if end is None else format_quantity(end.value, unit)
         for end, unit in ((stall, losses.unit), (no_load, actuator.velocity_limit.unit))
     ]
+    asked, why = f"{kind} from {ends[0]} to {ends[1]}", "a URDF has one effort limit for all speeds"
+    emitted = f"effort {format_quantity(actuator.effort_limit.value, losses.unit)}"
     try:
         law = law_of(actuator)
-        size = static_error(law, boxed(law).torque)
     except ValueError:
-        # The law lacks a number.
-        size = None
-    losses.approximate(
-        "torque_speed_curve",
-        f"{kind} from {ends[0]} to {ends[1]}",
-        f"effort {format_quantity(actuator.effort_limit.value, losses.unit)}",
-        "a URDF has one effort limit for all speeds",
-        size,
-    )
+        # It lacks a number.
+        losses.approximate("torque_speed_curve", asked, emitted, why, None)
+    else:
+        losses.lose_line(asked, emitted, why, law, boxed(law).torque)
 
 
 _KEPT = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:|[/\\$]")

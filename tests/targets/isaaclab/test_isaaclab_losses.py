@@ -22,7 +22,8 @@ def test_torque_limits_before_delay_before_filter() -> None:
 def test_two_quadrants_of_2_1_are_sized() -> None:
     """From 30 (1 + 9/45) = 36 rad/s the law forces -9 N*m; DCMotor of 2.1 allows 0, and with 2.2 nothing is lost."""
     group = f'all: {{joints: [".*"], {DC}}}'
-    assert lost(made(group, "2.1")) == {"torque_speed_curve": pytest.approx(9.0)}
+    (loss,) = {(a.max_torque_error, a.at, a.beyond) for a in made(group, "2.1").emission.approximations}
+    assert loss == (0.0, "", pytest.approx(9.0))
     assert made(group, "2.2").emission.approximations == ()
     assert made(group, "2.1", "custom").emission.approximations == ()
 
@@ -91,8 +92,10 @@ def test_solver_does_not_limit_a_commanded_torque(version: str, level: str, more
     assert set(sizes) == {"effort_limit", *more}
     assert sizes["effort_limit"] == pytest.approx(9.0)
     if more:
-        # At 60 rad/s the line forces -9 where 18 are asked for.
-        assert sizes["torque_speed_curve"] == pytest.approx(27.0)
+        # At no-load speed the line has nothing left of the 18 that are asked for; at twice that it forces -9.
+        assert sizes["torque_speed_curve"] == pytest.approx(18.0)
+        emission = made(group, version, "implicit").emission
+        assert {a.beyond for a in emission.approximations if a.at} == {27.0}
     assert "effort_limit" not in lost(made(group, version))
     assert "effort_limit" not in lost(made(f'all: {{joints: [".*"], {level}}}', version, "implicit"))
 

@@ -167,6 +167,9 @@ def test_stribeck_effect(coulomb: str, emitted: str, size: float) -> None:
     friction = f"{{coulomb: {coulomb}, static: 0.3 N*m, stribeck_velocity: 0.1 rad/s}}"
     found = written(group(**LIMIT, friction=friction))
     losses = {loss.field: (loss.emitted, loss.max_torque_error) for loss in found.emission.approximations}
+    assert losses.pop("friction.coulomb", None) == (
+        ("0.04 N*m, the model's own", None) if coulomb == "unknown" else None
+    )
     assert losses == {
         "friction.static": (emitted, pytest.approx(size)),
         "friction.stribeck_velocity": ("none", pytest.approx(size)),

@@ -209,8 +209,8 @@ def test_words_of_each_version(version: str) -> None:
     lost = [(loss.field, loss.max_torque_error) for loss in motor.emission.approximations]
     if dcmotor is None:
         assert "<dcmotor" not in motor.body
-        # 24 N*m where the motor at 2 w0 can only brake with 24: no inertia is in it.
-        assert lost == [("torque_speed_curve", 48.0)]
+        # 24 N*m where the motor at w0 has none left: no inertia is in it.
+        assert lost == [("torque_speed_curve", 24.0)]
         return
     assert lost == []
     keyword, kp, kd = dcmotor

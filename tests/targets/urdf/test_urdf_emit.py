@@ -164,8 +164,10 @@ def test_losses(leg: api.Compilation) -> None:
     assert {lost["hip", field].max_torque_error for field in ("kp", "kd", "armature")} == {None}
     # 0.7 - 0.4 N*m.
     assert lost["knee", "friction.static"].max_torque_error == pytest.approx(0.3)
-    # 45 - 45/30 w at w = 60 rad/s, twice the no-load speed, is -45; the line lets -30 to -30, and the clip 30.
-    assert lost["hip", "torque_speed_curve"].max_torque_error == pytest.approx(60.0)
+    # 45 - 45/30 w at w = 30 rad/s is 0, and the clip 30. At 60 rad/s, twice that, the line forces -30: 60 apart.
+    line = lost["hip", "torque_speed_curve"]
+    assert (line.max_torque_error, line.beyond) == (pytest.approx(30.0), pytest.approx(60.0))
+    assert line.at == "driving at 30 rad/s, none braking"
     assert lost["wheel", "delay"].asked == "4 ms, range 2 to 6 ms"
     assert {loss.field for loss in leg.unaccepted} == {loss.field for loss in leg.approximations} - {"kp"}
 
