@@ -386,7 +386,7 @@ def test_sizes_that_are_not_the_networks(tmp_path: Path, monkeypatch: Any, capsy
 def test_a_model_in_place_of_a_manifest(tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
     """XML is one long YAML value: the help speaks of a manifest, and not of a spec."""
     monkeypatch.chdir(folder(tmp_path))
-    write_log(replace(log(1), path="l.csv"))
+    log(Path("l.csv"))
     Path("leg.xml").write_text("<mujoco/>")
     assert main(["net", "evaluate", "spec.yaml", "l.csv", "--network", "leg.xml"]) == 2
     text = capsys.readouterr().err

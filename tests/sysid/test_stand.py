@@ -124,7 +124,7 @@ def test_who_says_where_a_joint_is(
 
 
 def test_nobody_says_where_a_joint_is(tmp_path: Path) -> None:
-    """Without a default pose it is a warning: at 2 rad the inertia is 0.13 + 2 * 0.3 * 0.2 cos 2 = 0.08 in place of 0.25."""
+    """Without a default pose it is a warning: at 2 rad the inertia is 0.13 + 0.12 cos 2 = 0.08 in place of 0.25."""
     mine, out = stand(tmp_path, ""), Collector()
     log = log_of(MOVING)
     mine.tell({"hip": [(log, command())]}, out)
@@ -156,7 +156,7 @@ def test_a_joint_that_moves_is_followed_and_one_that_stands_is_held(tmp_path: Pa
 
 
 def test_idle() -> None:
-    """No command, or one that does not change; a speed command moves a joint too, and NaN alone is no command at all."""
+    """No command, or one that does not change; a speed command moves a joint too, and of NaN nothing is known."""
     nan = np.full(ROWS, np.nan)
     assert idle(JointLog("a", position=EVEN)) and idle(JointLog("a", command=0.3 * EVEN))
     assert not idle(JointLog("a", command=command())) and not idle(JointLog("a", command=nan))
