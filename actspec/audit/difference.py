@@ -264,8 +264,13 @@ def _settings(old: RobotDynamics, new: RobotDynamics, tolerance: float) -> Itera
             if before == after:
                 continue
             # A step that a spec leaves to the engine is nobody's number.
-            ends = [None if _is_left(side, name) else side.settings.get(name) for side in (old, new)]
-            yield _setting(name, *ends, *[NOT_STATED] * (ends != [before, after]))
+            left_old, left_new = _is_left(old, name), _is_left(new, name)
+            yield _setting(
+                name,
+                None if left_old else before,
+                None if left_new else after,
+                NOT_STATED if left_old or left_new else UNKNOWN,
+            )
 
 
 def _settings_left(old: RobotDynamics, new: RobotDynamics) -> tuple[int, list[Change]]:
