@@ -429,7 +429,7 @@ def _drive_gone(old: RobotDynamics, new: RobotDynamics, joint: str) -> Iterator[
     for bare, other in ((new, old), (old, new)):
         own, theirs = bare.joints[joint], other.joints[joint]
         drives = other.kind in _DRIVES and other.framework is not Framework.MJLAB
-        gains = {theirs.figures[name].value for name in ("kp", "kd")}
+        gains = {theirs.figures[name].value for name in ("kp", "kd") if name in theirs.figures}
         if joint in bare.undriven and drives and own.control != theirs.control and gains != {0.0}:
             was, now = old.joints[joint], new.joints[joint]
             yield Change(joint, "control", "drive", was.control, now.control, "", was.place, now.place)
