@@ -333,8 +333,9 @@ def _settings(old: RobotDynamics, new: RobotDynamics, tolerance: float) -> Itera
             if before == after:
                 continue
             # A step that a spec leaves to the engine is nobody's number.
-            ends = [None if _is_left(side, name) else side.settings.get(name) for side in (old, new)]
-            yield _setting(name, *ends, *[NOT_STATED] * (ends != [before, after]))
+            left = [_is_left(side, name) for side in (old, new)]
+            absent = NOT_STATED if any(left) else UNKNOWN
+            yield _setting(name, None if left[0] else before, None if left[1] else after, absent)
 
 
 def _settings_left(old: RobotDynamics, new: RobotDynamics) -> tuple[int, list[Change]]:
