@@ -264,13 +264,9 @@ def _settings(old: RobotDynamics, new: RobotDynamics, tolerance: float) -> Itera
             if before == after:
                 continue
             # A step that a spec leaves to the engine is nobody's number.
-            left_old, left_new = _is_left(old, name), _is_left(new, name)
-            yield _setting(
-                name,
-                None if left_old else before,
-                None if left_new else after,
-                NOT_STATED if left_old or left_new else UNKNOWN,
-            )
+            left = [_is_left(side, name) for side in (old, new)]
+            absent = NOT_STATED if any(left) else UNKNOWN
+            yield _setting(name, None if left[0] else before, None if left[1] else after, absent)
 
 
 def _settings_left(old: RobotDynamics, new: RobotDynamics) -> tuple[int, list[Change]]:

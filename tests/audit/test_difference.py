@@ -567,3 +567,23 @@ def test_tendons_are_seen(tmp_path: Path) -> None:
     )
     (found,) = compare(tmp_path, ("leg.xml", text), ("leg.xml", text.replace('kp="7"', 'kp="14"')))
     assert told(found) == ["actuator pull:", "  stiffness kp 7 -> 14 (+100 %)"]
+
+
+def test_a_step_that_a_spec_leaves_to_the_engine(tmp_path: Path) -> None:
+    """MuJoCo's 2 ms are nobody's number, beside another one: not stated. A model's own are what changes."""
+    text = SPEC.replace("timing: {physics_dt: 2 ms", "timing: {physics_dt: 5 ms")
+    left = "".join(line for line in text.splitlines(keepends=True) if not line.startswith("timing:"))
+    old, new = tmp_path / "old.yaml", tmp_path / "new.yaml"
+    (tmp_path / "leg.xml").write_text(LEG)
+
+    def first(*paths: Path) -> str:
+        (found,) = compare_files(*map(str, paths), Versions(), None)
+        return told(found)[0]
+
+    old.write_text(text)
+    new.write_text(left)
+    assert first(old, new) == "physics step 0.005 -> 0.002 s (x0.4)"
+    for path, without in ((old, text), (new, left)):
+        path.write_text(without.replace("model: leg.xml", "model: none, joints: [hip, knee]"))
+    assert first(old, new) == "physics step 0.005 s -> not stated"
+    assert first(new, old) == "physics step not stated -> 0.005 s"
