@@ -1,7 +1,11 @@
 # Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1 (PhysX). Do not edit: change the spec and compile again.
-# spec sha256 61c3cad8eade2581f2fab50486914af8f5c9bc0df227908f31c6d6466a79a4fb
+# spec sha256 9137f37f1dff7dd89693092fbc3188b90d2af1f76e9dd8a2f303f49d7a1b56f0
 # model spot.xml
 # physics_dt 0.002 s
+#
+# Approximations (what these classes cannot hold):
+#   armature: unknown -> the USD's own (Isaac Lab has to take a number): fl_hx, fl_hy, fl_kn, fr_hx, fr_hy, fr_kn,
+#     hl_hx, hl_hy, hl_kn, hr_hx, hr_hy, hr_kn
 #
 # Sources:
 #   bd_data: Boston Dynamics, joint control, supplemental data,
