@@ -21,7 +21,7 @@ def armature_of(inputs: JointInputs) -> Quantity:
     That the motor's inertia is written as unknown is no number that goes before the file's own, but it does go before
     MuJoCo's default of 0, which is nobody's.
     """
-    derived, own = None, inputs.model.armature
+    derived, own, nobody = None, inputs.model.armature, None
     reflected = None if inputs.motor is None else inputs.motor.reflected_inertia
     if reflected is not None and reflected.known:
         derived = replace(
@@ -31,8 +31,8 @@ def armature_of(inputs: JointInputs) -> Quantity:
         )
     elif reflected is not None and reflected.span is not None and _nobodys(own):
         why = "the motor's inertia is unknown, and the file states no armature"
-        own = replace(reflected, unit=inputs.unit(Kind.INERTIA), note=why)
-    found = inputs.number("armature", Kind.INERTIA, derived=derived, rest=(own,))
+        nobody = replace(reflected, unit=inputs.unit(Kind.INERTIA), note=why)
+    found = inputs.number("armature", Kind.INERTIA, derived=derived, rest=(nobody, own))
     return found if found is not None else unknown(inputs.unit(Kind.INERTIA))
 
 
