@@ -485,8 +485,8 @@ class BotRoughCfg( LeggedRobotCfg ):
         }
     class control( LeggedRobotCfg.control ):
         control_type = 'P'
-        stiffness = {'hip': 20., 'joint': 30.}  # [N*m/rad]
-        damping = {'joint': 0.5}     # [N*m*s/rad]
+        stiffness = {'joint': 30., 'hip': 20.}  # [N*m/rad]
+        damping = {'hip': 0.5, 'joint': 0.5}     # [N*m*s/rad]
         # action scale: target angle = actionScale * action + defaultAngle
         action_scale = 0.25
         decimation = 4
@@ -512,7 +512,7 @@ def test_legged_gym_as_it_is_written(tmp_path: Path) -> None:
         (a.joint, a.kp and a.kp.value, a.kd and a.kd.value, a.default_position.value)
         for a in found.actuators.joints
     ]
-    # The first key that is a part of the name counts: 'hip' before 'joint'.
+    # The last key of stiffness that is a part of the name counts: 'hip' behind 'joint'.
     assert said == [
         ("FL_hip_joint", 20.0, 0.5, 0.1),
         ("FR_hip_joint", 20.0, 0.5, -0.1),
