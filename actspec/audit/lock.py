@@ -34,9 +34,8 @@ from actspec.diagnostics import (
 )
 from actspec.fields import FIELDS, Role
 from actspec.files import FAULTS, json_of, name_in_file, path_of_name, read_regular, why
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import STEP_OF_WHAT, FileKind
 from actspec.readings.compare import Figure
-from actspec.readings.deploy_steps import STEP_OF_WHAT
 from actspec.readings.dynamics import (
     ORDERS,
     SETTING_NOUNS,

@@ -11,8 +11,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
-from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
-from actspec.readings.deploy_steps import STEP_OF_WHAT
+from actspec.readings.artifact import STEP_OF_WHAT, Artifact, FileKind, FileReading, Robot
 from actspec.readings.pair import (
     SHARE,
     distinctive,

@@ -337,6 +337,9 @@ PHYSX = "PhysX"
 NAMES_NOTHING = ("AUD014", "AUD016")
 """Codes of names that stand for no file."""
 
+STEP_OF_WHAT = "DEPLOY005"
+"""Code of the remark on a `dt` of which nobody knows what it is a step of."""
+
 NOT_TAKEN = frozenset({"DEPLOY001", "DEPLOY003", "DEPLOY004", "ROBOT009", "ROBOT123", "ROBOT124"})
 """Warnings of readers that the file contradicts itself, so that something of it is not taken as it is written.
 

@@ -22,6 +22,7 @@ import yaml
 from actspec.diagnostics import Collector, Span, listed, one_line, shortened
 from actspec.files import place_of
 from actspec.readings.artifact import (
+    STEP_OF_WHAT,
     ActuatorGroup,
     Artifact,
     FileKind,
@@ -31,7 +32,7 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
-from actspec.readings.deploy_steps import STEP_OF_WHAT, steps_of
+from actspec.readings.deploy_steps import steps_of
 from actspec.readings.leftover import Leftover
 from actspec.readings.twice import keys_twice, name_twice
 from actspec.robot.view import ModelFile

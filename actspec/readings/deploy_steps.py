@@ -8,10 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 import yaml
 
 from actspec.diagnostics import Collector
-from actspec.readings.artifact import Setting
-
-STEP_OF_WHAT = "DEPLOY005"
-"""Code of the remark on a `dt` of which nobody knows what it is a step of."""
+from actspec.readings.artifact import STEP_OF_WHAT, Setting
 
 TIMES = {
     "physics_dt": ("physics_dt", "simulation_dt", "sim_dt"),

@@ -269,12 +269,14 @@ def by_joint(found: Iterator[dict[str, Any]], key: str, names: list[str]) -> dic
 
 
 def sizes_of(losses: tuple[Approximation, ...]) -> dict[str, dict[str, float | None]]:
-    """Size by joint and field; a field is lost once."""
+    """Size by joint and field, of a torque-speed line up to twice its no-load speed; a field is lost once."""
     found: dict[str, dict[str, float | None]] = {}
     for loss in losses:
         mine = found.setdefault(loss.joint, {})
         assert loss.field not in mine, loss
-        mine[loss.field] = loss.max_torque_error
+        mine[loss.field] = (
+            loss.max_torque_error if loss.beyond is None else max(loss.max_torque_error or 0.0, loss.beyond)
+        )
     return found
 
 
