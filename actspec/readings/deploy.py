@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeAlias
 
@@ -32,8 +32,8 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
-from actspec.readings.deploy_steps import steps_of
-from actspec.readings.leftover import Leftover
+from actspec.readings.deploy_steps import nearest, steps_of
+from actspec.readings.leftover import Leftover, node_span
 from actspec.readings.twice import keys_twice, name_twice
 from actspec.robot.view import ModelFile
 from actspec.spec.yaml_problems import too_deep
@@ -299,7 +299,7 @@ class _Reader:
         lists: dict[str, NamelessList] = {}
         scopes = (block, *reversed(above))
         for field, keys in PER_JOINT.items():
-            found = _first(scopes, keys)
+            found = nearest(scopes, keys)
             values = {} if found is None else self._per_joint(*found, joints, out)
             if values:
                 fields[field] = values
@@ -346,7 +346,7 @@ class _Reader:
         self, scopes: Sequence[_Block], fields: Mapping[str, Any]
     ) -> dict[str, tuple[Setting, ...]]:
         """Gains of joints without names, whichever each is of: kp and kd of one length, as a pair may be a range."""
-        lists = {field: _first(scopes, PER_JOINT[field]) for field in ("kp", "kd")}
+        lists = {field: nearest(scopes, PER_JOINT[field]) for field in ("kp", "kd")}
         nodes = {field: found[1] for field, found in lists.items() if found is not None}
         counts = {len(node.value) if isinstance(node, yaml.SequenceNode) else 0 for node in nodes.values()}
         if len(nodes) < 2 or len(counts) > 1 or max(counts) < LEAST_JOINTS:
@@ -522,7 +522,7 @@ class _Reader:
         return None if value is None else Setting(value, self._span(node))
 
     def _span(self, node: yaml.Node) -> Span:
-        return Span(self.path, *_at(node.start_mark))
+        return node_span(self.path, node)
 
     def _step(self, node: yaml.Node) -> None:
         self.steps += 1
@@ -535,11 +535,6 @@ def _is_per_joint(node: yaml.Node | None) -> bool:
     if isinstance(node, yaml.SequenceNode):
         return bool(node.value) and all(isinstance(item, yaml.ScalarNode) for item in node.value)
     return isinstance(node, yaml.MappingNode) and bool(node.value)
-
-
-def _first(scopes: Iterable[_Block], keys: Sequence[str]) -> tuple[str, yaml.Node] | None:
-    """The nearest of several keys, with its value; of one block the key that comes first among them."""
-    return next(((key, scope[key]) for scope in scopes for key in keys if key in scope), None)
 
 
 def _number(node: yaml.Node) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import yaml
 
@@ -27,6 +27,11 @@ _OF_TIME = re.compile(
 """Keys beside which a `dt` is not the only step of a file."""
 
 
+def nearest(scopes: Iterable[Mapping[str, yaml.Node]], keys: Sequence[str]) -> tuple[str, yaml.Node] | None:
+    """The nearest of several keys, with its value; of one mapping the key that comes first among them."""
+    return next(((key, scope[key]) for scope in scopes for key in keys if key in scope), None)
+
+
 def steps_of(
     scopes: Sequence[Mapping[str, yaml.Node]], number: Callable[[yaml.Node], Setting | None], out: Collector
 ) -> dict[str, Setting]:
@@ -43,12 +48,12 @@ def steps_of(
     """
     found: dict[str, Setting] = {}
     for name, keys in TIMES.items():
-        node = next((scope[key] for scope in scopes for key in keys if key in scope), None)
-        setting = None if node is None else number(node)
+        key = nearest(scopes, keys)
+        setting = None if key is None else number(key[1])
         if setting is not None:
             found[name] = setting
-    node = next((scope["dt"] for scope in scopes if "dt" in scope), None)
-    dt = None if node is None else number(node)
+    key = nearest(scopes, ("dt",))
+    dt = None if key is None else number(key[1])
     if dt is None or dt.number is None:
         return found
     physics = found["physics_dt"].number if "physics_dt" in found else None

@@ -116,7 +116,12 @@ class Leftover:
         return Setting(str(node.value) if value is None else value, self._span(node))
 
     def _span(self, node: yaml.Node) -> Span:
-        return Span(self.path, node.start_mark.line + 1, node.start_mark.column + 1)
+        return node_span(self.path, node)
+
+
+def node_span(path: str, node: yaml.Node) -> Span:
+    """Where a node of a file begins."""
+    return Span(path, node.start_mark.line + 1, node.start_mark.column + 1)
 
 
 def is_step(where: str) -> bool:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import yaml
 
-from actspec.diagnostics import Collector, Diagnostic, Span, shortened
+from actspec.diagnostics import Collector, Diagnostic, shortened
+from actspec.readings.leftover import node_span
 
 TWICE = "DEPLOY004"
 """Code of both."""
@@ -51,7 +52,7 @@ def _of_mapping(node: yaml.MappingNode, path: str, out: Collector) -> None:
                 f"'{shortened(word)}' stands a second time, with another value than in line {line}: "
                 "PyYAML takes the last one, yaml-cpp the first"
             )
-            out.warning(TWICE, message, span=_span(key, path), help="keep one of them")
+            out.warning(TWICE, message, span=node_span(path, key), help="keep one of them")
         last[(key.tag, word)] = value
 
 
@@ -67,13 +68,13 @@ def name_twice(names: yaml.SequenceNode, path: str, out: Collector) -> None:
     for item in names.value:
         before = first.setdefault(str(item.value), item)
         if before is not item:
-            place = _span(before, path)
+            place = node_span(path, before)
             message = (
                 f"the joint names have '{shortened(str(item.value))}' twice, first at {place.line}:{place.column}: "
                 "which joint a value of the lists belongs to is not known"
             )
             help = "name each joint once, in the order of the lists"
-            out.warning(TWICE, message, span=_span(item, path), help=help)
+            out.warning(TWICE, message, span=node_span(path, item), help=help)
             return
 
 
@@ -99,7 +100,3 @@ def _is_same(one: yaml.Node, other: yaml.Node) -> bool:
             pairs = zip(a.value, b.value, strict=True)
             waiting += [both for own, its in pairs for both in zip(own, its, strict=True)]
     return False
-
-
-def _span(node: yaml.Node, path: str) -> Span:
-    return Span(path, node.start_mark.line + 1, node.start_mark.column + 1)

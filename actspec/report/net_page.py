@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import actspec
-from actspec.joints import JointKind
+from actspec.fields import units_of
 from actspec.laws.network import NetworkLaw
 from actspec.learn.closed_loop import HORIZON
 from actspec.learn.evaluate import FAIR, GOOD, Evaluation, JointErrors, predicted
@@ -43,7 +43,7 @@ def evaluate_page(found: Evaluation, data: Dataset, law: NetworkLaw, path: str) 
 
 
 def _body(found: Evaluation, data: Dataset, law: NetworkLaw, path: str) -> Iterator[str]:
-    unit = "N" if data.actuators[0].kind is JointKind.SLIDE else "N*m"
+    unit = units_of(data.actuators[0].kind).torque
     yield f"<h1>Network {plain(path)}</h1>"
     logs = ", ".join(dict.fromkeys(track.log.path for track in data.tracks))
     yield f"<p>Judged on {plain(logs)}. Grade: <b>{found.grade}</b>, that of its worst joint.</p>"
@@ -89,7 +89,7 @@ def _motion(found: Evaluation, data: Dataset) -> Iterator[str]:
     if found.closed_loop is None:
         yield f"<p>No closed loop: {plain(found.why_not or '')}</p>"
         return
-    unit = "m" if data.actuators[0].kind is JointKind.SLIDE else "rad"
+    unit = units_of(data.actuators[0].kind).position
     marks = [
         # One law lies on the other where no torque-speed line acts: the one below is seen between the dashes.
         Line(

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from actspec.diagnostics import many, one_line
-from actspec.joints import JointKind
+from actspec.fields import units_of
 from actspec.report.tables import table
 from actspec.report.terminal import json_number
 from actspec.sysid.identified import Identification, JointFit, Parameter, State
@@ -19,7 +19,7 @@ _WORDS = {State.HELD: "held", State.UNIDENTIFIABLE: "not told by the logs", Stat
 def sysid_lines(found: Identification) -> Iterator[str]:
     """A table a joint: what was identified, what was held, and what the logs do not tell."""
     for joint in found.joints:
-        unit = _unit(joint)
+        unit = units_of(joint.kind).position
         held_out = (
             "" if joint.held_out_rmse is None else f", {format_number(joint.held_out_rmse, 3)} held out"
         )
@@ -78,7 +78,7 @@ def sysid_record(found: Identification, results: str | None) -> dict[str, Any]:
         found: The fit.
         results: Path of the results file; None: none was written.
     """
-    units = {_unit(joint) for joint in found.joints}
+    units = {units_of(joint.kind).position for joint in found.joints}
     # Radians and metres have no largest.
     alike = found.joints if len(units) == 1 else ()
     return {
@@ -110,16 +110,12 @@ def _most(values: Iterable[float | None]) -> float | None:
     return max((value for value in values if value is not None), default=None)
 
 
-def _unit(joint: JointFit) -> str:
-    return "m" if joint.kind is JointKind.SLIDE else "rad"
-
-
 def _joint(joint: JointFit) -> dict[str, Any]:
     return {
         "joint": joint.joint,
         "position_rmse": json_number(joint.position_rmse),
         "held_out_rmse": json_number(joint.held_out_rmse),
-        "unit": _unit(joint),
+        "unit": units_of(joint.kind).position,
         "parameters": [
             {
                 "field": p.field,

@@ -477,9 +477,9 @@ _BEYOND = re.compile(rb"[\x80-\xff]")
 
 def _beyond_ascii(data: bytes, whole: bool) -> Iterator[int]:
     """Where bytes are that are not ASCII: in tags, or anywhere."""
-    for found in (re.compile(rb"(?s).*").match(data),) if whole else _MARKUP.finditer(data):
-        if found is not None and (whole or not found[0].startswith((b"<!--", b"<?"))):
-            yield from (one.start() for one in _BEYOND.finditer(data, found.start(), found.end()))
+    tags = (tag.span() for tag in _MARKUP.finditer(data) if not tag[0].startswith((b"<!--", b"<?")))
+    for low, high in [(0, len(data))] if whole else tags:
+        yield from (one.start() for one in _BEYOND.finditer(data, low, high))
 
 
 def legible(data: bytes) -> bytes:

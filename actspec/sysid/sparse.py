@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span
+from actspec.fields import units_of
 from actspec.sysid.course import Course
 from actspec.sysid.descent import WIDE
 from actspec.sysid.recording import Recording
@@ -77,7 +78,7 @@ def judge_rows(
     better = trial.fit.noise["position"]
     if better > EXPLAINS * error:
         return
-    unit = "m" if joint.recordings[0].log.joints[joint.actuator.joint].linear else "rad"
+    unit = units_of(joint.actuator.kind).position
     message = (
         f"a row comes every {format_number(1e3 * step, 3)} ms, {format_number(period / step, 2)} in a period of the "
         f"drive, and it got other commands between them: with commands that go straight from row to row the position "

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
+from actspec.fields import units_of
 from actspec.ir import ActuatorSet, Origin
 from actspec.joints import JointKind
 from actspec.logs import JointLog, Log
@@ -115,9 +116,9 @@ class Stand:
                     f"; nothing says that it is there, and over its range the links at {whose} change by "
                     f"up to {min(most, 9.99):.0%}"
                 )
-                first = mattering[0]
+                first, unit = mattering[0], units_of(mattering[0].kind).position
                 help = (
-                    f"log {first.name}.position, or state it: `pose: {{{first.name}: ... {_unit(first)}}}` in the "
+                    f"log {first.name}.position, or state it: `pose: {{{first.name}: ... {unit}}}` in the "
                     "sidecar, or robot.default_pose in the spec"
                 )
                 out.warning("SYS038", message, span=Span(log.path), help=help)
@@ -151,7 +152,7 @@ class Stand:
             read = self._read(log, joint)
             why = "no command moves them" if idle(log.joints[name]) else "--joint does not name them"
             if isinstance(read, float):
-                at = f"{name} stands at {format_quantity(read, _unit(joint), 4)}"
+                at = f"{name} stands at {format_quantity(read, units_of(joint.kind).position, 4)}"
             else:
                 at = f"{name} has no position" if read is None else f"{name} moves as read"
             shown.setdefault(why, []).append(at)
@@ -187,7 +188,7 @@ class Stand:
         return joint.reference_position, KEYFRAME if self.robot.keyframes else REFERENCE
 
     def _shown(self, joint: JointView, position: float) -> str:
-        return f"{joint.name} {format_quantity(position, _unit(joint), 4)}"
+        return f"{joint.name} {format_quantity(position, units_of(joint.kind).position, 4)}"
 
     def _shares(
         self, log: Log, here: Mapping[str, Array], others: Sequence[JointView]
@@ -235,7 +236,3 @@ def standing(robot: RobotView, actuators: ActuatorSet, log: Log | None = None) -
     joints = stand.others(())
     found = {j.name: (stand.default(j) if log is None else stand.stated(log, j))[0] for j in joints}
     return replace(robot, pose=found)
-
-
-def _unit(joint: JointView) -> str:
-    return "m" if joint.kind is JointKind.SLIDE else "rad"

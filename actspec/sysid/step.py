@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
+from actspec.fields import units_of
 from actspec.ir import JointActuator
-from actspec.joints import JointKind
 from actspec.sysid.figures import Bounds
 from actspec.sysid.identified import Indicator, JointFit
 from actspec.sysid.recording import Recording, longest_step, scatter
@@ -340,7 +340,7 @@ def judged(
             f"{cut} of {len(used)} steps end before the joint rests: they tell frequency and damping alone"
         )
         out.info("SYS056", message, where=name, span=place, help="hold each level longer")
-    length = "m" if actuator.kind is JointKind.SLIDE else "rad"
+    length = units_of(actuator.kind).position
     units = {
         "rise_time": "s", "overshoot": "1", "settling_time": "s", "steady_state_error": length,
         "natural_frequency": "Hz", "damping_ratio": "1",

@@ -15,11 +15,9 @@ from typing import Any
 
 from actspec.ir import Command
 from actspec.laws import TorqueLaw, clip_command
+from actspec.resolution.simplified import NEGLIGIBLE
 from actspec.simulate.excitation import command_for, own_speed, speed_scale, torque_scale
 from actspec.units import format_quantity
-
-NEGLIGIBLE = 1e-9
-"""Of the limit: differences below are rounding. Chosen: as what targets are checked to."""
 
 GRID = 40
 """Points on either side of 0, which is among them.
@@ -42,17 +40,22 @@ def static_error(
         speed: Half-width in speed [rad/s or m/s]; default 2 w0.
         position: Where the joint is [rad or m].
     """
+    width = speed if speed is not None else 2.0 * speed_scale(law)
+    return float(_differences(law, emitted, width, position)[2].max())
+
+
+def _differences(
+    law: TorqueLaw, emitted: Torque, width: float, position: float = 0.0
+) -> tuple[Any, Any, Any]:
+    """The grid's torques asked for and speeds, and |torque of law - torque of emitted| there."""
     import numpy as np
 
-    width = speed if speed is not None else 2.0 * speed_scale(law)
-    half = 2.0 * torque_scale(law)
     # Standstill must be exact: an asymmetric curve holds its joint with the brake torque.
     parts = np.arange(-GRID, GRID + 1) / GRID
-    torques, speeds = np.meshgrid(half * parts, width * parts)
+    torques, speeds = np.meshgrid(2.0 * torque_scale(law) * parts, width * parts)
     q = np.full_like(torques, position)
     command = command_for(law, torques, q, speeds)
-    difference = np.abs(law.torque(command, q, speeds) - emitted(command, q, speeds))
-    return float(difference.max())
+    return torques, speeds, np.abs(law.torque(command, q, speeds) - emitted(command, q, speeds))
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,11 +85,7 @@ def line_error(law: TorqueLaw, emitted: Torque, unit: str) -> LineError:
     import numpy as np
 
     w0 = speed_scale(law)
-    parts = np.arange(-GRID, GRID + 1) / GRID
-    torques, speeds = np.meshgrid(2.0 * torque_scale(law) * parts, 2.0 * w0 * parts)
-    q = np.zeros_like(torques)
-    command = command_for(law, torques, q, speeds)
-    difference = np.abs(law.torque(command, q, speeds) - emitted(command, q, speeds))
+    torques, speeds, difference = _differences(law, emitted, 2.0 * w0)
     inside = np.abs(speeds) <= w0
     error, beyond = float(difference[inside].max()), float(difference[~inside].max())
     if error <= NEGLIGIBLE * torque_scale(law):
