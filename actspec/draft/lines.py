@@ -14,6 +14,7 @@ from actspec.draft.names import joint_patterns, one_pattern
 from actspec.draft.rows import RANGE, Row, lost_of, lost_text
 from actspec.draft.sources import DraftTarget, places, stated
 from actspec.draft.text import comment, figure, scalar, sourced
+from actspec.fields import units_of
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Source
 from actspec.units import format_number
 
@@ -216,7 +217,7 @@ def listed_joints(combined: Combined) -> list[str]:
         slide = joint.kind is JointKind.SLIDE
         parts = [f"name: {scalar(name)}"] + ["kind: slide"] * slide
         if joint.position_range is not None:
-            ends = [figure(end, "m" if slide else "rad") for end in joint.position_range]
+            ends = [figure(end, units_of(joint.kind).position) for end in joint.position_range]
             parts.append(f"range: [{', '.join(ends)}]")
         found.append(scalar(name) if len(parts) == 1 else f"{{{', '.join(parts)}}}")
     return found

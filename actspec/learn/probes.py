@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from actspec.diagnostics import Collector
-from actspec.ir import ActuatorSet, JointActuator, JointKind
+from actspec.fields import units_of
+from actspec.ir import ActuatorSet, JointActuator
 from actspec.laws.network import Layers, NetworkLaw
 from actspec.learn.inspect import REACH, Contradiction, Inspection, inspect, settled
 from actspec.logs import LogError
@@ -129,7 +130,7 @@ def _largest(law: NetworkLaw, error: float, velocity: float) -> float:
 
 
 def _own(members: Sequence[JointActuator]) -> str:
-    return "rad" if members[0].kind is JointKind.HINGE else "m"
+    return units_of(members[0].kind).position
 
 
 def _scale(manifest: NetworkManifest, key: str, unit: str) -> str:

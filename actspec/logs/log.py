@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import ActspecError, Span
+from actspec.joints import JointKind
 from actspec.units import Kind
 
 if TYPE_CHECKING:
@@ -88,6 +89,11 @@ class JointLog:
     torque_command: Array | None = None
     current: Array | None = None
     enabled: Array | None = None
+
+    @property
+    def kind(self) -> JointKind:
+        """A slide where its units say so, else a hinge."""
+        return JointKind.SLIDE if self.linear else JointKind.HINGE
 
     @property
     def signals(self) -> dict[str, Array]:

@@ -7,6 +7,7 @@ import os
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Span, one_line
+from actspec.fields import unit_of_kind
 from actspec.files import FAULTS, why
 from actspec.logs.log import BASE, SIGNALS, JointLog, Log, LogError
 from actspec.owned import put
@@ -89,4 +90,4 @@ def _unit(joint: JointLog, signal: str) -> str:
     kind = SIGNALS[signal]
     if kind is None:
         return ""
-    return f" [{kind.linear_unit if joint.linear else kind.rotary_unit}]"
+    return f" [{unit_of_kind(kind, joint.kind)}]"

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Diagnostic, one_line
+from actspec.fields import units_of
 from actspec.ir import Command, JointKind, Level
 from actspec.report.axes import Axis
 from actspec.report.plot import COMMAND, Chart, Line, Points
@@ -137,7 +138,7 @@ def by_variant(rows: Sequence[Compared]) -> dict[str, dict[str, Compared]]:
 def heading(rows: Sequence[Compared]) -> str:
     """Which joints, and what they are."""
     first = rows[0]
-    a, torque = first.actuator, "N*m" if first.actuator.kind is JointKind.HINGE else "N"
+    a = first.actuator
     more = f" and {len(first.joints) - 1} more" if len(first.joints) > 1 else ""
     figures = [f"J {format_number(first.inertia, 4)} {a.armature.unit}"]
     for name, quantity in (("kp", a.kp), ("kd", a.kd), ("effort limit", a.effort_limit)):
@@ -150,8 +151,8 @@ def heading(rows: Sequence[Compared]) -> str:
     asked = ", ".join(
         f"{name} {format_number(row.amplitude, 3)}" for name, row in by_variant(rows)[first.variant].items()
     )
-    unit = "rad" if torque == "N*m" else "m"
-    unit += "/s" if a.command is Command.VELOCITY else ""
+    units = units_of(a.kind)
+    unit = units.speed if a.command is Command.VELOCITY else units.position
     return f"{one_line(a.joint)}{more}: {', '.join(figures)} ({asked} {unit})"
 
 
@@ -184,9 +185,9 @@ def answer(rows: Sequence[Compared]) -> str:
 def _cells(of: Mapping[str, Compared]) -> list[str]:
     step, swing, chirp = (of[name] for name in ("step", "swing", "chirp"))
     one, two, three = step.law_metrics, swing.law_metrics, chirp.law_metrics
-    unit = "N*m" if step.actuator.kind is JointKind.HINGE else "N"
-    angle = "rad" if unit == "N*m" else "m"
-    angle += "/s" if step.actuator.command is Command.VELOCITY else ""
+    units = units_of(step.actuator.kind)
+    unit = units.torque
+    angle = units.speed if step.actuator.command is Command.VELOCITY else units.position
     unstable = [row.course for row in of.values() if not row.stable]
     departures = [row.departure for row in of.values() if row.departure is not None and row.course != "chirp"]
     return [
@@ -242,11 +243,10 @@ def step_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
     import numpy as np
 
     first = next(iter(of.values()))["step"]
-    hinge = first.actuator.kind is JointKind.HINGE
-    unit = "rad" if hinge else "m"
-    label = "position"
+    units = units_of(first.actuator.kind)
+    unit, label = units.position, "position"
     if first.actuator.command is Command.VELOCITY:
-        unit, label = f"{unit}/s", "speed"
+        unit, label = units.speed, "speed"
     held = first.law.time[-1]
     settled = [row["step"].law_metrics.settling_time for row in of.values()]
     seen_until = min(held, SHOWN * max(held if time is None else time for time in settled))

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from actspec.diagnostics import Diagnostic, many, one_line
+from actspec.fields import units_of
 from actspec.laws.network import NetworkLaw
 from actspec.learn.closed_loop import HORIZON
 from actspec.learn.evaluate import Errors, Evaluation, errors_of
@@ -25,7 +26,7 @@ CONVERT = "actspec-net-convert/1"
 
 
 def _unit(data: Dataset) -> str:
-    return "N" if data.actuators[0].kind.value == "slide" else "N*m"
+    return units_of(data.actuators[0].kind).torque
 
 
 def _share(value: float | None) -> str:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.fields import units_of
-from actspec.joints import JointKind
 from actspec.report.axes import Axis
 from actspec.report.page import figure, fold, plain_table
 from actspec.report.plot import COMMAND, FIT, NOISE, READ, Band, Chart, Line, Mark, Points, Rule, svg
@@ -210,7 +209,7 @@ def _step_table(one: Replay, found: Sequence[Step], of_fit: dict[int, Step]) -> 
                 value = None if source is None else getattr(source, name)
                 cells.append("-" if value is None else f"{value:.3g}")
         rows.append(cells)
-    units = units_of(JointKind.SLIDE if one.linear else JointKind.HINGE)
+    units = units_of(one.kind)
     heads = ["at [s]", f"size [{units.position}]"]
     for name, unit in (
         ("rise", "s"),
@@ -288,7 +287,7 @@ def friction_cloud(one: Replay) -> Iterator[str]:
     found = taken(one)
     if found is None or len(found.speed) < LEAST * SPEEDS:
         return
-    units = units_of(JointKind.SLIDE if one.linear else JointKind.HINGE)
+    units = units_of(one.kind)
     means = _means(found)
     # The law jumps at rest: a line of its own on each side.
     fastest = float(np.abs(found.speed).max())

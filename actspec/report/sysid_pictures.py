@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from actspec.fields import units_of
-from actspec.joints import JointKind
 from actspec.report.axes import Axis
 from actspec.report.page import figure, plain
 from actspec.report.plot import COMMAND, FIT, NOISE, READ, Band, Bars, Chart, Line, Mark, Rule, svg
@@ -47,7 +46,7 @@ def pictures(one: Replay, loop: Loop | None = None, *, named: bool) -> Iterator[
 
 
 def _unit(one: Replay, signal: str) -> str:
-    found: str = getattr(units_of(JointKind.SLIDE if one.linear else JointKind.HINGE), signal)
+    found: str = getattr(units_of(one.kind), signal)
     return found
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span
+from actspec.fields import units_of
 from actspec.sysid.descent import System, simulated
 from actspec.sysid.drift import judge_drift
 from actspec.sysid.identified import Indicator, JointFit, State
@@ -130,7 +131,7 @@ def _judge_motion(joint: JointInWork, found: JointFit, out: Collector) -> None:
     off = found.position_rmse
     if found.misfit is None or off is None or found.misfit < UNLIKE or off < GONE * spread:
         return
-    unit = "m" if joint.recordings[0].log.joints[joint.actuator.joint].linear else "rad"
+    unit = units_of(joint.recordings[0].log.joints[joint.actuator.joint].kind).position
     message = (
         f"the best fit is off by {format_number(off, 2)} {unit}, and the joint moves by "
         f"{format_number(spread, 2)} {unit} (standard deviation): no figures make the model move as the log does"

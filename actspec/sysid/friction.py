@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Span
-from actspec.joints import JointKind
+from actspec.fields import unit_of_kind
 from actspec.sysid.course import Course
 from actspec.sysid.descent import WIDE
 from actspec.sysid.identified import FIELDS, Indicator, JointFit, Parameter, State, bounded
@@ -335,8 +335,7 @@ def judged(joint: JointInWork, out: Collector) -> JointFit | None:
         help = "`actspec sysid design --experiment friction`, slower or longer; or --method rollout"
         out.warning("SYS059", message, where=name, span=place, help=help)
         return None
-    slide = joint.actuator.kind is JointKind.SLIDE
-    units = {field: kind.linear_unit if slide else kind.rotary_unit for field, kind in FIELDS.values()}
+    units = {field: unit_of_kind(kind, joint.actuator.kind) for field, kind in FIELDS.values()}
     both = len(np.unique(found.direction)) == 2
     curve = fitted(found, offset=both)
     # The phase of reading makes kp times itself of viscous friction; so does its error.

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
+from actspec.fields import units_of
 from actspec.ir import JointActuator
 from actspec.logs import JointLog, Log
 from actspec.sysid.descent import EXACT
@@ -125,7 +126,7 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
         out.error("SYS010", message, where=joint.name, span=place, help="log the command in every row")
         return None
     if np.ptp(joint.command[told]) == 0.0:
-        shown = format_quantity(float(joint.command[told][0]), "m" if joint.linear else "rad", 4)
+        shown = format_quantity(float(joint.command[told][0]), units_of(joint.kind).position, 4)
         message = f"the command is {shown} in every row: nothing moves the joint"
         out.error(
             "SYS011", message, where=joint.name, span=place, help="`actspec sysid design` writes commands"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector
 from actspec.ir import ActuatorSet, Command
+from actspec.joints import JointKind
 from actspec.logs import Log
 from actspec.robot.view import RobotView
 from actspec.spec.results import JointResult, Results, value_of
@@ -83,9 +84,9 @@ class Replay:
         return found
 
     @property
-    def linear(self) -> bool:
-        """Whether the joint is a slide, by its units."""
-        return bool(self.recording.log.joints[self.joint].linear)
+    def kind(self) -> JointKind:
+        """Of the joint, by its units."""
+        return self.recording.log.joints[self.joint].kind
 
     @property
     def simulated(self) -> Recording:

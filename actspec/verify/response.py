@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import listed, shortened
-from actspec.ir import ActuatorSet, Command, JointActuator, JointKind, Origin, Quantity
+from actspec.fields import units_of
+from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
 from actspec.laws import TorqueLaw
 from actspec.simulate.experiment import COURSES, Experiment, design
 from actspec.simulate.reference import DrivenJoint, PassiveFriction, Trajectory
@@ -260,8 +261,7 @@ class _Course:
     def row(self) -> Row:
         """A row without numbers."""
         actuator = self.experiment.joints[self.joint]
-        unit = "rad" if actuator.kind is JointKind.HINGE else "m"
-        who = (actuator.group, actuator.joint, 1, COURSES[self.course], unit)
+        who = (actuator.group, actuator.joint, 1, COURSES[self.course], units_of(actuator.kind).position)
         return Row(self.target, *who, None, 0.0, False, engine=self.answer.engine)
 
     @property

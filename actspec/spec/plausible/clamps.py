@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from actspec.diagnostics import Path, Span
+from actspec.fields import units_of
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import SourceMap
 from actspec.spec.models import ListedJoint, SpecModel
@@ -154,7 +155,7 @@ def _outside(
     if beyond <= tolerance:
         return None
     help = None
-    unit = "rad" if kind is JointKind.HINGE else "m"
+    unit = units_of(kind).position
     # No joint but a wheel turns further, so that it may be the sign.
     turned = kind is JointKind.HINGE and abs(pose) > math.pi
     if low <= -pose <= high and not turned:
