@@ -218,9 +218,11 @@ def _train(arguments: argparse.Namespace) -> int:
     if infer:
         from actspec.learn.dynamics import dynamics_entries
         from actspec.learn.labels import inferred
+        from actspec.sysid.stand import Stand
 
+        stand = Stand(robot, actuators)
         with Progress("inferring torques") as progress:
-            data = inferred(data, robot, logs, arguments.base, out, progress.step)
+            data = inferred(data, stand, logs, arguments.base, out, progress.step)
         model = dynamics_entries(robot, data.actuators)
     parts = split(data)
     if not sum(map(len, parts.train)) or not sum(map(len, parts.validate)):
@@ -415,6 +417,7 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     from actspec.learn.windows import dataset
     from actspec.logs import LogError
     from actspec.report.net import evaluate_lines, evaluate_record
+    from actspec.sysid.stand import Stand
     from actspec.targets.kit.network import check_joints
 
     require("scipy", "onnx")
@@ -428,6 +431,7 @@ def _evaluate(arguments: argparse.Namespace) -> int:
             "LRN013", "there is no such file", Span(arguments.network), help="--network NAME.json"
         )
     step = actuators.physics_dt.require()
+    stand = Stand(robot, actuators)
     law, manifest = network_of(arguments.network, actuators.joints, step)
     logs, policies = logs[: len(arguments.log)], logs[len(arguments.log) :]
     out = Collector()
@@ -449,7 +453,7 @@ def _evaluate(arguments: argparse.Namespace) -> int:
         from actspec.learn.labels import inferred
 
         with Progress("inferring torques") as progress:
-            data = inferred(data, robot, logs, arguments.base, out, progress.step)
+            data = inferred(data, stand, logs, arguments.base, out, progress.step)
         message = "no torque is in the logs: the network is compared with what the model needs for the motion"
         out.info("LRN032", message)
     policy = None
@@ -458,7 +462,9 @@ def _evaluate(arguments: argparse.Namespace) -> int:
         policy = dataset(actuators, policies, out, **options, measured=False, every_joint=False)
     check_joints(manifest, [a.joint for a in data.actuators], out.at("--network", Span(arguments.network)))
     with Progress("rolling out") as progress:
-        found = evaluate(data, law, manifest, robot, step, policy=policy, progress=progress.step)
+        found = evaluate(data, law, manifest, stand, step, policy=policy, progress=progress.step)
+    if sensed and found.closed_loop is not None:
+        stand.tell(data.moved, out)
     for finding in worse_in_motion(found):
         out.add(finding)
     if arguments.html is not None:

@@ -14,10 +14,11 @@ from actspec.diagnostics import RobotError
 from actspec.ir import JointActuator, Level
 from actspec.laws import law_of
 from actspec.laws.network import NetworkLaw
+from actspec.learn.labels import motion_of_others
 from actspec.learn.windows import Dataset, Track
-from actspec.robot.view import RobotView
 from actspec.spec.network import NetworkManifest
 from actspec.sysid.figures import Bounds
+from actspec.sysid.stand import Stand
 
 if TYPE_CHECKING:
     import numpy as np
@@ -53,7 +54,7 @@ def closed_loop(
     data: Dataset,
     law: NetworkLaw,
     manifest: NetworkManifest,
-    robot: RobotView,
+    stand: Stand,
     step: float,
     progress: Callable[[int, int], None] | None = None,
 ) -> dict[str, Array]:
@@ -70,7 +71,7 @@ def closed_loop(
     for path in dict.fromkeys(track.log.path for track in data.tracks):
         tracks = [track for track in data.tracks if track.log.path == path]
         try:
-            bench = Bench(robot, data, tracks, step)
+            bench = Bench(stand, data, tracks, step)
         except RobotError as err:
             raise RollImpossible(err.diagnostics[0].message) from err
         starts = bench.starts()
@@ -95,7 +96,7 @@ def closed_loop(
 class Bench:
     """A model whose logged joints move under given torques, from logged states."""
 
-    def __init__(self, robot: RobotView, data: Dataset, tracks: Sequence[Track], step: float) -> None:
+    def __init__(self, stand: Stand, data: Dataset, tracks: Sequence[Track], step: float) -> None:
         import mujoco
         import numpy as np
 
@@ -105,11 +106,14 @@ class Bench:
         by_name = {actuator.joint: actuator for actuator in data.actuators}
         self.actuators = [by_name[track.joint] for track in tracks]
         names = [track.joint for track in tracks]
-        base = tracks[0].log.sidecar.base
+        log = tracks[0].log
+        base, (robot, others) = log.sidecar.base, stand.beside(log, names)
         self.model, self.pose = bench_model(robot, names, None if base is None else base.orientation)
         model = self.model
-        ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in names]
-        self.at, self.dof = model.jnt_qposadr[ids], model.jnt_dofadr[ids]
+        ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in [*names, *others]]
+        at, dof = model.jnt_qposadr[ids], model.jnt_dofadr[ids]
+        self.at, self.others_at = np.split(at, [len(names)])
+        self.dof, self.others_dof = np.split(dof, [len(names)])
         # Constraints act again, for dry friction; contacts and ends of ranges would be those of another place.
         model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
         model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT)
@@ -118,6 +122,7 @@ class Bench:
         self.data = mujoco.MjData(model)
         self.bias = np.array([actuator.encoder_bias.value or 0.0 for actuator in self.actuators])
         self.grid = np.arange(tracks[0].time[0], tracks[0].time[-1], step)
+        self.others = motion_of_others(log, others, self.grid)
         late = [np.searchsorted(t.time, self.grid + 1e-9, side="right") - 1 for t in tracks]
         self.command = np.stack([t.command[row] for t, row in zip(tracks, late, strict=True)], axis=1)
         self.q = np.stack([self._between(t, t.position) for t in tracks], axis=1)
@@ -171,6 +176,10 @@ class Bench:
         for step in range(length):
             torque = drive(starts, step, self.command[starts + step], q, qd)
             for i, data in enumerate(states):
+                data.qpos[self.others_at], data.qvel[self.others_dof] = (
+                    x[starts[i] + step] for x in self.others[:2]
+                )
+                data.qfrc_applied[self.others_dof] = HELD * self.others[2][starts[i] + step]
                 data.qfrc_applied[self.dof] = torque[i]
                 mujoco.mj_step(self.model, data)
                 q[i], qd[i] = data.qpos[self.at] + self.bias, data.qvel[self.dof]

@@ -13,9 +13,9 @@ from actspec.laws.network import NetworkLaw
 from actspec.learn.closed_loop import BASELINES, HORIZON, ROLLED, RollImpossible, baseline_laws, closed_loop
 from actspec.learn.windows import Dataset, Track
 from actspec.readings.onnx_network import read_onnx
-from actspec.robot.view import RobotView
 from actspec.spec.network import NetworkManifest
 from actspec.sysid.figures import Bounds
+from actspec.sysid.stand import Stand
 
 if TYPE_CHECKING:
     import numpy as np
@@ -143,7 +143,7 @@ def evaluate(
     data: Dataset,
     law: NetworkLaw,
     manifest: NetworkManifest,
-    robot: RobotView,
+    stand: Stand,
     step: float,
     *,
     policy: Dataset | None = None,
@@ -155,7 +155,7 @@ def evaluate(
         data: The logs, with torques, at the network's taps.
         law: The network.
         manifest: Its manifest.
-        robot: For the closed loop.
+        stand: For the closed loop: the model, and where its other joints are.
         step: Physics step [s].
         policy: Logs whose share outside of the manifest's range is told; None: those of `data`.
         progress: Called with steps done, of how many.
@@ -191,7 +191,7 @@ def evaluate(
     closed, why = None, None
     growth: Mapping[str, Array] = {}
     try:
-        growth = closed_loop(data, law, manifest, robot, step, progress)
+        growth = closed_loop(data, law, manifest, stand, step, progress)
         closed = {
             name: float(np.sqrt(np.mean(growth[name] ** 2))) if name in growth else None for name in ROLLED
         }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import count
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
 from actspec.sysid.links import bench_model, links_along
 from actspec.sysid.recording import Recording
+from actspec.sysid.stand import Stand
 
 if TYPE_CHECKING:
     import numpy as np
@@ -31,7 +32,7 @@ MOST_TOUCHING = 0.5
 
 def inferred(
     data: Dataset,
-    robot: RobotView,
+    stand: Stand,
     logs: Sequence[Log],
     base: str | None,
     out: Collector,
@@ -39,14 +40,14 @@ def inferred(
 ) -> Dataset:
     """The logs with the torques that the model with the spec's armature and friction needs.
 
-    tau = M(q) q'' + armature q'' + load(q, q') + viscous q' + coulomb sign(q'), in all logged joints at once; joints
-    that are not logged and the base are held. A base whose motion is in the log flew free, and rows in contact have no
-    torque. Of a joint that stands, dry friction is anything between both signs: the torque is told within that, see
-    `Track.slack`.
+    tau = M(q) q'' + armature q'' + load(q, q') + viscous q' + coulomb sign(q'), in all logged joints at once, those of
+    other groups as read; joints that are not logged and the base are held. A base whose motion is in the log flew free,
+    and rows in contact have no torque. Of a joint that stands, dry friction is anything between both signs: the torque
+    is told within that, see `Track.slack`.
 
     Args:
         data: Without torques.
-        robot: The model.
+        stand: The model, and where its other joints are.
         logs: Their recordings.
         base: `fixed`: a base that is free in the model was held, whatever columns tell of it.
         out: Takes what is assumed.
@@ -58,7 +59,10 @@ def inferred(
     """
     import numpy as np
 
-    _check_base(robot, logs, base)
+    _check_base(stand.robot, logs, base)
+    stand.check(logs, out)
+    out.raise_if_failed(LogError)
+    stand.tell(data.moved, out)
     unknown = [a.joint for a in data.actuators if a.armature.value is None]
     if unknown:
         message = f"armature is unknown, and counts as 0: {listed(unknown)}"
@@ -92,8 +96,11 @@ def inferred(
             )
         q, qd, qdd = (np.stack(column, axis=1) for column in zip(*columns, strict=True))
         q = q - bias
+        robot, others = stand.beside(log, names)
+        pairs = zip((q, qd, qdd), motion_of_others(log, others, time), strict=True)
+        every, motion = [*names, *others], [np.hstack(pair) for pair in pairs]
         if moves:
-            torque, touching = floating(robot, names, log, time, q, qd, qdd)
+            torque, touching = floating(robot, every, log, time, *motion)
             torque[touching] = np.nan
             in_contact += int(touching.sum())
             message = f"{int(touching.sum())} of {len(time)} rows are in contact: they are left out"
@@ -103,10 +110,10 @@ def inferred(
                 "LRN026", message, span=Span(path), help=help if touching.mean() > MOST_TOUCHING else None
             )
         else:
-            stand = None if held is None else held.orientation
+            turned = None if held is None else held.orientation
             # Nothing here asks for the load's slope.
-            links = links_along(robot, names, q, qd, stand, every=len(q))
-            torque = np.einsum("nij,nj->ni", links.inertia, qdd) + links.load
+            links = links_along(robot, every, motion[0], motion[1], turned, every=len(q))
+            torque = np.einsum("nij,nj->ni", links.inertia, motion[2]) + links.load
         tell(next(done), total)
         for j, name in enumerate(names):
             actuator = by_name[name]
@@ -163,6 +170,27 @@ def _motion(part: Recording) -> tuple[Array, Array, Array, float, int]:
     course = spline(part.time, part.measured["position"], stiff)
     q, qd, qdd = (np.asarray(course(part.time, k)) for k in range(3))
     return q, qd, qdd, stiff, 2
+
+
+def motion_of_others(log: Log, others: Mapping[str, Array], time: Array) -> tuple[Array, Array, Array]:
+    """Position, speed and acceleration of joints by their readings.
+
+    Args:
+        log: Theirs.
+        others: Joint to position at the log's rows [rad or m]; what is not a number is bridged.
+        time: At which the motion is asked for [s], shape (n,).
+
+    Returns: Each of shape (n, n_joint).
+    """
+    import numpy as np
+
+    found = np.empty((3, len(time), len(others)))
+    for j, read in enumerate(others.values()):
+        known = np.isfinite(read)
+        signal = np.interp(time, log.time[known], read[known])
+        course = spline(time, signal, stiffness(time, signal))
+        found[..., j] = [course(time, derivative) for derivative in range(3)]
+    return found[0], found[1], found[2]
 
 
 def _check_base(robot: RobotView, logs: Sequence[Log], base: str | None) -> None:

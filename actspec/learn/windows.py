@@ -126,6 +126,15 @@ class Dataset:
     kind: str
     recordings: Mapping[str, Sequence[Recording]]
 
+    @property
+    def moved(self) -> dict[str, list[tuple[Log, Array]]]:
+        """Joint to each of its logs, and its position there without the encoder's bias [rad or m]."""
+        found: dict[str, list[tuple[Log, Array]]] = {}
+        bias = {actuator.joint: actuator.encoder_bias.value or 0.0 for actuator in self.actuators}
+        for track in self.tracks:
+            found.setdefault(track.joint, []).append((track.log, track.position - bias[track.joint]))
+        return found
+
 
 def chosen_group(actuators: ActuatorSet, logs: Sequence[Log], group: str | None) -> str:
     """The group that a network is for: the one that is named, or the only one of the logs' joints.

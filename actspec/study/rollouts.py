@@ -17,6 +17,7 @@ from actspec.logs import Log
 from actspec.simulate.reference import reaching_commands
 from actspec.study.learned import WARM, Sampled
 from actspec.study.measures import Track, held, laws_by_level
+from actspec.sysid.stand import Stand
 
 if TYPE_CHECKING:
     import numpy as np
@@ -58,6 +59,7 @@ def position_errors(
     import numpy as np
 
     squares: dict[str, dict[str, list[Array]]] = {}
+    stand = Stand(robot, actuators)
     for log in logs:
         mine = [
             (actuator, track)
@@ -74,7 +76,8 @@ def position_errors(
             networks = [law for own in laws for law in own.values() if isinstance(law, Sampled)]
             past = max((max(one.drive.network.taps) * one.step for one in networks), default=0.0)
             recurrent = any(one.drive.network.layers.recurrent for one in networks)
-            bench = _bench(robot, actuators, log, mine, past=past, recurrent=recurrent)
+            bench = _bench(stand, log, mine, past=past, recurrent=recurrent)
+            stand.tell({actuator.joint: [(log, track.position)] for actuator, track in mine}, out)
             starts = bench.starts()
             starts = starts[starts >= max(past / bench.step, bench.tracks[0].taps[-1] * recurrent)]
         except (RobotError, RollImpossible) as err:
@@ -100,8 +103,7 @@ def position_errors(
 
 
 def _bench(
-    robot: RobotView,
-    actuators: ActuatorSet,
+    stand: Stand,
     log: Log,
     mine: Sequence[tuple[JointActuator, Track]],
     *,
@@ -111,8 +113,7 @@ def _bench(
     """The robot on its stand, in steps that carry its drives.
 
     Args:
-        robot: Its model.
-        actuators: The spec, resolved.
+        stand: The model, the spec, and where joints are that are not logged.
         log: Of the tracks.
         mine: Joints and their tracks.
         past: How long networks look back [s].
@@ -125,7 +126,7 @@ def _bench(
     import mujoco
     import numpy as np
 
-    step = actuators.physics_dt.require()
+    step = stand.actuators.physics_dt.require()
     rates = [
         (a.kd.value or 0.0) / a.inertia_held.reference
         for a, _ in mine
@@ -154,7 +155,7 @@ def _bench(
             )
         )
     data = Dataset("", tuple(a for a, _ in mine), tuple(sampled), (0,), step, "inferred", {})
-    bench = Bench(robot, data, sampled, step / parts)
+    bench = Bench(stand, data, sampled, step / parts)
     free = bool((bench.model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any())
     if free and (log.sidecar.base is None or log.base is not None):
         raise RollImpossible(

@@ -243,9 +243,11 @@ def prepared(
         gains = gains_of(actuator, made, torque=torque, free=options.free, hold=options.hold, out=out)
         joints[name] = JointInWork(actuator, known[name], recordings, [], gains, torque)
     if not out.failed:
-        stand.tell(
-            {name: [(r.log, r.position) for r in joint.recordings] for name, joint in joints.items()}, out
-        )
+        moved = {name: [(r.log, r.position) for r in joint.recordings] for name, joint in joints.items()}
+        for log in {id(log): log for mine in moved.values() for log, _ in mine}.values():
+            here = [name for name, mine in moved.items() if any(one is log for one, _ in mine)]
+            stand.tell_left_out(log, here, out)
+        stand.tell(moved, out)
         _couple(stand, logs, joints, fits=False)
         for joint in joints.values():
             pairs = zip(joint.recordings, joint.courses, strict=True)

@@ -82,10 +82,10 @@ class Stand:
         return replace(self.robot, pose=held), moving
 
     def tell(self, fitted: Mapping[str, Sequence[tuple[Log, Array]]], out: Collector) -> None:
-        """Say which joints are not fitted, and where those are that no column tells and that matter.
+        """Say where those joints are that no column tells and that matter.
 
         Args:
-            fitted: Joint to each of its logs, and its position there.
+            fitted: Joint that is fitted to each of its logs, and its position there.
             out: Takes it.
 
         Raises:
@@ -95,7 +95,6 @@ class Stand:
         said: set[tuple[str, ...]] = set()
         for key, log in logs.items():
             here = {name: q for name, mine in fitted.items() for one, q in mine if id(one) == key}
-            self.tell_left_out(log, here, out)
             groups: dict[str, list[JointView]] = {}
             for joint in self.others(list(here)):
                 if self._read(log, joint) is None:
