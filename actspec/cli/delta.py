@@ -97,6 +97,7 @@ def _train(arguments: argparse.Namespace) -> int:
     from actspec.learn.files import check_output
     from actspec.learn.libraries import require
     from actspec.report.delta import train_lines, train_record
+    from actspec.sysid.stand import Stand
 
     _check_numbers(arguments)
     limit, slides = _max_delta(arguments.max_delta)
@@ -110,7 +111,7 @@ def _train(arguments: argparse.Namespace) -> int:
         message = f"{arguments.max_delta} is a correction of {'slides' if slides else 'hinges'}, the joints are others"
         raise LogError.of("LRN050", message, where="--max-delta")
     check_limit(limit, out)
-    samples = collect(actuators, robot, logs, arguments.base, out)
+    samples = collect(Stand(robot, actuators), logs, arguments.base, out)
     parts = split(samples)
     with Progress("training") as progress:
         trained = train(samples, parts, options, progress.step)
@@ -133,13 +134,14 @@ def _validate(arguments: argparse.Namespace) -> int:
     from actspec.learn.delta.validate import check_limit, validate
     from actspec.learn.libraries import require
     from actspec.report.delta import validate_lines, validate_record
+    from actspec.sysid.stand import Stand
 
     require("scipy", "onnx")
     network = read_delta(arguments.network)
     logs, actuators, robot = read_all(arguments)
     out = Collector()
     check_limit(network.manifest.max_delta, out)
-    samples = collect(actuators, robot, logs, arguments.base, out)
+    samples = collect(Stand(robot, actuators), logs, arguments.base, out)
     delta = check_fit(network, actuators, robot, samples, out)
     out.raise_if_failed(LogError)
     with Progress("rolling out") as progress:

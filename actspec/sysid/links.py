@@ -108,16 +108,22 @@ def bench_model(
     Raises:
         RobotError: there is no model, or its masses are in meshes that are not there.
     """
+    model = _model(robot, joints)
+    pose = pose_of(robot, model)
+    hold_base(model, pose, orientation)
+    return model, pose
+
+
+def pose_of(robot: RobotView, model: Any) -> Array:
+    """Where a robot's joints and its base stand in a model of it: qpos, shape (nq,) [rad or m]."""
     import mujoco
 
     from actspec.robot.inertia import reference_pose
 
-    model = _model(robot, joints)
     pose = reference_pose(model)
     for name, position in robot.pose.items():
         pose[model.jnt_qposadr[mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)]] = position
-    hold_base(model, pose, orientation)
-    return model, pose
+    return pose
 
 
 class _Posed:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,8 @@ from actspec.logs import Log, load_log
 from actspec.readings.onnx_graph import Graph
 from actspec.readings.onnx_network import NetworkUnknown
 from actspec.runtime import delta_action
+from actspec.sysid.stand import Stand
+from tests.learn.pendulums import MODEL
 from tests.learn.policies import FLOATING, SPEC, folder, walk
 
 DELAYED = SPEC.replace(
@@ -35,7 +38,7 @@ def samples_of(path: Path, *logs: Log | str, base: str | None = None) -> Samples
     spec = api.load(str(path / "spec.yaml"))
     robot = api.load_robot(spec)
     read = [load_log(log if isinstance(log, str) else log.path) for log in logs]
-    return collect(api.resolve(spec, robot), robot, read, base, Collector())
+    return collect(Stand(robot, api.resolve(spec, robot)), read, base, Collector())
 
 
 @pytest.mark.slow
@@ -67,6 +70,29 @@ def test_a_row_leads_to_the_next(tmp_path: Path, spec: str, model: str | None) -
     rows = np.arange(40)
     again = samples.columns_of(samples.states[rows + 1], rows + 1)
     assert again == pytest.approx(samples.inputs[rows + 1]) and again != pytest.approx(samples.inputs[rows])
+
+
+@pytest.mark.slow
+def test_a_joint_that_no_motor_drives_is_where_the_sidecar_has_it(tmp_path: Path) -> None:
+    """Logged with a tail that is welded on at 90 degrees, 0.5 kg at 0.2 m from it: 0.5 (0.2^2 + 0.2^2) = 0.04 kg*m^2
+    more at the hip, as the sidecar says; as the file draws it 0.5 * 0.4^2 = 0.08."""
+    mass = '<inertial pos="0 0 -.2" mass=".5" diaginertia="1e-9 1e-9 1e-9"/>'
+    tail = f'<body name="tail" pos="0 0 -.2"TURN>JOINT{mass}</body>'
+    inside = 'mass="1" diaginertia="1e-9 1e-9 1e-9"/>'
+    welded = tail.replace("TURN", f' euler="0 {math.pi / 2} 0"').replace("JOINT", "")
+    turning = tail.replace("TURN", "").replace("JOINT", '<joint name="tail" axis="0 1 0"/>')
+    assert MODEL.count(inside) == 1
+    path = folder(tmp_path, SPEC, MODEL.replace(inside, inside + welded))
+    log = walk(path, "log.csv", rows=60)
+    folder(
+        path,
+        SPEC.replace("robot.xml}", "robot.xml, unmanaged: [tail]}"),
+        MODEL.replace(inside, inside + turning),
+    )
+    assert np.abs(samples_of(path, log).errors()).max() > 1e-3
+    (path / "log.yaml").write_text("format: actspec-log/1\npose: {tail: 90 deg}\n")
+    # What a log's text rounds.
+    assert np.abs(samples_of(path, log).errors()).max() < 1e-6
 
 
 @pytest.mark.slow

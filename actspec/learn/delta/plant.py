@@ -12,11 +12,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.ir import ActuatorSet
-from actspec.robot.inertia import reference_pose
 from actspec.robot.mjspec import quiet
 from actspec.robot.view import RobotView
 from actspec.simulate.rollout import Rig
-from actspec.sysid.links import hold_base
+from actspec.sysid.links import hold_base, pose_of
 from actspec.targets.mujoco.model import model_of
 
 if TYPE_CHECKING:
@@ -61,7 +60,7 @@ class Plant:
 
     Args:
         actuators: The spec, resolved; all joints are commanded in position.
-        robot: Its model.
+        robot: Its model, with the pose of joints that are not logged.
         held: Whether a base that is free in the model is held; contacts then do not act.
         orientation: Quaternion of a held base; None: as in the model.
 
@@ -113,7 +112,7 @@ class Plant:
         if not model.neq:
             # What is neither logged nor the base stays where it is.
             model.dof_armature[[dof for dof in range(model.nv) if dof not in moving]] = HELD
-        self.pose = reference_pose(model)
+        self.pose = pose_of(robot, model)
         if not self.free:
             hold_base(model, self.pose, orientation)
         self.rig = Rig(model, [joint.joint for joint in joints])

@@ -14,11 +14,11 @@ from actspec.ir import ActuatorSet, Command, JointKind, Level
 from actspec.learn.delta.plant import Motion, Plant
 from actspec.learn.windows import check_copies
 from actspec.logs import BASE, Log, LogError
-from actspec.robot.view import RobotView
 from actspec.sysid.checks import check
 from actspec.sysid.figures import Bounds
 from actspec.sysid.fit import joints_of
 from actspec.sysid.recording import GAP, record
+from actspec.sysid.stand import Stand
 
 if TYPE_CHECKING:
     import numpy as np
@@ -141,14 +141,11 @@ def felt(base: Array) -> Array:
     return np.concatenate([base[:, 3:7], base[:, 10:13]], axis=1)
 
 
-def collect(
-    actuators: ActuatorSet, robot: RobotView, logs: Sequence[Log], base: str | None, out: Collector
-) -> Samples:
+def collect(stand: Stand, logs: Sequence[Log], base: str | None, out: Collector) -> Samples:
     """The samples of a policy's logs.
 
     Args:
-        actuators: The spec, resolved.
-        robot: Its model.
+        stand: The model, the spec, and where joints are that no motor drives.
         logs: At the policy's rate.
         base: `fixed`: a base that is free in the model was held.
         out: Takes what is left out.
@@ -159,7 +156,9 @@ def collect(
     """
     import numpy as np
 
+    actuators = stand.actuators
     names = joints_of(actuators, logs, out)
+    stand.check(logs, out)
     _check_spec(actuators, out)
     period = _period(actuators, out)
     out.raise_if_failed(LogError)
@@ -179,16 +178,18 @@ def collect(
     free = {log.path: _free(log, out) for log in logs}
     held = base == "fixed" or all(log.sidecar.base is not None for log in logs)
     out.raise_if_failed(LogError)
-    plants: dict[tuple[float, ...] | None, Plant] = {}
+    plants: dict[tuple[object, ...], Plant] = {}
     parts: list[tuple[Log, Plant, Motion]] = []
     for log in logs:
-        stand = None if log.sidecar.base is None else log.sidecar.base.orientation
+        base_stands = None if log.sidecar.base is None else log.sidecar.base.orientation
         moves = free[log.path] is not None and not held
-        key = None if moves else stand
+        robot, _ = stand.beside(log, names)
+        orientation = None if moves else base_stands
+        key = orientation, *robot.pose.items()
         if key not in plants:
-            plants[key] = Plant(actuators, robot, held=not moves, orientation=key)
+            plants[key] = Plant(actuators, robot, held=not moves, orientation=orientation)
         plant = plants[key]
-        if not moves and plant.held_free and base is None and stand is None:
+        if not moves and plant.held_free and base is None and base_stands is None:
             message = "the model's base is free, and the log does not tell how it moved"
             help = (
                 "log base.position, base.orientation, base.linear_velocity and base.angular_velocity; a robot that was "
@@ -199,11 +200,16 @@ def collect(
     if any(plant.free and not plant.floor for plant in plants.values()):
         message = "the base is free, and nothing in the model's world can be stood on: the robot falls"
         help = "name a model with a floor in `robot.model`, such as the scene that includes the robot"
-        out.warning("LRN061", message, where="robot.model", span=Span(robot.path), help=help)
+        out.warning("LRN061", message, where="robot.model", span=Span(stand.robot.path), help=help)
     if len({plant.free for plant in plants.values()}) > 1:
         message = "the base is held in some of the logs, and free in others"
         out.error("LRN054", message, span=Span(logs[0].path), help="train on one or the other")
     out.raise_if_failed(LogError)
+    moved = {
+        name: [(log, motion.q[:, j] - plant.bias[j]) for log, plant, motion in parts]
+        for j, name in enumerate(names)
+    }
+    stand.tell(moved, out)
     found = _joined(tuple(names), parts)
     if len(found) < LEAST:
         message = f"{len(found)} rows have one before and one after them, at least {LEAST} are needed"
