@@ -54,7 +54,8 @@ def test_the_last_line_counts_it() -> None:
     """Although it is a note; of a file that was named it is an error, and of a folder with --as-named."""
     text = render(audit(["robots"], Settings()), "concise", ReportOptions(least=Severity.WARNING))
     assert (
-        text == "1 note (AUD008): --notes shows it; --as-named judges a folder of your own\n"
+        text == "1 note (AUD008): --notes shows it; --as-named judges a folder of your own, "
+        "where those of AUD008 can be errors or warnings\n"
         "no errors or warnings in 2 files, 1 of which could not be read\n"
     )
 

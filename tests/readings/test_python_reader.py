@@ -647,15 +647,45 @@ def test_a_drive_of_physx_is_no_torque(tmp_path: Path, mode: int, cls: str) -> N
     assert control_of_group(config.framework, config.groups[0]) == ("ideal_pd" if mode == 3 else "implicit")
 
 
+NETTED = """
+class AnymalCfg(LeggedRobotCfg):
+    class asset(LeggedRobotCfg.asset):
+        file = "anymal.urdf"
+    class control(LeggedRobotCfg.control):
+        use_actuator_network = %s
+        actuator_net_file = "legs.pt"%s
+
+class AnymalFlatCfg(AnymalCfg):
+    class control(AnymalCfg.control):
+        decimation = 2
+"""
+
+
 @pytest.mark.parametrize(
-    ("used", "cls", "control"), [("True", "actuator_net", "other"), ("False", "P", "ideal_pd")]
+    ("used", "own", "cls", "control"),
+    [
+        ("True", None, "actuator_net", "other"),
+        ("False", None, "P", "ideal_pd"),
+        ("True", "P", "P", "ideal_pd"),
+        ("True", "V", "V", "velocity"),
+        ("True", "T", "T", "motor"),
+        ("True", "actuator_net", "actuator_net", "other"),
+        ("True", "D", "actuator_net", "other"),
+    ],
 )
-def test_a_network_in_place_of_the_gains(tmp_path: Path, used: str, cls: str, control: str) -> None:
-    """legged_gym's ANYmal C: the torque is the network's, whatever `stiffness` and `damping` say."""
-    text = BASE.replace("decimation = 4", f"decimation = 4\n        use_actuator_network = {used}")
-    (config,) = read(tmp_path, text.replace('file = ""', 'file = "dog.urdf"')).values()
-    assert config.groups[0].cls == cls
-    assert control_of_group(config.framework, config.groups[0]) == control
+def test_a_network_in_place_of_the_gains(
+    tmp_path: Path, used: str, own: str | None, cls: str, control: str
+) -> None:
+    """legged_gym's ANYmal C inherits its P and has a network; a class that states P beside the network runs the PD.
+
+    So does what inherits both. Seen in Imitation_from_video, aliengo_amp_config.py.
+    """
+    stated = "" if own is None else f"\n        control_type = {own!r}"
+    configs = read(tmp_path, BASE + NETTED % (used, stated))
+    assert configs.keys() == {"AnymalCfg", "AnymalFlatCfg"}
+    for config in configs.values():
+        assert config.groups[0].cls == cls
+        assert control_of_group(config.framework, config.groups[0]) == control
 
 
 def test_legged_gym_without_its_base(tmp_path: Path) -> None:

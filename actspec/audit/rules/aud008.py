@@ -17,9 +17,9 @@ class Unreadable(Rule):
     def check(self, case: Case) -> Iterator[Finding]:
         for file in case.files:
             if not file.readable and not file.names_nothing:
-                yield from self._of(file)
+                yield from self._of(case, file)
 
-    def _of(self, file: FileReading) -> Iterator[Finding]:
+    def _of(self, case: Case, file: FileReading) -> Iterator[Finding]:
         """What is wrong with the file, each at its place; the reader's reason where nothing has one."""
         errors = [item for item in file.diagnostics if item.severity is Severity.ERROR]
         # A spec is nobody's but the user's, wherever it lies.
@@ -28,21 +28,31 @@ class Unreadable(Rule):
         lost = any(item.code == self.code for item in errors)
         reasons = [item for item in errors if item.code != self.code]
         # In a folder it may be no robot, a template, or whole at its destination; whoever loads it is told at once.
-        severity = None if named or lost else Severity.INFO
+        noted = not (named or lost)
+
+        def finding(message: str, place: Span, help: str | None, about: str) -> Finding:
+            # The audit makes a note of it in a folder, and counts it as one that is an error in a folder of one's own.
+            severity = Severity.INFO if noted and not case.is_met_at(place) else None
+            return Finding(
+                self.code,
+                message,
+                place,
+                help=help,
+                severity=severity,
+                noted_in_folders=noted,
+                about=about,
+            )
+
         # Of a file that somebody has in a folder, one reason is enough to pass over it or to look at it.
         for item in reasons if named else reasons[:1]:
             where = f"{item.where}: " if item.where else ""
             count = len(reasons) - 1
             more = f"{count} more reason{'s' * (count != 1)}: audit the file by its name"
             help = item.help if named or len(reasons) == 1 else more
-            yield Finding(
-                self.code,
-                f"the file cannot be read: {where}{item.message} ({item.code})",
-                item.span or Span(file.path),
-                help=help,
-                severity=severity,
-                about=" ".join((item.code, *quoted(item.message))),
+            message = f"the file cannot be read: {where}{item.message} ({item.code})"
+            yield finding(
+                message, item.span or Span(file.path), help, " ".join((item.code, *quoted(item.message)))
             )
         if lost or not errors:
             message = f"the file cannot be read: {file.reason}"
-            yield Finding(self.code, message, file.place, severity=severity, about=" ".join(quoted(message)))
+            yield finding(message, file.place, None, " ".join(quoted(message)))

@@ -10,8 +10,9 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
+from actspec.audit.known import same
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.joints import is_called_undriven, is_exporters
+from actspec.audit.rules.joints import is_called_undriven, is_exporters, top_speed
 from actspec.audit.rules.source_pairs import GRAVE, SAME, Disagreement, compared, disagreements
 from actspec.diagnostics import Severity
 from actspec.fields import FIELDS, LIMITS, is_placeholder
@@ -35,6 +36,12 @@ _REVISION = re.compile(
 )
 """A hardware's version in a name, as of `atlas_v4`, `naoV33`, `mini_mark2` and `g1_29dof_mode_13`, or limits that are
 others on purpose, as of `t1_softlimit` and `robot_stronger_ankle`."""
+
+_COUNTED = re.compile(r"(?:v|ver|rev|version)[_-]?\d")
+"""A version that others follow. Modes, marks and limits that are others on purpose have other motors."""
+
+_DIGIT = 10.0
+"""From this ratio on a limit has a digit more or less. Chosen: versions stay below (4, knees of Atlas 3 and 4)."""
 
 _FOLDERS = 4
 """Last parts of a path that may tell which revision a file is of. Chosen: of the robot, of the kind of file."""
@@ -95,22 +102,44 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     if not is_times(found.ratio):
         return False
     one, other = found.rows[0].artifact, found.others[0].artifact
-    if found.variant and _revision(case, one) != _revision(case, other):
-        return False
+    if found.variant and (apart := _revision(case, one) ^ _revision(case, other)):
+        return all(map(_COUNTED.match, apart)) and _is_slip(case, found)
     if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
         return True
     if case.artifacts[one].name == case.artifacts[other].name:
         # Whoever names both says that they are of one robot, and so do they.
         return True
+    return _is_of_few(case, found)
+
+
+def _is_of_few(case: Case, found: Disagreement) -> bool:
+    """Whether two files have one figure at most of their joints, and none of another kind goes along with each."""
     if _is_confirmed(case, found) and _is_confirmed(case, found.turned):
         return False
+    one, other = (case.joints_by_artifact.get(rows[0].artifact, {}) for rows in (found.rows, found.others))
     differ = []
-    theirs = case.joints_by_artifact.get(other, {})
-    for joint, rows in case.joints_by_artifact.get(one, {}).items():
-        a, b = (figure(each, found.field).value if each else None for each in (rows, theirs.get(joint)))
+    for joint, rows in one.items():
+        a, b = (figure(each, found.field).value if each else None for each in (rows, other.get(joint)))
         if a and b:
             differ.append(not math.isclose(a, b, rel_tol=SAME))
     return 2 * sum(differ) < len(differ)
+
+
+def _is_slip(case: Case, found: Disagreement) -> bool:
+    """Whether versions of a robot differ in a joint's effort limit as no version of its motor would.
+
+    At few joints, while the motor turns as fast in both: one of half the torque is faster, or lighter. One speed for
+    all joints was looked up for none (Atlas 3 and 4: 12 rad/s, knees of 220 and 890 N*m): then a digit is the slip.
+    """
+    if found.field != "effort_limit" or not _is_of_few(case, found):
+        return False
+    rows = found.rows[0], found.others[0]
+    speeds = [top_speed(row) if "velocity_limit" in row.stated else None for row in rows]
+    if speeds[0] is None or speeds[1] is None or not same(speeds[0], speeds[1]):
+        return False
+    all_speeds = [{row.velocity_limit for row in case.rows_of(one.artifact)} - {None} for one in rows]
+    ratio = found.ratio or 1.0
+    return max(ratio, 1.0 / ratio) >= _DIGIT - 1e-9 or min(map(len, all_speeds)) > 1
 
 
 def _is_confirmed(case: Case, found: Disagreement) -> bool:

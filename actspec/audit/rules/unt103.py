@@ -1,14 +1,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import SPEEDS, joint_pairs, shared_joints, shown, unit
+from actspec.audit.rules.source_pairs import SAME
 from actspec.audit.rules.unt101 import ranges_told, read_as_degrees
+from actspec.diagnostics import Span
 from actspec.ir import JointKind
+from actspec.readings.artifact import Artifact
 from actspec.readings.compare import DEGREES
 from actspec.readings.ledger import LedgerRow
 
@@ -32,6 +35,7 @@ class Factor57(RuleInParts):
     def _compared(self, case: Case) -> Iterator[Finding]:
         relative = self.option(case, "relative")
         ranges: dict[tuple[int, int], list[Finding]] = {}
+        found_at: set[tuple[Span, str, str]] = set()
 
         def off_pairs(one: LedgerRow, other: LedgerRow) -> list[_Pair]:
             if JointKind.SLIDE in (one.kind, other.kind):
@@ -42,11 +46,14 @@ class Factor57(RuleInParts):
             off = off_pairs(one, other)
             severity = Severity.ERROR if len({pair.place for pair in off}) > 1 else self.severity
             for pair in off:
-                wrong, right, pair = _deviating(one, other, pair)
-                found = self._finding(wrong, right, pair, severity)
+                wrong, right, pair, is_known = _sides(case, one, other, pair)
+                found = self._finding(wrong, right, pair, severity, is_known)
+                at = (found.span, found.joint, pair.place)
                 if pair.place == "position_range":
                     ranges.setdefault((wrong.artifact, right.artifact), []).append(found)
-                else:
+                elif at not in found_at:
+                    # One figure may differ from those of several files.
+                    found_at.add(at)
                     yield found
         locked, told = case.once(read_as_degrees), case.once(ranges_told)
         for (index, reference), several in ranges.items():
@@ -78,14 +85,21 @@ class Factor57(RuleInParts):
             help="check <compiler angle> of both files",
         )
 
-    def _finding(self, one: LedgerRow, other: LedgerRow, pair: _Pair, severity: Severity) -> Finding:
+    def _finding(
+        self, one: LedgerRow, other: LedgerRow, pair: _Pair, severity: Severity, is_known: bool
+    ) -> Finding:
         first, second = pair.values
         smaller = abs(first) < abs(second)
         factor = "1/57.3 of" if smaller else "57.3 times"
-        what = "a figure in degrees, taken for radians"
-        if smaller:
-            per_angle = pair.place in _PER_ANGLE
-            what = "a figure per degree, taken per radian" if per_angle else "radians, taken for degrees"
+        what = "radians, taken for degrees" if smaller else "a figure in degrees, taken for radians"
+        if pair.place in _PER_ANGLE:
+            what = (
+                "a figure per degree, taken per radian"
+                if smaller
+                else "a figure per radian, taken per degree"
+            )
+        if not is_known:
+            what = "one of the two is wrong, by the degrees of a radian"
         return Finding(
             self.code,
             f"the {pair.name} of {shown(one, pair.unit, first, 4)} is {factor} the "
@@ -94,7 +108,7 @@ class Factor57(RuleInParts):
             one.joint,
             first,
             unit(one, pair.unit),
-            second,
+            second if is_known else None,
             "1 rad is 57.3 degrees: convert the figure, or correct the other file",
             (other.place(pair.place),),
             severity=severity,
@@ -126,15 +140,99 @@ smaller that is wrong."""
 
 _PER_ANGLE = ("kp", "kd", "joint_damping")
 
+_SLOWEST = 0.3
+"""[rad/s]. Chosen: half of the slowest that is published (0.63, a Jaco's wrist)."""
 
-def _deviating(one: LedgerRow, other: LedgerRow, pair: _Pair) -> tuple[LedgerRow, LedgerRow, _Pair]:
-    """The two rows, first the one whose figure deviates from what joints and gains are."""
-    first, second = map(abs, pair.values)
-    # A gain is smaller per degree, an angle or speed larger in degrees, a range small in radians read as degrees.
-    smaller = pair.place in _PER_ANGLE or (pair.place == "position_range" and max(first, second) <= _TURN)
-    if (first < second) == smaller:
-        return one, other, pair
-    return other, one, replace(pair, values=(pair.values[1], pair.values[0]))
+_ALIKE = 10.0
+"""Within this factor of a figure all others of its file must be, so that it is one of them. Chosen: above the spread
+of one robot's motors, and far below 57.3."""
+
+_OTHERS = 2
+"""Other joints of a file from which it speaks. Chosen: one may be the wrong one."""
+
+
+def _sides(
+    case: Case, one: LedgerRow, other: LedgerRow, pair: _Pair
+) -> tuple[LedgerRow, LedgerRow, _Pair, bool]:
+    """The two rows, first the one whose figure deviates, and whether that is known.
+
+    What joints, motors and gains are decides; then the other joints of each file; then how many kinds of file have
+    either figure. Where nothing does, the first is the one that fewer files agree with.
+    """
+    second_first = other, one, replace(pair, values=(pair.values[1], pair.values[0]))
+    for doubts in (
+        (_is_unlikely(one, pair, 0), _is_unlikely(other, pair, 1)),
+        (_stands_out(case, one, pair.place), _stands_out(case, other, pair.place)),
+        _is_outnumbered(case, one, pair, lambda artifact: artifact.kind),
+    ):
+        if doubts[0] != doubts[1]:
+            return (one, other, pair, True) if doubts[0] else (*second_first, True)
+    if _is_outnumbered(case, one, pair, lambda artifact: artifact.path)[1]:
+        return *second_first, False
+    return one, other, pair, False
+
+
+def _is_unlikely(row: LedgerRow, pair: _Pair, side: int) -> bool:
+    """Whether a figure is none of a joint, by itself or by what its file has beside it.
+
+    Of ranges one always is: beyond a full turn the larger, else the smaller.
+    """
+    # The models of a spec take time to build, and few files differ so.
+    from actspec.spec.plausible.driven import FASTEST_OUTPUT
+    from actspec.spec.plausible.gains import USUAL_ERROR, USUAL_RETURN
+
+    mine, its = abs(pair.values[side]), abs(pair.values[1 - side])
+    if pair.place == "position_range":
+        return (mine < its) == (max(mine, its) <= _TURN)
+    if pair.place == "default_position":
+        return mine > _TURN
+    if pair.place in SPEEDS:
+        return not _SLOWEST <= mine <= FASTEST_OUTPUT
+    if pair.place == "joint_damping" or not row.kp:
+        return False
+    kd = row.kd if "kd" in row.stated else None
+    effort = row.effort_limit if "effort_limit" in row.stated else None
+    lag = pair.place == "kd" or bool(kd)
+    if lag and not USUAL_RETURN[0] <= (kd or 0.0) / row.kp <= USUAL_RETURN[1]:
+        return True
+    return (
+        pair.place == "kp"
+        and bool(effort)
+        and not USUAL_ERROR[0] <= (effort or 0.0) / row.kp <= USUAL_ERROR[1]
+    )
+
+
+def _stands_out(case: Case, row: LedgerRow, field: str) -> bool:
+    """Whether no other joint of the file has a figure near this one, and the others are near each other."""
+
+    def figure_of(one: LedgerRow) -> float | None:
+        value = getattr(one, field) if field in one.stated else None
+        # A kd is by its kp.
+        return value / one.kp if field == "kd" and value and one.kp else value
+
+    if field in ("default_position", "position_range"):
+        return False
+    mine = figure_of(row)
+    rows = (rows[0] for rows in case.joints_by_artifact.get(row.artifact, {}).values())
+    others = [value for one in rows if one.joint != row.joint and (value := figure_of(one)) and value > 0.0]
+    if not mine or len(others) < _OTHERS:
+        return False
+    near = max(others) <= _ALIKE * min(others)
+    return near and not min(others) / _ALIKE <= mine <= max(others) * _ALIKE
+
+
+def _is_outnumbered(
+    case: Case, row: LedgerRow, pair: _Pair, of: Callable[[Artifact], object]
+) -> tuple[bool, bool]:
+    """Whether fewer files of the robot, counted by `of`, have the one figure, and whether fewer have the other."""
+    have: tuple[set[object], set[object]] = (set(), set())
+    for index in case.robot_of(row.artifact).artifacts:
+        for found in case.joints.get((index, row.joint), ())[:1]:
+            value = getattr(found, pair.place)
+            for figure, counted in zip(pair.values, have, strict=True):
+                if isinstance(value, float) and math.isclose(value, figure, rel_tol=SAME):
+                    counted.add(of(case.artifacts[index]))
+    return len(have[0]) < len(have[1]), len(have[1]) < len(have[0])
 
 
 def _ranges_that_differ(case: Case, one: int, other: int) -> int:

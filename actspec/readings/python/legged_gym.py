@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from actspec.readings.artifact import PHYSX, ActuatorGroup, Framework, RobotConfig, Setting
 from actspec.readings.python.settings import Draft, known, setting
-from actspec.readings.python.values import Cls, Unknown, Value, reason_of
+from actspec.readings.python.values import Cls, Unknown, Value, ancestors, reason_of
 
 Get = Callable[[Cls, str], "Value | None"]
 """An attribute of a class or of its bases; None when no class that is read has it."""
@@ -35,6 +35,10 @@ Source: Improbable-AI/walk-these-ways and forks of legged_gym (`domain_rand` of 
 
 _PHYSX_DRIVES = (1, 2)
 """`default_dof_drive_mode` of positions and of velocities: PhysX integrates the drive, and no torque is set."""
+
+
+_TORQUES = ("P", "V", "T")
+"""`control_type` of legged_gym: from positions, from velocities, as they are."""
 
 
 def is_robot(cls: Cls, get: Get) -> bool:
@@ -100,11 +104,19 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
     if mode is not None and mode.data in _PHYSX_DRIVES:
         cls_name = PHYSX
     network = get(control, "use_actuator_network")
-    if network is not None and network.data is True:
+    if network is not None and network.data is True and not _is_chosen(control, cls_name):
         # The gains are not used then.
         cls_name = "actuator_net"
     patterns = tuple(joints) if certain else None
     draft.groups.append(ActuatorGroup("control", cls_name, control.span, patterns, settings))
+
+
+def _is_chosen(control: Cls, kind: str) -> bool:
+    """Whether the class that has the network chose a torque beside it: the P that legged_gym's ANYmal C inherits is
+    nobody's choice, and a fork's own `control_type` says what it runs."""
+    words = {"control_type", "use_actuator_network"}
+    stated = (words & one.scope.names.keys() for one in ancestors(control) if isinstance(one, Cls))
+    return kind in _TORQUES and "control_type" in next(filter(None, stated), ())
 
 
 def _armature(cls: Cls, asset: Cls, get: Get) -> Value | None:
