@@ -26,7 +26,8 @@ Chosen: `wrist_pitch_joint` and `wrist_roll_joint` are 0.77, one letter more or 
 _ALIKE_FREE = 0.8
 """The same of a joint without a key of its own. Chosen: `writs_.*` and `wrist_.*` are 0.88."""
 
-_PLAIN = re.compile(r"[A-Za-z0-9_/:-]*")
+PLAIN = re.compile(r"[A-Za-z0-9_/:-]*")
+"""A text that is no pattern."""
 
 
 def dead_keys(framework: Framework, keys: Sequence[str], joints: Sequence[str]) -> list[str]:
@@ -132,7 +133,7 @@ def may_match(framework: Framework, key: str, joint: str) -> bool:
     """Whether a key matches a joint, or may match one that the pattern in its place stands for."""
     if key == joint or matching(framework, key, (joint,)):
         return True
-    return _PLAIN.fullmatch(joint) is None and overlap(key, joint)
+    return PLAIN.fullmatch(joint) is None and overlap(key, joint)
 
 
 def overlap(one: str, other: str) -> bool:
@@ -158,7 +159,7 @@ def overlap(one: str, other: str) -> bool:
 def _tokens(pattern: str) -> list[str | None] | None:
     """Characters, None for `.*`; None where there is more than that."""
     parts = pattern.split(".*")
-    if not all(map(_PLAIN.fullmatch, parts)):
+    if not all(map(PLAIN.fullmatch, parts)):
         return None
     found: list[str | None] = list(parts[0])
     for part in parts[1:]:

@@ -1,18 +1,15 @@
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import ISAACLAB
 from actspec.diagnostics import shortened
 from actspec.readings.artifact import FileKind, Framework, RobotConfig, Setting
-from actspec.readings.dict_keys import POSE, again
+from actspec.readings.dict_keys import PLAIN, POSE, again
 from actspec.readings.pair import joint_names
 
 _BY_JOINT = ISAACLAB["ImplicitActuatorCfg"].mappable
-
-_NAME = re.compile(r"[A-Za-z0-9_/:-]+")
 
 
 class JointHasTwoKeys(RuleOver[tuple[int, RobotConfig]]):
@@ -39,7 +36,7 @@ class JointHasTwoKeys(RuleOver[tuple[int, RobotConfig]]):
         dicts = [("joint_pos", POSE, config.settings.get(POSE), every)]
         for group in config.groups:
             own = tuple(row.joint for row in case.rows_of(index) if row.span == group.span)
-            named = own if robot is not None or all(map(_NAME.fullmatch, own)) else ()
+            named = own if robot is not None or all(map(PLAIN.fullmatch, own)) else ()
             for name in sorted(_BY_JOINT & group.settings.keys()):
                 dicts.append((f"{name} of group {shortened(group.name)}", name, group.settings[name], named))
         for owner, name, setting, joints in dicts:
@@ -72,7 +69,7 @@ def _certain(key: str, other: str, samples: Sequence[str]) -> bool:
 
     A key that is a name, or any beside `.*`, matches none or one that the other does; for none the cfg is refused too.
     """
-    return ".*" in (key, other) or any(map(_NAME.fullmatch, samples))
+    return ".*" in (key, other) or any(map(PLAIN.fullmatch, samples))
 
 
 def _keys(setting: Setting | None) -> tuple[str, ...]:

@@ -232,12 +232,8 @@ def _by_kinds(
     if found.ratio is None:
         # Nothing is near 0.
         return found
-    # Of figures below 0, as of a pose, none is near another in a folder, where it is as it was judged.
-    size = float if _is_met(case, found) else abs
     mine, theirs = count(
-        lambda one, other: (
-            one * other > 0.0 and max(size(one), size(other)) < GRAVE * min(size(one), size(other))
-        )
+        lambda one, other: one * other > 0.0 and max(abs(one), abs(other)) < GRAVE * min(abs(one), abs(other))
     )
     return found.turned if mine > theirs else found
 
