@@ -1,4 +1,4 @@
-"""What `--strict` prints: of numbers of a spec that can hardly be right, and of approximations that it does not accept."""
+"""What `--strict` prints: of numbers that can hardly be right, and of approximations that a spec does not accept."""
 
 from __future__ import annotations
 

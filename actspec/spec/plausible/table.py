@@ -241,7 +241,10 @@ CHECKS = (
         "150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or more (95 rad/s; 203 at 0.1 rad); a damping "
         "ratio below 0.015 with friction (0.064) or above 60 (12). Servos without a motor are often a simulator's "
         "own: Isaac Lab's G1 has arms of 1482 rad/s. Of them only the 0.015 rad are noticed, with kd over kp below "
-        "0.1 ms (0.4 ms, an so101 with 1600 N*m/rad), but for powers of ten and what the robot's file has as well.",
+        "0.1 ms (0.4 ms, an so101 with 1600 N*m/rad), but for powers of ten and what the robot's file has as well. Of "
+        "joints of 10 N*m or more, with a motor or without: a kp that needs less than 0.03 rad for the effort limit with "
+        "kd and friction over kp below 0.8 ms (1.9 ms, a Talos), and one that needs 0.3 rad or more with kd over kp below "
+        "1 ms, and below 5 ms with friction (7.1 ms, an ANYmal D).",
     ),
     Check(
         "SPEC193",
