@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterator
 from typing import Any
 
 from actspec import api, output
@@ -18,13 +17,13 @@ from actspec.cli.options import (
     add_variant,
     describe,
 )
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, many, one_line
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, one_line
 from actspec.placing import finish
 from actspec.report.compile import summary
-from actspec.report.doubts import doubts, refusal
+from actspec.report.doubts import doubts, refusal, refused_losses
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named, split
-from actspec.targets.base import NO_LIMIT, Approximation
+from actspec.targets.base import NO_LIMIT
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -98,7 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
                         print(f"{one_line(file.path)}: {'missing' if file.old is None else 'stale'}")
             else:
                 print_lines(summary(compilation, group, written=not stopped))
-        print_lines((*_refusals(refused), *refusal(doubtful)), sys.stderr)
+        print_lines((*refused_losses(refused, "; nothing was written"), *refusal(doubtful)), sys.stderr)
         if unlimited:
             print(
                 f"--strict: drives without an effort limit, which nobody states ({NO_LIMIT})", file=sys.stderr
@@ -117,17 +116,6 @@ def _folder(arguments: argparse.Namespace, index: int) -> str | None:
     if variant is not None:
         name = f"{name}-{variant}"
     return os.path.join(str(arguments.output), name)
-
-
-def _refusals(losses: list[Approximation]) -> Iterator[str]:
-    if not losses:
-        return
-    keys = sorted({loss.key for loss in losses})
-    yield f"--strict: {many(len(keys), 'approximation')} that the spec does not accept; nothing was written"
-    for key in keys:
-        count = sum(loss.key == key for loss in losses)
-        yield f"  {key} ({many(count, 'joint')})"
-    yield f'  help: accept one with `accept: {{{keys[0]}: "the reason"}}` in the spec'
 
 
 def _record(done: list[output.Compilation], files: list[tuple[output.Output, ...]]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,7 +11,7 @@ from actspec import api
 from actspec.cli.options import add_format, add_packages, add_specs, add_targets, add_variant, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, Diagnostic, SpecError
 from actspec.output import loss_record
-from actspec.report.doubts import doubts
+from actspec.report.doubts import doubts, refused_losses
 from actspec.report.terminal import Progress, diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.report.verify import github, markdown, text
 from actspec.spec.variants import named
@@ -74,6 +75,8 @@ def run(arguments: argparse.Namespace) -> int:
             print_diagnostics((*doubts(compilation.diagnostics), *_failed(compilation)))
             print_lines(_lines(compilation, agreement, arguments))
             print_diagnostics(_asked_for(agreement, arguments))
+        refused = [loss for compilation, _ in done for loss in compilation.unaccepted]
+        print_lines(refused_losses(refused if arguments.strict else ()), sys.stderr)
     return max(_code(compilation, agreement, arguments) for compilation, agreement in done)
 
 

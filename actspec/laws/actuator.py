@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from actspec.diagnostics import Span
 from actspec.ir import AsymmetricCurve, Command, JointActuator, Level, Quantity
 from actspec.laws.arrays import Array
 from actspec.laws.drive import clip_asymmetric, clip_dc_motor, clip_effort, position_pd, velocity_pd
@@ -161,10 +162,26 @@ def _curve(actuator: JointActuator, curve: AsymmetricCurve) -> tuple[float, floa
     return drive, brake, knee, no_load
 
 
+class LackedFigure(ValueError):
+    """A law lacks a figure.
+
+    Args:
+        text: The joint, and what is lacking.
+        field: Its name in the spec, such as `kd`.
+        span: Where the spec says that it is unknown; None: nowhere.
+    """
+
+    def __init__(self, text: str, field: str, span: Span | None) -> None:
+        super().__init__(text)
+        self.field = field
+        self.span = span
+
+
 def _known(actuator: JointActuator, field: str, quantity: Quantity | None) -> float:
     if quantity is None or quantity.value is None:
         needs = f"level {actuator.level.value} with command {actuator.command.value}"
-        raise ValueError(f"{actuator.joint}: {field} is unknown, {needs} needs it")
+        text = f"{actuator.joint}: {field} is unknown, {needs} needs it"
+        raise LackedFigure(text, field, None if quantity is None else quantity.span)
     return quantity.value
 
 

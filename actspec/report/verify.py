@@ -41,9 +41,10 @@ def text(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
     if marked:
         yield ""
         open_ = {loss.key for loss in compilation.unaccepted}
-        taken = open_.isdisjoint(key for row in agreement.rows for key in row.approximations)
+        keys = [key for row in agreement.rows for key in row.approximations]
+        taken = open_.isdisjoint((*keys, *(loss.key for loss in agreement.approximations)))
         how = ", as the spec accepts" if taken else " (see --strict and `accept`)"
-        yield f"  known approximations of what was compared{how}"
+        yield f"  known approximations{how}"
         yield from table(marked, indent="    ", headings=0)
     if any(SOFT in row.approximations for row in agreement.rows):
         yield ""
@@ -242,13 +243,11 @@ def _said(row: Row) -> str:
 
 
 def _marked(agreement: Agreement) -> Iterator[tuple[str, str]]:
-    """Each target with the approximations that concern what was compared."""
+    """Each target with its approximations: those of what was compared, then those in which nothing differs."""
     found: dict[str, dict[str, None]] = {}
-    for row in agreement.rows:
-        for key in row.approximations:
-            if key == SOFT:
-                continue
-            found.setdefault(row.target, {})[key.removeprefix(f"{row.target}.")] = None
+    keys = [(row.target, key) for row in agreement.rows for key in row.approximations if key != SOFT]
+    for target, key in (*keys, *((loss.target, loss.key) for loss in agreement.approximations)):
+        found.setdefault(target, {})[key.removeprefix(f"{target}.")] = None
     for target, names in found.items():
         yield target, listed(names, most=12)
 
@@ -296,9 +295,7 @@ def _verdict(compilation: Compilation, agreement: Agreement) -> str:
     every = dict.fromkeys(row.target for row in agreement.rows)
     run = {row.target for row in agreement.rows if row.quantity in _HISTORIES}
     marked = [row for row in agreement.rows if set(row.approximations) - {SOFT}]
-    # What was run shows what a loss without a torque costs; what was not run shows nothing.
-    losses = [loss for loss in agreement.approximations if loss.max_torque_error or loss.target not in run]
-    losing = {row.target for row in marked} | {loss.target for loss in losses}
+    losing = {row.target for row in marked} | {loss.target for loss in agreement.approximations}
     same = [name for name in every if name in run and name not in losing]
     within = [name for name in every if name in run and name in losing]
     read = [name for name in every if name not in run and name not in losing]

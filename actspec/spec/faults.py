@@ -254,6 +254,7 @@ def _got(given: Any) -> str:
 
 
 def _description(root: type[BaseModel], path: Path) -> str | None:
+    from actspec.spec.models import SPEC_VERSION
     from actspec.spec.schema import descriptions
 
     model = model_at(root, path[:-1])
@@ -265,5 +266,6 @@ def _description(root: type[BaseModel], path: Path) -> str | None:
             text = " ".join(texts[name].split())
             # `MJCF` begins a text, too.
             text = text if text[1:2].isupper() else text[:1].lower() + text[1:]
-            return f"add `{path[-1]}: ...`, {text}"
+            value = SPEC_VERSION if path == ("actspec",) else "..."
+            return f"add `{path[-1]}: {value}`, {text.removesuffix(f': {value}.')}"
     return None

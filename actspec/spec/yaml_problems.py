@@ -59,6 +59,10 @@ _ONE_WORD = re.compile(NAME)
 _SECOND_KEY = re.compile(r"\s([A-Za-z_][A-Za-z_0-9-]*):\s$")
 _RATIO = re.compile(r"(\d+(?:\.\d+)?)\s*:\s*([1-9]\d*(?:\.\d+)?)")
 _IN_BRACES = re.compile(r"[{,]\s*([A-Za-z_][A-Za-z_0-9-]*):\s")
+_QUOTED = re.compile(
+    r"""(\s*(?:- +)?[A-Za-z_][A-Za-z_0-9-]*:\s+)(?P<quote>["'])(?P<text>[^"'\\]*)(?P=quote)\s*"""
+)
+"""What stands before text behind a quoted value."""
 _NAMES = re.compile(rf"((?:{NAME})(?:\s*,\s*(?:{NAME}))+)\s*:(?:\s.*)?")
 
 
@@ -165,6 +169,15 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
             return found
         if at in (",", ";"):
             return _ends_nothing(lines[mark.line], mark)
+        quoted = _QUOTED.fullmatch(lines[mark.line][: mark.column]) if at else None
+        if quoted is not None:
+            rest = COMMENT.sub("", lines[mark.line][mark.column :]).strip()
+            meant = f"{quoted[1]}{quoted['text']} {rest}"
+            return Problem(
+                f"`{cut(rest)}` stands behind the closing quote of a value",
+                f"write `{cut(meant.strip())}`, or all of it in quotes",
+                mark,
+            )
         return Problem("a key is expected here, at the indentation of its mapping", _QUOTE, mark)
     message = f"not valid YAML: {problem or 'no reason given'}" + (f", {context}" if context else "")
     return Problem(message, None, mark)
@@ -356,6 +369,13 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
         found = _nameless(lines, outer, own)
         if found is not None:
             return found
+    if outer is not None and (odd := _odd_first(lines, outer, mark.line)) is not None:
+        one = indent(lines[odd])
+        return Problem(
+            f"this line is indented by {many(one, 'space')}, and those below it in the same mapping by {own}",
+            f"indent it by {many(own, 'space')}",
+            Mark(odd, one),
+        )
     named = ", ".join(str(level) for level in levels)
     if any(indent(line) == own and line.strip() for n, line in enumerate(lines) if n != mark.line):
         # Others are indented so, and one above them may be wrong.
@@ -368,6 +388,26 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
             help += f", or by {lower[0]} as line {lower[1] + 1}"
     message = f"this line is indented by {many(own, 'space')}, and what is open above it by {named}"
     return Problem(message, help, Mark(mark.line, own))
+
+
+def _odd_first(lines: list[str], header: int, at: int) -> int | None:
+    """The one key below a header that is further in than two or more keys that follow it; None: it is another fault.
+
+    Args:
+        lines: The file.
+        header: The line of the header.
+        at: The first of the keys that follow.
+    """
+    own, outer = indent(lines[at]), indent(lines[header])
+
+    def keys(numbers: range) -> list[int]:
+        return [n for n in numbers if lines[n].strip() and not lines[n].lstrip().startswith("#")]
+
+    above = keys(range(header + 1, at))
+    ends = next((n for n in keys(range(at, len(lines))) if indent(lines[n]) <= outer), len(lines))
+    below = [n for n in keys(range(at, ends)) if indent(lines[n]) == own]
+    alone = len(above) == 1 and own < indent(lines[above[0]])
+    return above[0] if alone and len(below) > 1 and all(KEY.match(lines[n].strip()) for n in below) else None
 
 
 def _nameless(lines: list[str], header: int, own: int) -> Problem | None:

@@ -138,7 +138,11 @@ def test_missing_file(capsys: pytest.CaptureFixture[str]) -> None:
 def test_strict(capsys: pytest.CaptureFixture[str]) -> None:
     """Approximations that the spec does not accept are an exit code of 1 with --strict alone."""
     assert run("--fields-only") == 0
+    assert "--strict" not in capsys.readouterr().err
     assert run("--fields-only", "--strict") == 1
+    # As `compile --strict` says it.
+    refused = capsys.readouterr().err
+    assert refused.startswith("--strict: ") and " that the spec does not accept\n" in refused
 
 
 @pytest.mark.slow
@@ -342,10 +346,10 @@ def test_what_the_spec_itself_loses_is_told_beside_the_targets(folder: Path) -> 
     assert (
         "; the spec itself approximates linkage_pose (up to 82 N*m), alike in every target; the" in lines[-1]
     )
-    assert "  known approximations of what was compared (see --strict and `accept`)" in lines
+    assert "  known approximations (see --strict and `accept`)" in lines
     lines = said((), ())
     assert "the spec itself" not in lines[-1]
-    assert "  known approximations of what was compared, as the spec accepts" in lines
+    assert "  known approximations, as the spec accepts" in lines
 
 
 def test_the_table_of_the_page_has_the_fields_that_are_compared(
@@ -393,11 +397,12 @@ def test_the_last_line_tells_what_was_only_read_back(folder: Path) -> None:
     assert said(rows, accept) == f"1 target was read back and not run (deploy), 1 {bounded} {size}"
     assert said(rows[1:], accept) == f"1 target {bounded} {size}"
     assert said(rows[1:], ()) == f"1 target {bounded} {size}".replace("accepted", "known")
-    # A loss without a torque is shown by what was run, and by nothing else.
+    # A loss without a torque, such as a velocity limit, is one whatever was run: `compile` names it, too.
     losses = losses[2:]
     assert said(rows[1:], accept) == f"1 target {bounded}"
     run = Row("randomization", "hips", "hip", 2, "torque", "N*m", 1e-9, 1e-8, True)
-    assert said((run,), accept) == "1 target agrees with the spec"
+    assert said((run,), accept) == "1 target agrees within accepted approximations"
+    assert said((run,), ()) == "1 target agrees within known approximations"
 
 
 def test_the_last_line_tells_what_was_not_run(folder: Path) -> None:

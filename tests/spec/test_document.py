@@ -545,6 +545,20 @@ def test_what_is_refused_says_where(text: str | bytes, expected: str) -> None:
             id="no level",
         ),
         pytest.param(
+            "a:\n  c:\n      d: 1\n    e: 2\n    f: 3",
+            3,
+            "this line is indented by 6 spaces, and those below it in the same mapping by 4",
+            "indent it by 4 spaces",
+            id="the first key further in than the rest",
+        ),
+        pytest.param(
+            'a:\n  kp: "160" N*m/rad',
+            2,
+            "`N*m/rad` stands behind the closing quote of a value",
+            "write `kp: 160 N*m/rad`, or all of it in quotes",
+            id="a quoted number and its unit",
+        ),
+        pytest.param(
             "a:\n  b: 1\nc:\n    d: 1\n  e: 2",
             5,
             "this line is indented by 2 spaces, and what is open above it by 0, 4",

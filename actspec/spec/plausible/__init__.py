@@ -24,6 +24,7 @@ from actspec.spec.plausible.repairs import motor_doubts
 from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, Doubt, Kept, by_number, kept_of, tell
 from actspec.spec.plausible.times import time_doubts
 from actspec.spec.plausible.witnesses import file_doubts, witnessed
+from actspec.spec.rules.motors import sided_figures
 from actspec.spec.rules.robot import SPEC_ITSELF
 
 _BY_FILE = frozenset(("FRC101", "SPEC135", "SPEC180"))
@@ -81,6 +82,8 @@ def number_doubts(
     gears = list(_gears(model, spans))
     # What follows from a gear that nobody can make is not told, nor of whatever it drives.
     made = {doubt.where.split(".")[1] for doubt in gears if doubt.where.startswith("motors.")}
+    # Nor by figures of which nobody says at which side of the gear they are: that is told (SPEC130).
+    made |= {name for name, motor in model.motors.items() if motor.side is None and sided_figures(motor)}
     doubts += gears
     for drive in drives:
         if drive.name not in together and drive.name not in made:

@@ -40,6 +40,9 @@ DOMINANT = 10.0
 """[-]. Published: 124 (gymnasium's ant, which has no motor); behind a gear 3 to 10 are usual."""
 SOFT = 6.0
 """Natural frequency [rad/s]. Published: 6.2 and up, with the links."""
+STRONG = 20.0
+"""Effort limit [N*m] from which links that are not known, as in the text of a model, are more than `SMALL_LINK`.
+Published: 20 N*m and more over the armature is 2e4 rad/s^2 at most (an AgileX Piper)."""
 SMALL_LINK = 2e-3
 """Links of less are fingers, whose armature is seldom the rotor's [kg*m^2]."""
 ODD = 10.0
@@ -106,7 +109,9 @@ def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> I
     rate = limit.value / value if limit.value else None
     links = None if joint.inertia_held is None else joint.inertia_held.high - value
     words = None
-    large = joint.kind is JointKind.HINGE and links is not None and links >= SMALL_LINK
+    # What has such a torque is no finger, whatever its links are.
+    unknown_large = joint.inertia_held is None and (limit.value or 0.0) >= STRONG
+    large = joint.kind is JointKind.HINGE and (unknown_large if links is None else links >= SMALL_LINK)
     unknown = links is None and joint.motor is not None
     line = joint.motor_line
     fast = None if line is None or line.no_load_speed is None else line.no_load_speed.value

@@ -27,6 +27,18 @@ STIFF_RETURN = 2e-3
 STIFF_SERVO_RETURN = 1e-4
 """The same without a motor [s]. Published, of the 0.015 rad: 4e-4 (an so101 with 1600 N*m/rad and 3.35 N*m), from
 damping of the joint; but for stiffnesses of 1e5 and 1e7, which are placeholders of a rigid joint (2e-5, agibot)."""
+STRONG = 10.0
+"""Effort limit [N*m] from which a joint moves more than a finger: fingers have links so light that they need no kd."""
+SOFT_ERROR = 0.3
+"""Effort limit over kp [rad], from which on a strong joint is no stiff servo: legs have 0.36 to 2.2."""
+SOFT_RETURN = (1e-3, 5e-3)
+"""kd over kp, and with friction, of such a joint [s]: noticed where both are below. Published: 7.1e-3 (an ANYmal D),
+and 1e-2 without a motor; 0.03 / 57.3 is 5e-4."""
+FIRM_ERROR = 0.03
+"""Effort limit over kp of a strong joint [rad]: noticed where kd and friction over kp are below `FIRM_RETURN`, with a
+motor or without. Multiplied by 57.3, the 0.36 to 1.7 of legs are in it."""
+FIRM_RETURN = 8e-4
+"""[s]. Published, of the 0.03 rad: 1.9e-3 (Talos with 10000 N*m/rad and 100 N*m); 0.03 / 57.3 is 5e-4."""
 LARGEST_ERROR = 50.0
 """Effort limit over kp [rad]: where the drive gives all that it has. Published: 0.21 to 2.2, without a motor to 25."""
 USUAL_ERROR = (0.06, 10.0)
@@ -148,6 +160,32 @@ def _relations(gains: Gains) -> Iterator[Relation]:
             about="error",
         )
         damped = (gains.kd + gains.viscous) / gains.kp
+        strong = gains.limit >= STRONG
+        if strong and error >= SOFT_ERROR and gains.kd:
+            back = gains.kd / gains.kp
+            yield Relation(
+                "SPEC192",
+                max(back / SOFT_RETURN[0], damped / SOFT_RETURN[1]),
+                (1.0, math.inf),
+                (1.0, math.inf),
+                f"kd {gains.shown_kd} beside kp {gains.shown_kp}: hardly any damping, kd/kp is "
+                f"{format_quantity(1000.0 * back, 'ms', 3)}",
+                ("kp",),
+                None,
+                about="undamped and soft",
+            )
+        if gains.stiff and damped and strong:
+            yield Relation(
+                "SPEC192",
+                max(error / FIRM_ERROR, damped / FIRM_RETURN),
+                (1.0, math.inf),
+                (1.0, math.inf),
+                f"kp {gains.shown_kp} asks for the effort limit of {format_quantity(gains.limit, 'N*m', 4)} at an "
+                f"error of {format_quantity(error, 'rad', 3)}, with kd {gains.shown_kd}",
+                ("kp",),
+                None,
+                about="firm",
+            )
         if gains.stiff and damped:
             yield Relation(
                 "SPEC192",

@@ -72,6 +72,10 @@ _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
 _OF_NETWORKS = frozenset(("NET017", "NET018"))
 """Checks that need the files of networks."""
+_CONSEQUENCES = frozenset(("SPEC193", "FRC106"))
+"""Checks of action scale and viscous friction by limits, gains and friction: where one of those is found itself, they
+say nothing, though the author is sure of it.
+"""
 _TO_INERTIA = frozenset(("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction"))
 """Figures of a motor from which the inertia at its joint follows."""
 _SIZES = ("_torque", ".no_load_speed")
@@ -205,15 +209,24 @@ def _joint_doubts_of(
     linked, written = _linked(model), written_numbers(model, spans)
     # A motor's torque that is none too large at other joints is not what is wrong, but what reduces it here.
     sound = {joint.effort_limit.span for joint in joints if not levers[joint.joint]}
+    every = {
+        joint.joint: [
+            *levers[joint.joint],
+            *_viscous(joint, drives, written, kept),
+            *_joint_doubts(joint, joints, model, written, kept),
+        ]
+        for joint in joints
+    }
+    causes = {
+        one.doubt.span for found in every.values() for one in found if one.doubt.code not in _CONSEQUENCES
+    }
     for joint in joints:
         linkage = linked.get(joint.joint)
         lever = levers[joint.joint]
-        for found in (
-            *lever,
-            *_viscous(joint, drives, written, kept),
-            *_joint_doubts(joint, joints, model, written, kept),
-        ):
+        for found in every[joint.joint]:
             doubt = found.doubt
+            if doubt.code in _CONSEQUENCES and not causes.isdisjoint(doubt.judged):
+                continue
             reduction = reduction_of(joint.group, model.actuators[joint.group])
             if doubt.code == "SPEC183" and reduction is not None and doubt.span in sound:
                 yield replace(found, doubt=_of_reduction(doubt, *reduction, spans))

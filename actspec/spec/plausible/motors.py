@@ -482,6 +482,9 @@ def _linear(motor: Motor, root: Path) -> Iterator[Relation]:
 
 def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
     torque, gear = output.torque, output.gear
+    if motor.rotor_inertia is not None and motor.reflected_inertia is not None:
+        # Which of the two is meant, nobody knows: that is told (SPEC132).
+        return
     for field in ("rotor_inertia", "reflected_inertia"):
         value: SpecValue | None = getattr(motor, field)
         inertia = number(value)

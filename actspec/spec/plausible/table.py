@@ -218,8 +218,8 @@ CHECKS = (
         "motor's figures lack, of 0.1 to 10 times (fitted to a Go2: 2.8 to 5.7); above 300 times where no model has "
         "the links, as what is coupled to the rotor may be meant. Without those: effort limit over armature below 5 "
         "(unless the motor's speed is reached in 0.2 s) or, but of a motor that travels, above 3e5 rad/s^2 (where the "
-        "links are not known 3e6); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, "
-        "too, from "
+        "links are not known 3e6 below 20 N*m; published of 20 N*m and more: to 2e4); from 50 times the links' "
+        "inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from "
         "300 times on in any case, or from ten times above or below three or more other joints of its group, which are "
         "alike, on. Also one that the motor's torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where "
         "it is ten times the links' inertia or, of unknown links, kp swings it alone below 6 rad/s. "
@@ -241,7 +241,10 @@ CHECKS = (
         "150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or more (95 rad/s; 203 at 0.1 rad); a damping "
         "ratio below 0.015 with friction (0.064) or above 60 (12). Servos without a motor are often a simulator's "
         "own: Isaac Lab's G1 has arms of 1482 rad/s. Of them only the 0.015 rad are noticed, with kd over kp below "
-        "0.1 ms (0.4 ms, an so101 with 1600 N*m/rad), but for powers of ten and what the robot's file has as well.",
+        "0.1 ms (0.4 ms, an so101 with 1600 N*m/rad), but for powers of ten and what the robot's file has as well. Of "
+        "joints of 10 N*m or more, with a motor or without: a kp that needs less than 0.03 rad for the effort limit "
+        "with kd and friction over kp below 0.8 ms (1.9 ms, a Talos), and one that needs 0.3 rad or more with kd over "
+        "kp below 1 ms, and below 5 ms with friction (7.1 ms, an ANYmal D).",
     ),
     Check(
         "SPEC193",

@@ -18,10 +18,15 @@ SIDED = ("stall_torque", "no_load_speed", "peak_torque", "continuous_torque", "t
 """Motor figures that differ between rotor and gearbox output."""
 
 
+def sided_figures(motor: Motor) -> list[str]:
+    """Figures that a motor states of one side of its gear."""
+    return [field for field in SIDED if getattr(motor, field) is not None]
+
+
 def check_motor(name: str, motor: Motor, breaches: Breaches) -> None:
     """Side, gear, inertia and curve of a motor fit together."""
     path: Path = ("motors", name)
-    sided = [field for field in SIDED if getattr(motor, field) is not None]
+    sided = sided_figures(motor)
     if sided and motor.side is None:
         breaches.error(
             "SPEC130",

@@ -12,6 +12,7 @@ from actspec.diagnostics import Collector, Place, listed, many, shortened
 from actspec.fields import BY_IR, is_placeholder
 from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator, Level, Origin, Quantity
 from actspec.laws import TorqueLaw, delay_steps, law_of
+from actspec.laws.actuator import LackedFigure
 from actspec.patterns import resolve_patterns
 from actspec.readings.joint import NOT_IN_FILE, largest
 from actspec.resolution.quantities import Reports
@@ -324,7 +325,9 @@ def joint_by_joint(
         try:
             part = make(actuator, own)
         except ValueError as err:
-            own.at(f"actuators.{actuator.group}", actuator.span).error(next(iter(shared)), str(err))
+            lacked = err if isinstance(err, LackedFigure) and err.span is not None else None
+            field, span = ("", actuator.span) if lacked is None else (f".{lacked.field}", lacked.span)
+            own.at(f"actuators.{actuator.group}{field}", span).error(next(iter(shared)), str(err))
         for item in own:
             if item.code in shared:
                 message = item.message.removeprefix(f"{actuator.joint}: ")

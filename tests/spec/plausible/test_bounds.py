@@ -260,11 +260,28 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("motor: m, kp: 1340, kd: 2.7", []),
         ("motor: m, kp: 1340, kd: 2.6", ["SPEC192"]),
         ("kp: 1340, kd: 2.6, effort_limit: 20", []),
-        # Without a motor with a kd of 0.1 ms: 0.134 of 1340, friction included; a power of ten is a placeholder.
-        ("kp: 1340, kd: 0.133, effort_limit: 20", ["SPEC192"]),
-        ("kp: 1340, kd: 0.135, effort_limit: 20", []),
-        ("kp: 1340, kd: 0.1, effort_limit: 20, friction: {viscous: 0.035}", []),
-        ("kp: 1330, kd: 0.133, effort_limit: 20", []),
+        # Without a motor with a kd of 0.1 ms: 0.0603 of 603, friction included; 9 N*m / 603 N*m/rad is 0.0149 rad, and
+        # / 599 0.01503; a power of ten is a placeholder.
+        ("kp: 603, kd: 0.06, effort_limit: 9", ["SPEC192"]),
+        ("kp: 603, kd: 0.061, effort_limit: 9", []),
+        ("kp: 603, kd: 0.045, effort_limit: 9, friction: {viscous: 0.016}", []),
+        ("kp: 599, kd: 0.059, effort_limit: 9", []),
+        # From 10 N*m on 0.03 rad and 0.8 ms: 20 / 667 is 0.02999 rad, / 666 0.03003; 0.0008 x 667 is 0.534.
+        ("kp: 667, kd: 0.53, effort_limit: 20", ["SPEC192"]),
+        ("kp: 667, kd: 0.54, effort_limit: 20", []),
+        ("kp: 667, kd: 0.4, effort_limit: 20, friction: {viscous: 0.14}", []),
+        ("kp: 666, kd: 0.53, effort_limit: 20", []),
+        ("kp: 331, kd: 0.2, effort_limit: 9.9", []),
+        ("motor: m, kp: 667, kd: 0.53", ["SPEC192"]),
+        # And from 0.3 rad on 1 ms of kd, 5 ms with friction: 20 / 66 is 0.303 rad, / 67 0.299; 0.005 x 66 is 0.33.
+        ("kp: 66, kd: 0.065, effort_limit: 20", ["SPEC192"]),
+        ("kp: 66, kd: 0.067, effort_limit: 20", []),
+        ("kp: 66, kd: 0.065, effort_limit: 20, friction: {viscous: 0.26}", ["SPEC192"]),
+        ("kp: 66, kd: 0.065, effort_limit: 20, friction: {viscous: 0.27}", []),
+        ("kp: 67, kd: 0.065, effort_limit: 20", []),
+        ("kp: 33, kd: 0.03, effort_limit: 9.9", []),
+        ("kp: 66, kd: 0, effort_limit: 20", []),
+        ("motor: m, kp: 66, kd: 0.065", ["SPEC192"]),
         ("kp: 10000, kd: 0.5, effort_limit: 20", []),
         ("kp: 1340, kd: 0, effort_limit: 20", []),
         # 20 N*m / 0.4 N*m/rad = 50 rad.
@@ -282,6 +299,10 @@ def test_motors(motor: str, expected: list[str]) -> None:
         # 5.1 and 4.9 rad/s^2 of 20 N*m; the motor's 0.1 kg*m^2 times 3 and 0.3.
         ("effort_limit: 20, armature: 3.9", []),
         ("effort_limit: 20, armature: 4.1", ["SPEC191"]),
+        # Of 20 N*m and more 3e5 rad/s^2, whatever the links are: 20 / 7e-5 = 2.9e5, 20 / 6e-5 = 3.3e5, as 19.9 / 6e-5.
+        ("effort_limit: 20, armature: 7e-5", []),
+        ("effort_limit: 20, armature: 6e-5", ["SPEC191"]),
+        ("effort_limit: 19.9, armature: 6e-5", []),
         ("motor: m, armature: 0.299", []),
         # Without a model, in which links would be, what is coupled to the rotor may be meant.
         ("motor: m, armature: 0.301", []),

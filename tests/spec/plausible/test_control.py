@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from actspec.cli.main import main
-from tests.fitting import spec_of
+from actspec.diagnostics import ActspecError, Diagnostic
+from tests.fitting import fit, spec_of
 from tests.spec.plausible.test_bounds import REST, codes, said
 
 LEGS = "name: leg, model: none, joints: [hip, calf, {name: slide, kind: slide}]"
@@ -469,3 +470,55 @@ def test_an_unknown_nominal_of_a_text_may_need_a_compilation(
         more=RANDOM,
     )
     assert validated(text, tmp_path, capsys)[0] == 0
+
+
+@pytest.mark.parametrize("sure", [False, True])
+@pytest.mark.parametrize(
+    ("fields", "place"),
+    [
+        # 20 N*m/rad x 0.25 = 5 N*m, which a friction of 150 N*m holds, and one of 14 N*m of 20, too: 70 %.
+        ("friction: {coulomb: {value: 150 N*m, sure: SURE}}, action_scale: 0.25", "friction.coulomb"),
+        ("friction: {coulomb: {value: 14 N*m, sure: SURE}}, action_scale: 0.25", "friction.coulomb"),
+        # 1318 deg/s are 23 rad/s, at which 0.2 N*m*s/rad take 4.6 of 200 N*m; at 1318 rad/s 264.
+        (
+            "effort_limit: 200, velocity_limit: {value: 1318 rad/s, sure: SURE}, friction: {viscous: 0.2}",
+            "velocity_limit",
+        ),
+    ],
+)
+def test_what_follows_from_a_wrong_number_is_not_told(fields: str, place: str, sure: bool) -> None:
+    fields = fields.replace("SURE", str(sure).lower())
+    text = of_group(fields)
+    if place == "velocity_limit":
+        # Of a motor that states its speed a velocity limit is not judged.
+        text = text.replace("motor: m, ", "")
+    found = said(text)
+    assert [item.where for item in found] == [f"actuators.legs.{place}"] * (not sure)
+
+
+def test_figures_whose_side_nobody_states_are_not_judged() -> None:
+    """152 rad/s may be a rotor's, of 20 rad/s behind a gear of 7.6: without a side that is not told as an output's."""
+    motors = "{m: {stall_torque: 4.9, no_load_speed: 152 rad/s, gear_ratio: 7.6}}"
+    every = everything(
+        spec_of(f"legs: {{joints: [hip], motor: m, level: dc_motor, kp: 20, kd: 1}}, {REST}", motors=motors)
+    )
+    assert [item.code for item in every] == ["SPEC130"]
+
+
+def test_two_inertias_are_one_message() -> None:
+    """607 g*cm^2 at an output of 18 N*m would be 297 000 rad/s^2, but either of the two may be the wrong one."""
+    motors = (
+        "{m: {side: joint, peak_torque: 18, no_load_speed: 60 rad/s, gear_ratio: 9, "
+        "rotor_inertia: 607 g*cm^2, reflected_inertia: 607 g*cm^2}}"
+    )
+    every = everything(
+        spec_of(f"legs: {{joints: [hip], motor: m, level: ideal_pd, kp: 20, kd: 1}}, {REST}", motors=motors)
+    )
+    assert [item.code for item in every] == ["SPEC132"]
+
+
+def everything(text: str) -> tuple[Diagnostic, ...]:
+    """All that is said of a spec that is not valid."""
+    with pytest.raises(ActspecError) as caught:
+        fit(text)
+    return caught.value.diagnostics

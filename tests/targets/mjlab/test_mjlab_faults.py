@@ -137,7 +137,7 @@ def test_one_tap_needs_no_period(tmp_path: Path) -> None:
     [
         (
             {"kp": "unknown", **LIMIT},
-            "MJL001 actuators.leg: hip: kp is unknown, level ideal_pd with command position needs it",
+            "MJL001 actuators.leg.kp: hip: kp is unknown, level ideal_pd with command position needs it",
         ),
         (
             {"level": "dc_motor", "motor": "line", "effort_limit": "unknown"},
@@ -162,7 +162,7 @@ def test_unknown_numbers(fields: dict[str, str], expected: str) -> None:
     [
         (
             {"kp": "unknown", **LIMIT},
-            "MJL001 actuators.leg: hip, calf: kp is unknown, level ideal_pd with command position needs it",
+            "MJL001 actuators.leg.kp: hip, calf: kp is unknown, level ideal_pd with command position needs it",
         ),
         (
             {"command": "effort", "kp": "", "kd": "", "effort_limit": "unknown"},

@@ -302,7 +302,7 @@ def test_law_that_lacks_a_number() -> None:
     """Told once for the joints of a group."""
     spec = "  leg: {joints: [hip, calf], level: ideal_pd, kp: unknown, kd: 0.5 N*m*s/rad}"
     assert refused(spec, robot='unmanaged: ["rod"]') == [
-        "NWT001 actuators.leg: hip, calf: kp is unknown, level ideal_pd with command position needs it"
+        "NWT001 actuators.leg.kp: hip, calf: kp is unknown, level ideal_pd with command position needs it"
     ]
 
 
