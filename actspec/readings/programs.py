@@ -81,7 +81,9 @@ _OF_ANY_ROBOT = frozenset(
 ASIDE = re.compile(
     r"(?<![a-z])(?:archived?|before|old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused|debug|dump|error)(?![a-z])"
     r"|(?:^|[/\\])(?:third[_-]?party|3rd[_-]?party|externals?|vendor|tests?|test_?(?:data|assets)|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik|\w*pinocchio)[/\\]"
-    r"|_test\.(?:xml|urdf|mjcf)$",
+    r"|_test\.(?:xml|urdf|mjcf)$"
+    # No program can import it: `leg_cfg (1).py`, a copy that an editor made.
+    r"|\s[^/\\]*\.py$",
     re.IGNORECASE,
 )
 """Words by which files and folders say that nobody runs them on a robot, or steps them at all."""

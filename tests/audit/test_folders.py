@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.engine import audit
+from actspec.audit.rules import all_rules
 from actspec.audit.settings import Settings
 from actspec.cli.main import main
 from actspec.diagnostics import Severity
@@ -188,3 +189,23 @@ def test_a_finding_may_be_a_note_of_a_folder_alone(
         "1 note (KNW101): --notes shows it; --as-named judges a folder of your own, where those of KNW101 can be errors"
         in (capsys.readouterr().out)
     )
+
+
+@pytest.mark.parametrize(("named", "severity"), [("r", Severity.INFO), ("r/cfg.py", Severity.WARNING)])
+def test_ranges_of_a_network_s_gains(
+    named: str, severity: Severity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What they are meant for is seldom to be seen in a stranger's folder: NET105, and so ORD101 and DMP104."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/cfg.py").write_text(
+        "class DogCfg(LeggedRobotCfg):\n    class control(LeggedRobotCfg.control):\n"
+        '        control_type = "actuator_net"\n        stiffness = {"joint": 20.0}\n'
+        '        damping = {"joint": 0.5}\n'
+        "    class domain_rand(LeggedRobotCfg.domain_rand):\n        randomize_gains = True\n"
+        "        stiffness_multiplier_range = [0.9, 1.1]\n"
+    )
+    found = audit([named], Settings(select=("NET105",))).findings
+    assert {item.severity for item in found} == {severity}
+    noted = {rule.code for rule in all_rules() if rule.noted_in_folders}
+    assert {"NET105", "ORD101", "DMP104"} <= noted

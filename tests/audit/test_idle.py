@@ -419,6 +419,29 @@ def test_a_model_that_is_aside(folder: str) -> None:
     assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
 
 
+@pytest.mark.parametrize(
+    ("name", "severity"),
+    [
+        ("go1_cfg.py", Severity.WARNING),
+        ("go1-cfg.py", Severity.WARNING),
+        ("go1_cfg (1).py", Severity.INFO),
+        ("go1_cfg\u3000大KP.py", Severity.INFO),
+    ],
+)
+def test_a_configuration_that_no_program_can_import(name: str, severity: Severity) -> None:
+    """A name with a space is that of a copy; one with a hyphen may be a script's."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    Path("r", name).write_text(
+        "from isaaclab.actuators import IdealPDActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        "GO1_CFG = ArticulationCfg(actuators={'legs': IdealPDActuatorCfg(\n"
+        "    joint_names_expr=['.*_hip_joint', '.*_thigh_joint', '.*_calf_joint'],\n"
+        "    effort_limit=80.0, stiffness=20.0, damping=0.5)})\n"
+    )
+    assert of_published("r") == {(name, severity)}
+    assert of_published(f"r/{name}") == {(name, Severity.WARNING)}
+
+
 @pytest.mark.parametrize("odd", ["dog.py", "dog.urdf", "dog.xml"])
 def test_the_odd_one_of_three(odd: str) -> None:
     """Two kinds of file agree against the third, whichever it is; 30 is twice 15."""
@@ -568,6 +591,8 @@ def test_what_a_program_writes_over(program: str, severity: Severity) -> None:
     [
         ("the force ranges are not accurate, inflated by 10 for speed", "", {"FL", "FR"}),
         ("", "Increased torque limits for stairs", {"FL"}),
+        ("", "hip forcerange: 增大上限", {"FL"}),
+        ("", "hip forcerange: 单位为 N·m", set()),
         ("force ranges as published", "", set()),
         ("the joint range is increased", "", set()),
         ("", "", set()),

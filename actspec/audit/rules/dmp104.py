@@ -16,6 +16,7 @@ _Subject = tuple[float | None, bool, LedgerRow, Parts | None, float]
 class DampingInThreePlaces(RuleOver[_Subject]):
     code = "DMP104"
     name = "damping-counted-three-times"
+    noted_in_folders = True
     aliases: ClassVar[dict[str, str]] = {"DMP104": "damping-counted-thrice"}
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM

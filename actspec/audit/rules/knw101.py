@@ -26,7 +26,8 @@ from actspec.readings.ledger import LedgerRow
 from actspec.units import format_number
 
 _RAISED = re.compile(
-    rb"\b(?:inflated|increased|raised|boosted|exaggerated|multiplied|scaled up|not accurate|inaccurate)\b",
+    rb"\b(?:inflated|increased|raised|boosted|exaggerated|multiplied|scaled up|not accurate|inaccurate)\b|"
+    + "增大|提高|加大|放宽".encode(),
     re.IGNORECASE,
 )
 _OF_LIMITS = re.compile(

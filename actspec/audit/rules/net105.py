@@ -18,6 +18,7 @@ _Subject = tuple[int, RobotConfig, list[RandomizedRange]]
 class GainsRandomisedOnNetwork(RuleOver[_Subject]):
     code = "NET105"
     name = "gains-randomised-on-a-network"
+    noted_in_folders = True
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     needs = "no configuration with actuator groups randomises gains"

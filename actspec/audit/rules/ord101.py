@@ -50,6 +50,7 @@ _Subject = tuple[int, RobotView, tuple[ActuatorView, ...]]
 class ActuatorsNotInJointOrder(RuleOver[_Subject]):
     code = "ORD101"
     name = "actuator-order-is-not-joint-order"
+    noted_in_folders = True
     severity = Severity.INFO
     confidence = Confidence.HIGH
     needs = "no MJCF with several actuators on joints among the files"
