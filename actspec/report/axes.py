@@ -9,6 +9,8 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import one_line
+from actspec.fields import units_of
+from actspec.joints import JointKind
 from actspec.resources import data_path
 
 if TYPE_CHECKING:
@@ -43,6 +45,18 @@ class Axis:
     log: bool = False
     low: float | None = None
     high: float | None = None
+
+
+def speed_and_torque(kind: JointKind, fastest: float | None = None) -> tuple[Axis, Axis]:
+    """The axes of a joint's torque against its speed.
+
+    Args:
+        kind: A slide has a force.
+        fastest: End of the speeds, either way [rad/s or m/s]; None: of the data.
+    """
+    units = units_of(kind)
+    speed = Axis("speed", units.speed, low=None if fastest is None else -fastest, high=fastest)
+    return speed, Axis("force" if kind is JointKind.SLIDE else "torque", units.torque)
 
 
 def plot_style() -> str:

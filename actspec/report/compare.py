@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Diagnostic, one_line
 from actspec.fields import units_of
-from actspec.ir import Command, JointKind, Level
-from actspec.report.axes import Axis
+from actspec.ir import Command, Level
+from actspec.report.axes import Axis, speed_and_torque
 from actspec.report.plot import COMMAND, Chart, Line, Points
 from actspec.report.tables import escaped, markdown_table, percent, table
 from actspec.report.terminal import diagnostic_record, json_number
@@ -274,7 +274,6 @@ def envelope_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
     import numpy as np
 
     row = next(of[name]["swing"] for name in ("spec", *NAMES) if name in of)
-    hinge = row.actuator.kind is JointKind.HINGE
     shown = [name for name in ("ideal_pd", "spec") if name in of]
     fastest = max(float(np.abs(of[name]["swing"].law.speed).max()) for name in shown)
     speeds = np.linspace(-fastest, fastest, SPEEDS)
@@ -288,7 +287,6 @@ def envelope_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
         marks.append(Points(at.speed[:-1], at.torque, name, _COLOURS[name]))
     return Chart(
         f"{row.actuator.joint}: torque against speed in a swing worth twice the effort limit",
-        Axis("speed", "rad/s" if hinge else "m/s"),
-        Axis("torque", "N*m") if hinge else Axis("force", "N"),
+        *speed_and_torque(row.actuator.kind),
         marks,
     )

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import listed
+from actspec.fields import units_of
 from actspec.ir import ActuatorSet, JointActuator, JointKind
-from actspec.report.axes import Axis
+from actspec.report.axes import Axis, speed_and_torque
 from actspec.report.compare import by_actuator, by_variant, step_chart
 from actspec.report.plot import COMMAND, FIT, READ, Chart, Line, Points
 from actspec.report.row_pictures import Stacks
@@ -99,11 +100,9 @@ def _envelope(actuator: JointActuator, tracks: Sequence[Track]) -> tuple[Chart, 
         at = at[:: max(1, -(-len(at) // MOST_POINTS))]
         if len(at):
             marks.append(Points(speed[at], torque[at], label, colour))
-    hinge = actuator.kind is JointKind.HINGE
     chart = Chart(
         f"{actuator.joint}: torque against speed",
-        Axis("speed", "rad/s" if hinge else "m/s", low=-fastest, high=fastest),
-        Axis("torque", "N*m") if hinge else Axis("force", "N"),
+        *speed_and_torque(actuator.kind, fastest),
         marks,
         width=420,
         height=230,
@@ -151,7 +150,7 @@ def trackings(tracks: Mapping[str, Sequence[Track]], actuators: ActuatorSet) -> 
     for joint, mine in tracks.items():
         track = mine[0]
         actuator = actuators.joint(joint)
-        hinge = actuator is None or actuator.kind is JointKind.HINGE
+        units = units_of(JointKind.HINGE if actuator is None else actuator.kind)
         rows = track.time <= track.time[0] + SHOWN
         time = track.time[rows]
         marks: list[Any] = []
@@ -161,7 +160,7 @@ def trackings(tracks: Mapping[str, Sequence[Track]], actuators: ActuatorSet) -> 
         chart = Chart(
             f"{joint}: command and position",
             Axis("time", "s"),
-            Axis("position", "rad" if hinge else "m"),
+            Axis("position", units.position),
             marks,
             width=420,
             height=160,

@@ -209,7 +209,7 @@ def _step_table(one: Replay, found: Sequence[Step], of_fit: dict[int, Step]) -> 
                 value = None if source is None else getattr(source, name)
                 cells.append("-" if value is None else f"{value:.3g}")
         rows.append(cells)
-    units = units_of(one.kind)
+    units = units_of(one.recording.kind)
     heads = ["at [s]", f"size [{units.position}]"]
     for name, unit in (
         ("rise", "s"),
@@ -287,7 +287,7 @@ def friction_cloud(one: Replay) -> Iterator[str]:
     found = taken(one)
     if found is None or len(found.speed) < LEAST * SPEEDS:
         return
-    units = units_of(one.kind)
+    units = units_of(one.recording.kind)
     means = _means(found)
     # The law jumps at rest: a line of its own on each side.
     fastest = float(np.abs(found.speed).max())

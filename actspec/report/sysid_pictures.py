@@ -46,7 +46,7 @@ def pictures(one: Replay, loop: Loop | None = None, *, named: bool) -> Iterator[
 
 
 def _unit(one: Replay, signal: str) -> str:
-    found: str = getattr(units_of(one.kind), signal)
+    found: str = getattr(units_of(one.recording.kind), signal)
     return found
 
 

@@ -164,7 +164,7 @@ def _clipped(recording: Recording, out: Collector) -> None:
     import numpy as np
 
     position, command = recording.measured["position"], recording.command
-    unit = units_of(recording.log.joints[recording.joint].kind).position
+    unit = units_of(recording.kind).position
     seen = texture(position)
     near = max(STANDS * max(seen.noise, seen.count), 1e-9)
     wide = float(np.ptp(command))
@@ -263,7 +263,7 @@ def _within(
         help = "columns of the two joints are exchanged"
         out.error("SYS015", message, where=recording.joint, span=recording.place(), help=help)
         return
-    unit = units_of(recording.log.joints[recording.joint].kind).position
+    unit = units_of(recording.kind).position
     row = int(np.nanargmax(np.maximum(read - limits[1], limits[0] - read)))
     shown = f"the position goes from {low:.4g} to {high:.4g} {unit}, the joint's range is "
     message = f"{shown}{format_number(limits[0], 4)} to {format_number(limits[1], 4)} {unit}"
@@ -397,7 +397,7 @@ def _large(recording: Recording, out: Collector) -> bool:
     grain = max(seen.noise, seen.count / math.sqrt(12.0))
     if spread >= SMALL * grain:
         return True
-    unit = units_of(recording.log.joints[recording.joint].kind).position
+    unit = units_of(recording.kind).position
     message = f"the joint moves by {spread:.2g} {unit} (standard deviation), its encoder's noise is {grain:.2g} {unit}"
     help = "command a larger movement: `actspec sysid design` takes what range, speed and torque allow"
     if spread < STILL * grain:

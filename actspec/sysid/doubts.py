@@ -131,7 +131,7 @@ def _judge_motion(joint: JointInWork, found: JointFit, out: Collector) -> None:
     off = found.position_rmse
     if found.misfit is None or off is None or found.misfit < UNLIKE or off < GONE * spread:
         return
-    unit = units_of(joint.recordings[0].log.joints[joint.actuator.joint].kind).position
+    unit = units_of(joint.kind).position
     message = (
         f"the best fit is off by {format_number(off, 2)} {unit}, and the joint moves by "
         f"{format_number(spread, 2)} {unit} (standard deviation): no figures make the model move as the log does"

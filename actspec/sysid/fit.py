@@ -30,7 +30,7 @@ from actspec.sysid.more import LAGS, enlarged
 from actspec.sysid.recording import Recording, driven, record, unevenness
 from actspec.sysid.released import release
 from actspec.sysid.sparse import judge_rows
-from actspec.sysid.stand import Stand, idle
+from actspec.sysid.stand import Stand, by_log, idle
 from actspec.sysid.torques import prompt
 from actspec.sysid.unseen import held_out, judge_validation, tested, told_apart
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
@@ -244,8 +244,7 @@ def prepared(
         joints[name] = JointInWork(actuator, known[name], recordings, [], gains, torque)
     if not out.failed:
         moved = {name: [(r.log, r.position) for r in joint.recordings] for name, joint in joints.items()}
-        for log in {id(log): log for mine in moved.values() for log, _ in mine}.values():
-            here = [name for name, mine in moved.items() if any(one is log for one, _ in mine)]
+        for log, here in by_log(moved):
             stand.tell_left_out(log, here, out)
         stand.tell(moved, out)
         _couple(stand, logs, joints, fits=False)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed
 from actspec.fields import unit_of_kind, units_of
-from actspec.joints import JointKind
 from actspec.sysid.descent import WIDE, Fit, Piecewise, System, seen, simulated
 from actspec.sysid.figures import time_constant
 from actspec.sysid.gains import GAINS
@@ -56,7 +55,6 @@ def judged(joint: JointInWork, options: FitOptions, system: System, unseen: floa
 
     scale, actuator = joint.scale, joint.actuator
     assert joint.fit is not None and scale is not None
-    joint_kind = next((r.log.joints[r.joint].kind for r in joint.recordings), JointKind.HINGE)
     unscaled = not joint.told and not {"armature"} & (set(joint.fit.free) | options.hold)
     told = joint.fit
     fit = joint.fit = _with_givens(joint, system, unscaled=unscaled)
@@ -67,14 +65,14 @@ def judged(joint: JointInWork, options: FitOptions, system: System, unseen: floa
     ends: dict[str, tuple[Values, Values]] = {}
     combinations: list[Combination] = []
     for name, (_, kind) in FIELDS.items():
-        unit = unit_of_kind(kind, joint_kind)
+        unit = unit_of_kind(kind, joint.kind)
         parameter = _parameter(
             joint, name, unit, options, told, system, ends, unscaled=unscaled, summed=summed
         )
         if parameter is not None:
             parameters.append(parameter)
     if summed or unscaled or all(_untold(parameters, field) for field in SUM):
-        combinations = _combinations(joint, fit, unscaled=unscaled, joint_kind=joint_kind)
+        combinations = _combinations(joint, fit, unscaled=unscaled)
     correlation = _correlation(fit)
     position = fit.noise["position"]
     return JointFit(
@@ -87,7 +85,7 @@ def judged(joint: JointInWork, options: FitOptions, system: System, unseen: floa
         unseen,
         position / reading_noise(joint.recordings),
         float(np.linalg.cond(_scaled_normal(fit))) if fit.free else 1.0,
-        () if unscaled or summed else tuple(_own_gains(joint, joint_kind=joint_kind)),
+        () if unscaled or summed else tuple(_own_gains(joint)),
     )
 
 
@@ -96,7 +94,7 @@ def _untold(parameters: Sequence[Parameter], field: str) -> bool:
     return any(p.field == field and p.state is State.UNIDENTIFIABLE for p in parameters)
 
 
-def _own_gains(joint: JointInWork, *, joint_kind: JointKind) -> Iterator[Indicator]:
+def _own_gains(joint: JointInWork) -> Iterator[Indicator]:
     """kp and kd of every set of logs, where they are not the same."""
     fit, gains = joint.fit, joint.gains
     assert fit is not None
@@ -107,7 +105,7 @@ def _own_gains(joint: JointInWork, *, joint_kind: JointKind) -> Iterator[Indicat
         for index, one in enumerate(gains.sets):
             key, factor = gains.key(name, index)
             std = factor * fit.std(key) if key in fit.free else None
-            unit = unit_of_kind(kind, joint_kind)
+            unit = unit_of_kind(kind, joint.kind)
             yield Indicator(f"{name} of {listed(one.logs, 3)}", factor * fit.values[key], std, unit)
 
 
@@ -280,13 +278,11 @@ def _correlation(fit: Fit) -> tuple[tuple[str, str, float], ...]:
     )
 
 
-def _combinations(
-    joint: JointInWork, fit: Fit, *, unscaled: bool, joint_kind: JointKind
-) -> list[Combination]:
+def _combinations(joint: JointInWork, fit: Fit, *, unscaled: bool) -> list[Combination]:
     """Sums and ratios that show where single figures do not; of the logs with the first gains."""
     import numpy as np
 
-    units = units_of(joint_kind)
+    units = units_of(joint.kind)
     damping = fit.values["viscous"] + fit.values["kd"]
     shown = [fit.free.index(name) for name in ("kd", "viscous") if name in fit.free]
     std = math.sqrt(max(float(fit.covariance[np.ix_(shown, shown)].sum()), 0.0))

@@ -16,7 +16,7 @@ from actspec.sysid.fit import fit_logs, joints_of, prepared, recorded, roll
 from actspec.sysid.gains import gains_of
 from actspec.sysid.identified import Identification, JointFit
 from actspec.sysid.recording import Recording
-from actspec.sysid.stand import Stand
+from actspec.sysid.stand import Stand, by_log
 from actspec.sysid.work import FitOptions
 
 NOTHING = ("SYS051", "SYS055", "SYS059")
@@ -85,8 +85,7 @@ def _closed_loop(
     method: str, stand: Stand, recordings: Mapping[str, Sequence[Recording]], out: Collector
 ) -> list[JointFit]:
     """What the position says of the command alone."""
-    for log in {id(one.log): one.log for mine in recordings.values() for one in mine}.values():
-        here = [name for name, mine in recordings.items() if any(one.log is log for one in mine)]
+    for log, here in by_log({name: [(one.log, one) for one in mine] for name, mine in recordings.items()}):
         stand.tell_left_out(log, here, out)
     found = []
     for name, mine in recordings.items():

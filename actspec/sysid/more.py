@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, listed
 from actspec.fields import units_of
-from actspec.joints import JointKind
 from actspec.sysid.descent import Piecewise, System, block_rows, seen, simulated
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.recording import reading_noise
@@ -80,13 +79,11 @@ def enlarged(
         if best is None:
             break
         after, joint, system, names = best
-        slides = any(r.log.joints[r.joint].linear for r in joint.recordings)
-        units = units_of(JointKind.SLIDE if slides else JointKind.HINGE)
         channel = min(after, key=lambda c: after[c] / before[c])
         message = (
             f"{listed(FIELDS[name][0] for name in names)} fitted too: the {channel} error on pieces that the fit has "
             f"not seen falls from {format_number(before[channel], 3)} to {format_number(after[channel], 3)} "
-            f"{getattr(units, channel)}"
+            f"{getattr(units_of(joint.kind), channel)}"
         )
         help = "`--hold` leaves a field out"
         if names == ("lag",) and joint.torque:

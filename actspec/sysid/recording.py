@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span, listed
 from actspec.fields import units_of
 from actspec.ir import JointActuator
+from actspec.joints import JointKind
 from actspec.logs import JointLog, Log
 from actspec.sysid.descent import EXACT
 from actspec.sysid.spoilt import MOST, frozen, jumps, wild
@@ -86,6 +87,11 @@ class Recording:
     starts: NDArray[np.intp]
     rows: int
     late: int = 0
+
+    @property
+    def kind(self) -> JointKind:
+        """Of the joint, by its units."""
+        return self.log.joints[self.joint].kind
 
     @property
     def step(self) -> float:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector
 from actspec.ir import ActuatorSet, Command
-from actspec.joints import JointKind
 from actspec.logs import Log
 from actspec.robot.view import RobotView
 from actspec.spec.results import JointResult, Results, value_of
@@ -82,11 +81,6 @@ class Replay:
         """Read less simulated; NaN where one of them is not there, shape (n,)."""
         found: Array = self.recording.measured[channel] - self.model[channel]
         return found
-
-    @property
-    def kind(self) -> JointKind:
-        """Of the joint, by its units."""
-        return self.recording.log.joints[self.joint].kind
 
     @property
     def simulated(self) -> Recording:

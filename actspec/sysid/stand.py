@@ -5,9 +5,9 @@ They carry the joints that are fitted, or are carried by them: a bent knee makes
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from actspec.diagnostics import Collector, Span, listed
 from actspec.fields import units_of
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
+
+T = TypeVar("T")
 
 STANDS = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """Movement of a joint that is not fitted, from end to end, up to which it counts as standing [rad or m]. Chosen:
@@ -46,6 +48,12 @@ def idle(joint: JointLog) -> bool:
         if told is not None and (not len(told) or np.ptp(told) > EXCITED):
             return False
     return True
+
+
+def by_log(parts: Mapping[str, Sequence[tuple[Log, T]]]) -> Iterator[tuple[Log, dict[str, T]]]:
+    """Each log, and what every joint has in it."""
+    for key, log in {id(log): log for mine in parts.values() for log, _ in mine}.items():
+        yield log, {name: part for name, mine in parts.items() for one, part in mine if id(one) == key}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,10 +99,8 @@ class Stand:
         Raises:
             RobotError: the model does not tell the links' inertia.
         """
-        logs = {id(log): log for mine in fitted.values() for log, _ in mine}
         said: set[tuple[str, ...]] = set()
-        for key, log in logs.items():
-            here = {name: q for name, mine in fitted.items() for one, q in mine if id(one) == key}
+        for log, here in by_log(fitted):
             groups: dict[str, list[JointView]] = {}
             for joint in self.others(list(here)):
                 if self._read(log, joint) is None:

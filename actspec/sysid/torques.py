@@ -247,7 +247,7 @@ def _limited(recording: Recording, bounds: Bounds, out: Collector) -> None:
         float(np.sum(asked > (1.0 - share) * most)) / len(size) for share in (AT_MOST, 10.0 * AT_MOST)
     )
     level = (most, at) if at > AT_LIMIT and at > FLAT * near else _level(recording)
-    unit = units_of(recording.log.joints[recording.joint].kind).torque
+    unit = units_of(recording.kind).torque
     limit = "none" if math.isinf(bounds.limit) else f"{format_number(bounds.limit)} {unit}"
     if level is not None and level[0] < 0.97 * bounds.limit:
         row = int(np.flatnonzero(np.abs(read) > (1.0 - AT_MOST) * level[0])[0])

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from actspec.ir import JointActuator
+from actspec.joints import JointKind
 from actspec.sysid.course import Course
 from actspec.sysid.descent import Fit, Piecewise, Search, System, linearised
 from actspec.sysid.figures import Bounds
@@ -75,6 +76,11 @@ class JointInWork:
     low: Mapping[str, float] = field(default_factory=dict)
     added: frozenset[str] = frozenset()
     swings: Sequence[Swings] = ()
+
+    @property
+    def kind(self) -> JointKind:
+        """By the units of its logs."""
+        return self.recordings[0].kind if self.recordings else self.actuator.kind
 
     @property
     def told(self) -> bool:

@@ -181,15 +181,15 @@ def collect(stand: Stand, logs: Sequence[Log], base: str | None, out: Collector)
     plants: dict[tuple[object, ...], Plant] = {}
     parts: list[tuple[Log, Plant, Motion]] = []
     for log in logs:
-        base_stands = None if log.sidecar.base is None else log.sidecar.base.orientation
         moves = free[log.path] is not None and not held
         robot, _ = stand.beside(log, names)
-        orientation = None if moves else base_stands
+        told = log.sidecar.base
+        orientation = None if moves or told is None else told.orientation
         key = orientation, *robot.pose.items()
         if key not in plants:
             plants[key] = Plant(actuators, robot, held=not moves, orientation=orientation)
         plant = plants[key]
-        if not moves and plant.held_free and base is None and base_stands is None:
+        if not moves and plant.held_free and base is None and told is None:
             message = "the model's base is free, and the log does not tell how it moved"
             help = (
                 "log base.position, base.orientation, base.linear_velocity and base.angular_velocity; a robot that was "

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path, dotted
+from actspec.fields import units_of
+from actspec.joints import JointKind
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
 from actspec.spec.plausible.relations import ALIKE, DEGREE, RARE, Relation, Repair, explained
@@ -52,6 +54,9 @@ FRACTION = (1e-3, 5.0)
 """Part of the effort limit at an error. Chosen: per cent are 10 and more."""
 RADIANS = 1.0
 """Largest error that a kp is derived from [rad]. Chosen: limit over kp is 0.21 to 2.2 rad."""
+_ANY = (0.0, math.inf)
+_WHOLE = (1.0, math.inf)
+"""Of a figure as a part of its bound."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +70,7 @@ class Gains:
         limit: Effort limit of a hinge [N*m]; None: unknown, or of a slide.
         driven: A motor is stated. Without one they may be a simulator's own servos, of nearly any stiffness.
         stiff: kd over kp below which a limit that is reached at `LEAST_ERROR` is noticed [s]; 0: never.
-        unit: Of a joint's force, N*m or N.
+        kind: Of the joint.
     """
 
     kp: float
@@ -74,17 +79,17 @@ class Gains:
     limit: float | None
     driven: bool
     stiff: float
-    unit: str
+    kind: JointKind
 
     @property
     def shown_kp(self) -> str:
         """As one writes it."""
-        return format_quantity(self.kp, "N*m/rad" if self.unit == "N*m" else "N/m", 4)
+        return format_quantity(self.kp, units_of(self.kind).stiffness, 4)
 
     @property
     def shown_kd(self) -> str:
         """As one writes it."""
-        return format_quantity(self.kd, "N*m*s/rad" if self.unit == "N*m" else "N*s/m", 4)
+        return format_quantity(self.kd, units_of(self.kind).velocity_gain, 4)
 
 
 def gain_words(gains: Gains) -> tuple[str, str, str | None] | None:
@@ -111,93 +116,43 @@ def gain_words(gains: Gains) -> tuple[str, str, str | None] | None:
 
 
 def _relations(gains: Gains) -> Iterator[Relation]:
-    if gains.kp and gains.kd:
-        pair = f"kd {gains.shown_kd} beside kp {gains.shown_kp}"
-        back, damped = gains.kd / gains.kp, (gains.kd + gains.viscous) / gains.kp
-        hardly = f"{pair}: hardly any damping, kd/kp is {format_quantity(1000.0 * back, 'ms', 3)}"
-        yield Relation(
-            "SPEC192",
-            back,
-            (0.0, RETURN[1]),
-            USUAL_RETURN,
-            f"{pair}: the joint would take {format_quantity(back, 's', 3)} to come back to its command",
-            ("kp",),
-            None,
-            about="slow",
-        )
-        yield Relation(
-            "SPEC192",
-            damped,
-            (RETURN[0] if gains.driven else 0.0, math.inf),
-            (0.0, math.inf),
-            hardly,
-            ("kp",),
-            None,
-            about="undamped",
-        )
+    if not gains.kp:
+        return
+    back, damped = gains.kd / gains.kp, (gains.kd + gains.viscous) / gains.kp
+    pair = f"kd {gains.shown_kd} beside kp {gains.shown_kp}"
+    hardly = f"{pair}: hardly any damping, kd/kp is {format_quantity(1000.0 * back, 'ms', 3)}"
+    if gains.kd:
+        slow = f"{pair}: the joint would take {format_quantity(back, 's', 3)} to come back to its command"
+        yield _relation(back, (0.0, RETURN[1]), USUAL_RETURN, slow, "slow")
+        yield _relation(damped, (RETURN[0] if gains.driven else 0.0, math.inf), _ANY, hardly, "undamped")
         if gains.driven:
-            yield Relation(
-                "SPEC192",
-                back,
-                (LEAST_RETURN, math.inf),
-                (0.0, math.inf),
-                hardly,
-                ("kp",),
-                None,
-                about="undamped by kd",
-            )
-    if gains.kp and gains.limit and gains.limit < math.inf:
-        error = gains.limit / gains.kp
-        yield Relation(
-            "SPEC192",
-            error,
-            (0.0, LARGEST_ERROR if gains.driven else math.inf),
-            USUAL_ERROR,
-            f"kp {gains.shown_kp} needs an error of {format_quantity(error, 'rad', 3)} for the effort limit of "
-            f"{format_quantity(gains.limit, 'N*m', 4)}",
-            ("kp",),
-            None,
-            about="error",
+            yield _relation(back, (LEAST_RETURN, math.inf), _ANY, hardly, "undamped by kd")
+    if not gains.limit or gains.limit == math.inf:
+        return
+    error = gains.limit / gains.kp
+    limit, shown = format_quantity(gains.limit, "N*m", 4), format_quantity(error, "rad", 3)
+    largest = f"kp {gains.shown_kp} needs an error of {shown} for the effort limit of {limit}"
+    most = LARGEST_ERROR if gains.driven else math.inf
+    yield _relation(error, (0.0, most), USUAL_ERROR, largest, "error")
+    # Each of these is broken where both of its figures are below their bounds.
+    strong = gains.limit >= STRONG
+    if strong and error >= SOFT_ERROR and gains.kd:
+        part = max(back / SOFT_RETURN[0], damped / SOFT_RETURN[1])
+        yield _relation(part, _WHOLE, _WHOLE, hardly, "undamped and soft")
+    if gains.stiff and damped:
+        stiff = (
+            f"kp {gains.shown_kp} asks for the effort limit of {limit} at an error of {shown}, with kd "
+            f"{gains.shown_kd}"
         )
-        damped = (gains.kd + gains.viscous) / gains.kp
-        strong = gains.limit >= STRONG
-        if strong and error >= SOFT_ERROR and gains.kd:
-            back = gains.kd / gains.kp
-            yield Relation(
-                "SPEC192",
-                max(back / SOFT_RETURN[0], damped / SOFT_RETURN[1]),
-                (1.0, math.inf),
-                (1.0, math.inf),
-                f"kd {gains.shown_kd} beside kp {gains.shown_kp}: hardly any damping, kd/kp is "
-                f"{format_quantity(1000.0 * back, 'ms', 3)}",
-                ("kp",),
-                None,
-                about="undamped and soft",
-            )
-        if gains.stiff and damped and strong:
-            yield Relation(
-                "SPEC192",
-                max(error / FIRM_ERROR, damped / FIRM_RETURN),
-                (1.0, math.inf),
-                (1.0, math.inf),
-                f"kp {gains.shown_kp} asks for the effort limit of {format_quantity(gains.limit, 'N*m', 4)} at an "
-                f"error of {format_quantity(error, 'rad', 3)}, with kd {gains.shown_kd}",
-                ("kp",),
-                None,
-                about="firm",
-            )
-        if gains.stiff and damped:
-            yield Relation(
-                "SPEC192",
-                max(error / LEAST_ERROR, damped / gains.stiff),
-                (1.0, math.inf),
-                (1.0, math.inf),
-                f"kp {gains.shown_kp} asks for the effort limit of {format_quantity(gains.limit, 'N*m', 4)} at an "
-                f"error of {format_quantity(error, 'rad', 3)}, with kd {gains.shown_kd}",
-                ("kp",),
-                None,
-                about="stiff",
-            )
+        if strong:
+            yield _relation(max(error / FIRM_ERROR, damped / FIRM_RETURN), _WHOLE, _WHOLE, stiff, "firm")
+        yield _relation(max(error / LEAST_ERROR, damped / gains.stiff), _WHOLE, _WHOLE, stiff, "stiff")
+
+
+def _relation(
+    value: float, bounds: tuple[float, float], usual: tuple[float, float], message: str, about: str
+) -> Relation:
+    return Relation("SPEC192", value, bounds, usual, message, ("kp",), None, about=about)
 
 
 def _repairs(gains: Gains) -> Iterator[Repair]:
@@ -206,13 +161,13 @@ def _repairs(gains: Gains) -> Iterator[Repair]:
     yield Repair(tuple(_relations(replace(gains, kp=kd, kd=kp))), (("kp",),), exchanged)
     for field in ("kp", "kd"):
         factors = [(10.0**power, "did you mean {}?", RARE) for power in (-4, -3, -2, -1, 1, 2, 3, 4)]
-        if gains.unit == "N":
+        if gains.kind is JointKind.SLIDE:
             factors.append((1e3, f"is {field} per mm? Per metre it is {{}}", 0.0))
         for factor, words, rare in factors:
             other = replace(gains, kp=factor * kp) if field == "kp" else replace(gains, kd=factor * kd)
             meant = other.shown_kp if field == "kp" else other.shown_kd
             yield Repair(tuple(_relations(other)), ((field,),), words.format(meant), rare)
-    if gains.unit == "N":
+    if gains.kind is JointKind.SLIDE:
         return
     # What was multiplied by 57.3 is hardly a multiple of 100.
     for field, other, help in (

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any
 
 from actspec.diagnostics import Path, Span
+from actspec.joints import JointKind
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
 from actspec.spec.models import Actuators, Friction, Motor, Randomize, SpecModel, Tunable
@@ -166,10 +167,10 @@ def group_doubts(
             known = None if kp.linear or kd.linear else _most_of(stated, model, spans, doubted)
             viscous = 0.0 if friction is None or friction.viscous is None else friction.viscous.value or 0.0
             driven = stated("motor")[0] in model.motors
-            force = "N" if kp.linear or kd.linear else "N*m"
+            kind = JointKind.SLIDE if kp.linear or kd.linear else JointKind.HINGE
             # Without a motor the robot's file may have such a servo, which is read at its joints.
             stiff = STIFF_RETURN if driven else 0.0
-            gains = Gains(kp.value or 0.0, kd.value or 0.0, viscous, known, driven, stiff, force)
+            gains = Gains(kp.value or 0.0, kd.value or 0.0, viscous, known, driven, stiff, kind)
             found = gain_words(gains)
             if found is not None:
                 field, message, help = found

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Span, dotted
-from actspec.fields import GRAVITY, LONGEST_LEVER, units_of
+from actspec.fields import GRAVITY, LONGEST_LEVER
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document, SourceMap
 from actspec.spec.fields import DerivedGain
@@ -461,7 +461,7 @@ def _gains(joint: JointActuator) -> Iterator[Found]:
         limit.value if hinge else None,
         joint.motor is not None,
         _noticed_return(joint, kp),
-        units_of(joint.kind).torque,
+        joint.kind,
     )
     alone = gain_words(gains)
     words: tuple[str, str | None, float] | None = None
