@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import ActspecError, Span
+from actspec.fields import units_of
 from actspec.joints import JointKind
 from actspec.units import Kind
 
@@ -94,6 +95,12 @@ class JointLog:
     def kind(self) -> JointKind:
         """A slide where its units say so, else a hinge."""
         return JointKind.SLIDE if self.linear else JointKind.HINGE
+
+    def unlike(self, kind: JointKind) -> str | None:
+        """Why columns in such units are none of a joint of this kind; None: they may be."""
+        if self.linear is None or self.kind is kind:
+            return None
+        return f"its columns are in {units_of(self.kind).position}, but the joint is a {kind.value}"
 
     @property
     def signals(self) -> dict[str, Array]:

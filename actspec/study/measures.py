@@ -133,6 +133,9 @@ def track_of(log: Log, joint: JointLog, actuator: JointActuator, out: Collector)
     """A joint's part of a log; a text says why it cannot be judged."""
     import numpy as np
 
+    unlike = joint.unlike(actuator.kind)
+    if unlike is not None:
+        return unlike
     joint = driven(log, joint, actuator, out)
     if joint.position is None:
         return "no position was logged"

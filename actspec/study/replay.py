@@ -129,6 +129,10 @@ def _command(actuator: JointActuator, log: Log, out: Collector) -> Array | None:
         place.info("ABL011", "its command is an effort, which nothing follows: it is not replayed")
         return None
     name = "command" if actuator.command is Command.POSITION else "velocity_command"
+    unlike = log.joints[actuator.joint].unlike(actuator.kind)
+    if unlike is not None:
+        place.error("ABL010", unlike, "correct the columns' units")
+        return None
     found = getattr(log.joints[actuator.joint], name)
     if found is None or not np.isfinite(found).any():
         place.info("ABL011", f"the log has no {name}: it is not replayed")

@@ -199,8 +199,14 @@ def joints_of(
     logged = {name for log in logs for name in log.joints}
     known = [joint.joint for joint in actuators.joints]
     for log in logs:
-        for name in log.joints:
-            if name not in known and name != "base":
+        for name, columns in log.joints.items():
+            actuator = actuators.joint(name)
+            unlike = None if actuator is None else columns.unlike(actuator.kind)
+            if unlike is not None:
+                out.error(
+                    "SYS021", unlike, where=name, span=Span(log.path, 1), help="correct the columns' units"
+                )
+            if actuator is None and name != "base":
                 guess = nearest(name, known)
                 help = f"did you mean '{guess}'?" if guess else f"joints: {listed(known)}"
                 message = "the spec has no such joint"

@@ -212,6 +212,13 @@ BAD: dict[str, tuple[Lines | bytes | Callable[[], bytes], str, str, str]] = {
         ":1",
         "SYS021 hipp: the spec has no such joint",
     ),
+    "metres": (
+        # The same digits, as a slide's: rad/s and N*m would be read with them.
+        text(header="time [s],hip.command [m],hip.position [m],hip.velocity [m/s],hip.torque [N]"),
+        ".csv",
+        ":1",
+        "SYS021 hip: its columns are in m, but the joint is a hinge",
+    ),
     "column twice": (
         [HEADER + ",hip.position [rad]", *each(lambda line: line + ",0")[1:]],
         ".csv",
