@@ -429,7 +429,7 @@ def _departing(stated: _StatedBy) -> _StatedBy:
 def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, _Stated]:
     """What an artifact states, by joint: field and value.
 
-    Nothing for a spec, or of a joint that two groups of a configuration have.
+    Nothing for a spec, or of a joint of which two groups of a configuration make an error.
     """
     kind = case.artifacts[index].kind
     if kind is FileKind.SPEC or case.once(_stated_fields)[index].isdisjoint(fields):
@@ -437,7 +437,7 @@ def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, _
     found = {}
     for joint, rows in case.joints_by_artifact.get(index, {}).items():
         if len(rows) > 1 and kind is FileKind.CFG:
-            # Actuators of one joint add up in an MJCF; of a configuration's groups one wins, or none (ORD103).
+            # Actuators of one joint add up in an MJCF; of a configuration's groups none has it (ORD103).
             continue
         stated = _stated(rows, fields)
         if stated is not None:
