@@ -30,6 +30,7 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.dict_keys import may_match
 from actspec.readings.ledger import LedgerRow, dynamics_at
+from actspec.readings.overlap import has_last, laid_over, last_of_each
 from actspec.readings.pair import agreement, joint_names, matching
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native
 from actspec.robot.view import JointInertia, JointView, ModelFormat, RobotView
@@ -473,12 +474,20 @@ def rows_of_config(
             *(_left(config, group, named) if whole else ()),
         )
     ]
+    one_has_it = has_last(config.framework, versions)
+    if one_has_it:
+        whole_figures = laid_over(
+            [(control_of_group(config.framework, g), joint, own) for g, joint, own in members]
+        )
+        members = [(g, joint, own) for (g, joint, _), own in zip(members, whole_figures, strict=True)]
     inertia = _inertia(massive, {joint: figures.get("armature") for _, joint, figures in members})
     rows = []
     for group, joint, figures in members:
         view = robots[0].joint(joint) if robots else None
         own = passive.joint(joint) if passive is not None and config.framework is Framework.MJLAB else None
         rows.append(_of_group(artifact, index, group, joint, figures, view, inertia.get(joint), own))
+    if one_has_it:
+        rows = last_of_each(rows)
     if named is not None:
         order = {name: place for place, name in enumerate(named)}
         rows.sort(key=lambda row: order.get(row.joint, len(order)))

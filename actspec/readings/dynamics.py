@@ -331,6 +331,9 @@ def _network_name(artifact: Artifact, row: LedgerRow) -> str | None:
 def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
     first = rows[0]
     figures = {name: figure(rows, name) for name in _OF_ROW}
+    if artifact.config is not None and len(rows) > 1:
+        # Groups of one joint that no program takes together: what they do not have alike nobody has.
+        figures = {name: replace(one, value=_common(rows, name)) for name, one in figures.items()}
 
     def add(name: str, value: float | None, place: Span | None = None) -> None:
         figures[name] = Figure(value, unit_of(name, first.kind), place or first.span, True)
@@ -381,6 +384,12 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         ranges,
         axis,
     )
+
+
+def _common(rows: Sequence[LedgerRow], name: str) -> float | None:
+    """What all rows have of a field; None where they differ."""
+    values = {getattr(row, name) for row in rows}
+    return values.pop() if len(values) == 1 else None
 
 
 def is_figure(name: str, value: float | None) -> bool:

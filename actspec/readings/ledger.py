@@ -98,6 +98,7 @@ class LedgerRow:
         more: Other fields of `FIELDS` that a configuration has of the joint, as a range of its delay.
         places: Field to where it is written, for fields that have a place of their own.
         stated: Fields that the file states itself; the others are an engine's default or computed.
+        overruled: Of other groups of a configuration that have the joint too, and lose it to this one.
     """
 
     file: str
@@ -141,6 +142,7 @@ class LedgerRow:
     more: Mapping[str, float] = field(default_factory=dict)
     places: Mapping[str, Span] = field(default_factory=dict)
     stated: frozenset[str] = frozenset()
+    overruled: tuple[LedgerRow, ...] = ()
 
     def place(self, name: str) -> Span:
         """Where a field is written; the row's own place when it has none."""

@@ -11,6 +11,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
 from actspec.audit.rules.joints import (
     is_called_undriven,
+    is_driven_by_mjlab,
     is_exporters,
     is_nobodys,
     partner_rows,
@@ -72,6 +73,7 @@ class NoEffectiveLimit(RuleInParts):
         held: dict[Span, tuple[str, LedgerRow | None]] = {}
         for index, artifact in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
+            speaks = _limits_most(case, index)
             views = {} if artifact.robot is None else {view.span: view for view in artifact.robot.actuators}
             meant = _is_unlimited_by_intent(case, index)
             for row in case.rows_of(index):
@@ -79,7 +81,11 @@ class NoEffectiveLimit(RuleInParts):
                     bounded = self._held(case, row, views.get(row.span))
                     if bounded is not None:
                         held[row.span] = bounded
-                    free = row.effort_limit == math.inf and row.joint not in limited
+                    elsewhere = limited.get(row.joint)
+                    free = row.effort_limit == math.inf
+                    # mjlab drives the model by actuators of its own.
+                    if elsewhere is not None and (not speaks or is_driven_by_mjlab(case, row)):
+                        free = False
                     view = views.get(row.span)
                     looked = free and not _is_bounded(row, view) and not _is_empty(written.get(row.span))
                     missing = (
@@ -87,6 +93,8 @@ class NoEffectiveLimit(RuleInParts):
                         if looked
                         else ()
                     )
+                    if elsewhere is not None:
+                        missing = (_beside(one, elsewhere) for one in missing)
                     quiet = (meant and row.span not in written) or is_called_undriven(row)
                     yield (replace(one, severity=Severity.INFO) for one in missing) if quiet else missing
         mimics = _mimics(case)
@@ -434,11 +442,34 @@ def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:
     return gain * reach, f"{name} {shown(row, field, gain)} x {shown(row, of, reach)}"
 
 
-def _limited_elsewhere(case: Case, artifact: int) -> set[str]:
-    """Joints that a configuration of the same robot limits."""
+def _limited_elsewhere(case: Case, artifact: int) -> dict[str, LedgerRow]:
+    """Joints that a configuration of the same robot limits, with the first row that does."""
     others = [i for i in case.robot_of(artifact).artifacts if case.artifacts[i].kind is FileKind.CFG]
-    rows = [row for other in others for row in case.rows_of(other)]
-    return {row.joint for row in rows if row.effort_limit is not None and row.effort_limit < math.inf}
+    found: dict[str, LedgerRow] = {}
+    for row in (row for other in others for row in case.rows_of(other)):
+        if row.effort_limit is not None and row.effort_limit < math.inf:
+            found.setdefault(row.joint, row)
+    return found
+
+
+def _limits_most(case: Case, artifact: int) -> bool:
+    """Whether a model that somebody named limits half of its driven joints or more: who wrote those meant the rest too.
+
+    Chosen: half. A model whose limits are in the code that drives it has none, or those of a part that it includes.
+    """
+    if case.is_met(artifact):
+        return False
+    limits = {
+        row.joint: row.effort_limit for row in case.rows_of(artifact) if row.control != "none" and row.joint
+    }
+    return 2 * sum(0.0 < (limit or 0.0) < PLACEHOLDER for limit in limits.values()) >= len(limits)
+
+
+def _beside(found: Finding, other: LedgerRow) -> Finding:
+    """With the limit that a configuration gives the joint, which does not hold in the model."""
+    place, limit = other.place("effort_limit"), shown(other, "effort_limit", other.effort_limit, 6)
+    message = f"{found.message}, and {place.path} limits the joint to {limit}"
+    return replace(found, message=message, related=(*found.related, place))
 
 
 def _noun(field: str) -> str:

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS
-from actspec.readings.artifact import FileKind, Framework, RobotConfig
+from actspec.readings.artifact import FileKind, RobotConfig
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.versions import is_native
+from actspec.readings.overlap import has_last
 
 
 class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
@@ -30,9 +30,10 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
         seen: dict[str, LedgerRow] = {}
         # The ledger is in the joints' order; what counts is the order of the groups.
         order = {group.span: place for place, group in enumerate(config.groups)}
-        rows = sorted(case.rows_of(index), key=lambda row: order.get(row.span, len(order)))
+        every = (one for row in case.rows_of(index) for one in (*row.overruled, row))
+        rows = sorted(every, key=lambda row: order.get(row.span, len(order)))
         again = [(row, first) for row in rows if (first := seen.setdefault(row.joint, row)).span != row.span]
-        raises = config.framework is Framework.MJLAB or is_native(case.versions)
+        raises = not has_last(config.framework, case.versions)
         then = (
             "the cfg raises an error"
             if raises
@@ -50,7 +51,8 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
         replaces = not raises and all(joints[name] < earlier for name in groups)
         severity = Severity.WARNING if alike else self.severity
         if replaces:
-            severity = Severity.INFO
+            # Whoever names it is told: Isaac Lab 3.0 raises an error.
+            severity = Severity.INFO if case.is_met(index) else Severity.WARNING
         told: set[str] = set()
         for row, first in again:
             if row.joint in told:
@@ -65,6 +67,8 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
                 related=(first.span,),
                 severity=severity,
                 about=" ".join((*groups, *before)),
+                # What another file says against the group that has the joint is no fault of a group that replaces it.
+                fields=() if replaces else _apart(first, row),
             )
 
 
@@ -73,16 +77,22 @@ def _named(groups: Sequence[str]) -> str:
     return f"groups {', '.join(others)} and {last}" if others else f"group {last}"
 
 
+_FIELDS = (
+    "kp",
+    "kd",
+    "effort_limit",
+    "velocity_limit",
+    "armature",
+    "stall_torque",
+    "no_load_speed",
+)
+
+
 def _alike(one: LedgerRow, other: LedgerRow) -> bool:
     """Whether it does not matter which of the two counts."""
-    fields = (
-        "control",
-        "kp",
-        "kd",
-        "effort_limit",
-        "velocity_limit",
-        "armature",
-        "stall_torque",
-        "no_load_speed",
-    )
-    return all(getattr(one, field) == getattr(other, field) for field in fields)
+    return one.control == other.control and not _apart(one, other)
+
+
+def _apart(one: LedgerRow, other: LedgerRow) -> tuple[str, ...]:
+    """The figures of a joint that two groups do not have alike."""
+    return tuple(field for field in _FIELDS if getattr(one, field) != getattr(other, field))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
@@ -97,7 +97,9 @@ def disagreements(
     """Where files of one robot state different figures.
 
     A file is held to the URDF and MJCF of its robot, a deploy file to the training configuration. One that agrees
-    with any of them is right; else the nearest is named: with the same joints, by the same name, the first. Of a known
+    with any of them is right; else the nearest is named: with the same joints, by the same name, the first. Of files
+    that somebody named a deploy file is held to each configuration: one of another file that agrees, which may be the
+    last that was not changed, does not speak for the others. Of a known
     robot the file with the published figure is right. A figure that a file does not state is not compared.
 
     Args:
@@ -114,6 +116,8 @@ def disagreements(
             continue
         stated = {index: _stated_joints(case, index, fields) for index in robot.artifacts}
         every = tuple(_of_robot(case, robot, stated, tolerance, absolute))
+        # What runs a policy against what trained it first: a third file must not take the place of that.
+        every = tuple(sorted(every, key=lambda found: not _is_training(case, found)))
         by_kinds = _stated_by_kinds(case, stated) if every else {}
         holders = _holders(case, stated) if every else {}
         for found in every:
@@ -207,6 +211,12 @@ def _by_range(case: Case, found: Disagreement) -> Disagreement | None:
 def _is_met(case: Case, found: Disagreement) -> bool:
     """Whether one of the two files was met in a folder."""
     return any(case.is_met(rows[0].artifact) for rows in (found.rows, found.others))
+
+
+def _is_training(case: Case, found: Disagreement) -> bool:
+    """Whether the files are a deploy file and a training configuration, and somebody named both."""
+    kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
+    return kinds == {FileKind.CFG, FileKind.DEPLOY} and not _is_met(case, found)
 
 
 def _by_kinds(
@@ -333,6 +343,7 @@ def _of_robot(
             if own is None:
                 own = earlier[kind, joint] = _Held()
             for kinds in (*_REFERENCES[kind], None):
+                every = kinds == (FileKind.CFG,) and not case.is_met(index)
                 if kinds is None:
                     # Whoever wrote two artifacts in one file knows of both.
                     if own.paths.get(mine[1], set()) - {path}:
@@ -340,7 +351,7 @@ def _of_robot(
                     held = [each for each in own.members if case.artifacts[each[0]].path != path]
                 else:
                     known = [everything[k, joint] for k in kinds if (k, joint) in everything]
-                    if any(mine[1] in each.paths for each in known):
+                    if not every and any(mine[1] in each.paths for each in known):
                         break
                     held = [member for each in known for member in each.members]
                 if not held:
@@ -352,14 +363,34 @@ def _of_robot(
                     if _is_one_kind(kind_here, case.joints[each[0], joint][0].kind)
                     and _counts_alike(case, index, each[0], joint)
                 ]
-                if held and not any(agree((index, mine), theirs, joint) for theirs in held):
-                    other, theirs = min(held, key=lambda each: distance(index, each[0]))
+                alike = {
+                    case.artifacts[theirs[0]].path for theirs in held if agree((index, mine), theirs, joint)
+                }
+                if not held or (alike and not every):
+                    break
+                nearest = min(held, key=lambda each: distance(index, each[0]))
+                for other, theirs in _of_other_files(case, held, alike) if alike else [nearest]:
                     variant = kinds is None or distance(index, other)[1]
                     rows, others = case.joints[index, joint], case.joints[other, joint]
                     figures = figure(rows, mine[0]), figure(others, theirs[0])
                     yield Disagreement(rows, others, mine[0], *figures, variant, one_machine(index, other))
                 break
             own.add(case, index, mine)
+
+
+def _of_other_files(
+    case: Case, held: Sequence[tuple[int, _Stated]], alike: Collection[str]
+) -> list[tuple[int, _Stated]]:
+    """Of each file that somebody named the first that states a figure, without the files in `alike`.
+
+    Whoever wrote two configurations in one file knows of both.
+    """
+    found: dict[str, tuple[int, _Stated]] = {}
+    for index, stated in held:
+        path = case.artifacts[index].path
+        if path not in alike and not case.is_met(index):
+            found.setdefault(path, (index, stated))
+    return list(found.values())
 
 
 def _is_one_kind(one: JointKind | None, other: JointKind | None) -> bool:
@@ -398,7 +429,7 @@ def _departing(stated: _StatedBy) -> _StatedBy:
 def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, _Stated]:
     """What an artifact states, by joint: field and value.
 
-    Nothing for a spec, or of a joint that two groups of a configuration have.
+    Nothing for a spec, or of a joint of which two groups of a configuration make an error.
     """
     kind = case.artifacts[index].kind
     if kind is FileKind.SPEC or case.once(_stated_fields)[index].isdisjoint(fields):
@@ -406,7 +437,7 @@ def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, _
     found = {}
     for joint, rows in case.joints_by_artifact.get(index, {}).items():
         if len(rows) > 1 and kind is FileKind.CFG:
-            # Actuators of one joint add up in an MJCF; of a configuration's groups one wins, or none (ORD103).
+            # Actuators of one joint add up in an MJCF; of a configuration's groups none has it (ORD103).
             continue
         stated = _stated(rows, fields)
         if stated is not None:

@@ -150,11 +150,31 @@ def _outside(
     joint: str, kind: JointKind, limits: tuple[float, float], pose: float, span: Span | None
 ) -> Found | None:
     """A position beyond the range."""
-    (low, high), tolerance = limits, POSE_TOLERANCE[kind]
+    (low, high), found = limits, outside_words(kind, limits, pose, POSE_TOLERANCE[kind])
+    if found is None:
+        return None
+    beyond, message, help = found
+    error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
+    doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
+    return Found(doubt, joint, beyond, False)
+
+
+def outside_words(
+    kind: JointKind, limits: tuple[float, float], pose: float, tolerance: float
+) -> tuple[float, str, str | None] | None:
+    """How far a default position is beyond the joint's range, a message and a help; None where it is not.
+
+    Args:
+        kind: Of the joint.
+        limits: Its range [rad or m].
+        pose: The default position [rad or m].
+        tolerance: How far it may be beyond [rad or m].
+    """
+    low, high = limits
     beyond = max(low - pose, pose - high)
     if beyond <= tolerance:
         return None
-    help = None
+    help, near = None, POSE_TOLERANCE[kind]
     unit = units_of(kind).position
     # No joint but a wheel turns further, so that it may be the sign.
     turned = kind is JointKind.HINGE and abs(pose) > math.pi
@@ -162,14 +182,12 @@ def _outside(
         help = f"is the sign wrong? {format_quantity(-pose, unit)} is inside"
         if kind is JointKind.HINGE:
             help += f", {-pose / DEGREE:.4g} deg"
-    elif kind is JointKind.HINGE and low - tolerance <= pose * DEGREE <= high + tolerance:
+    elif kind is JointKind.HINGE and low - near <= pose * DEGREE <= high + near:
         help = f"is it in degrees? Then write {pose:g} deg, {format_quantity(pose * DEGREE, unit, 4)}"
-    elif kind is JointKind.SLIDE and low - tolerance <= pose * 1e-3 <= high + tolerance:
+    elif kind is JointKind.SLIDE and low - near <= pose * 1e-3 <= high + near:
         help = f"is {'the point wrong, or is ' * (low <= 0.1 * pose <= high)}it in mm? Then write {pose:g} mm"
     message = (
         f"the default position {format_quantity(pose, unit, 4)} is outside of the joint's range, "
         f"{format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)}"
     )
-    error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
-    doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
-    return Found(doubt, joint, beyond, False)
+    return beyond, message, help

@@ -1,0 +1,123 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.configs import names_model
+from actspec.audit.rules.joints import partner_rows, shown, unit
+from actspec.audit.rules.unt101 import ranges_in_doubt
+from actspec.ir import JointKind
+from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.compare import angle_slip
+from actspec.readings.ledger import LedgerRow
+from actspec.spec.plausible.clamps import POSE_TOLERANCE, outside_words
+
+_SINGLE = 1e-5
+"""How far beyond the range Isaac Lab's check may take a position for inside [rad or m]. It compares without a
+tolerance, in single precision; a USD has degrees, of which 180 is known to 1.5e-5, 2.7e-7 rad. Chosen: far above."""
+
+
+_SAME = 0.01
+"""Largest relative difference of equal positions, as `tolerance` of SRC106."""
+
+
+class PoseOutOfRange(RuleOver[tuple[LedgerRow, list[LedgerRow]]]):
+    code = "LIM111"
+    name = "default-position-out-of-range"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    noted_in_folders = True
+    paired = True
+    needs = (
+        "no configuration or deploy file states a default position of a joint with a range in a URDF or MJCF"
+    )
+
+    def subjects(self, case: Case) -> Iterator[tuple[LedgerRow, list[LedgerRow]]]:
+        """Joints with a default position and a range."""
+        for index, _ in case.of_kind(FileKind.CFG, FileKind.DEPLOY):
+            for row in case.rows_of(index):
+                models = list(_ranges(case, row)) if row.joint and _starts_there(case, row) else []
+                if models:
+                    yield row, models
+
+    def judge(self, case: Case, subject: tuple[LedgerRow, list[LedgerRow]]) -> Iterator[Finding]:
+        """Isaac Lab goes by the URDF that it loads; else the joint has none of the ranges."""
+        row, models = subject
+        if _is_in_doubt(case, row):
+            return
+        loaded = [model for model in models if _is_loaded(case, row, model)]
+        refused = [one for model in loaded if (one := self._finding(case, row, model, _SINGLE, True))]
+        if loaded:
+            yield from refused[:1]
+            return
+        found = [self._finding(case, row, model, POSE_TOLERANCE[_kind(model)], False) for model in models]
+        if all(found):
+            yield from filter(None, found[:1])
+
+    def _finding(
+        self, case: Case, row: LedgerRow, model: LedgerRow, tolerance: float, refused: bool
+    ) -> Finding | None:
+        pose, limits = row.default_position, model.position_range
+        assert pose is not None and limits is not None
+        words = outside_words(_kind(model), limits, pose, tolerance)
+        if words is None:
+            return None
+        beyond, message, help = words
+        config = case.artifacts[row.artifact].config
+        then = f"the joint stops {shown(row, 'default_position', beyond)} before it"
+        if refused:
+            then = "Isaac Lab raises an error at the start"
+        elif config is not None and config.framework is Framework.ISAACLAB:
+            then = "Isaac Lab raises an error at the start, if its USD has the range too"
+        missing = "" if "default_position" in row.stated else " (no key of joint_pos is for the joint)"
+        return Finding(
+            self.code,
+            f"{message} in {model.file}{missing}: {then}",
+            row.place("default_position"),
+            row.joint,
+            pose,
+            unit(row, "default_position"),
+            help=help or "state a default position inside of the range, or correct the range",
+            related=(model.place("position_range"),),
+            fields=("default_position",),
+            severity=Severity.ERROR if refused else None,
+        )
+
+
+def _starts_there(case: Case, row: LedgerRow) -> bool:
+    """Whether a row has the position at which its joint starts: Isaac Lab starts what no key is for at 0."""
+    config = case.artifacts[row.artifact].config
+    if row.default_position is None or config is None:
+        return False
+    return "default_position" in row.stated or config.framework is Framework.ISAACLAB
+
+
+def _is_in_doubt(case: Case, row: LedgerRow) -> bool:
+    """Whether another file has the same position in the other unit, which UNT103 tells."""
+    poses = (other.default_position for other in partner_rows(case, row, FileKind.CFG, FileKind.DEPLOY))
+    return any(angle_slip((row.default_position or 0.0) / pose, _SAME) for pose in poses if pose)
+
+
+def _ranges(case: Case, row: LedgerRow) -> Iterator[LedgerRow]:
+    """The joint in each model of the robot that gives it a range, of which the unit is not in doubt (UNT101)."""
+    seen = set()
+    for model in partner_rows(case, row, FileKind.URDF, FileKind.MJCF):
+        if model.artifact in seen or model.position_range is None or model.kind not in POSE_TOLERANCE:
+            continue
+        seen.add(model.artifact)
+        low, high = model.position_range
+        doubted = (model.place("position_range").path, model.joint) in case.once(ranges_in_doubt)
+        if low < high and not doubted and not case.is_idle(model.span):
+            yield model
+
+
+def _is_loaded(case: Case, row: LedgerRow, model: LedgerRow) -> bool:
+    """Whether an Isaac Lab configuration has the robot from this URDF itself; a USD may have other ranges."""
+    config, artifact = case.artifacts[row.artifact].config, case.artifacts[model.artifact]
+    if config is None or config.framework is not Framework.ISAACLAB or artifact.kind is not FileKind.URDF:
+        return False
+    return (config.model or "").lower().endswith(".urdf") and names_model(case, config, artifact)
+
+
+def _kind(model: LedgerRow) -> JointKind:
+    return JointKind.SLIDE if model.kind is JointKind.SLIDE else JointKind.HINGE
