@@ -7,10 +7,10 @@ from actspec.audit.rules.configs import names_model
 from actspec.audit.rules.joints import partner_rows, shown, unit
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.ir import JointKind
+from actspec.poses import POSE_TOLERANCE, outside_words
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.compare import angle_slip
 from actspec.readings.ledger import LedgerRow
-from actspec.spec.plausible.clamps import POSE_TOLERANCE, outside_words
 
 _SINGLE = 1e-5
 """How far beyond the range Isaac Lab's check may take a position for inside [rad or m]. It compares without a

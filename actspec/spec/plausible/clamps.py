@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 
 from actspec.diagnostics import Path, Span
-from actspec.fields import units_of
 from actspec.ir import JointActuator, JointKind, Origin
+from actspec.poses import POSE_TOLERANCE, outside_words
 from actspec.spec.document import SourceMap
 from actspec.spec.models import ListedJoint, SpecModel
 from actspec.spec.plausible.relations import DEGREE
@@ -18,8 +18,6 @@ WIDE = 12.0
 """Width of a clamp of position commands over the joint's range. Chosen: degrees are 57, mm 1000."""
 WIDEST = (4.0, 20.0)
 """Range of a joint [turns, m]. Chosen: hinges with a range have to 2 turns (UR), winches more; rails 10 m."""
-POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
-"""A default position may be this far beyond the range [rad or m]."""
 TURN = 2.0 * math.pi
 """[rad]"""
 ROUND = 2e-3
@@ -157,37 +155,3 @@ def _outside(
     error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
     doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
     return Found(doubt, joint, beyond, False)
-
-
-def outside_words(
-    kind: JointKind, limits: tuple[float, float], pose: float, tolerance: float
-) -> tuple[float, str, str | None] | None:
-    """How far a default position is beyond the joint's range, a message and a help; None where it is not.
-
-    Args:
-        kind: Of the joint.
-        limits: Its range [rad or m].
-        pose: The default position [rad or m].
-        tolerance: How far it may be beyond [rad or m].
-    """
-    low, high = limits
-    beyond = max(low - pose, pose - high)
-    if beyond <= tolerance:
-        return None
-    help, near = None, POSE_TOLERANCE[kind]
-    unit = units_of(kind).position
-    # No joint but a wheel turns further, so that it may be the sign.
-    turned = kind is JointKind.HINGE and abs(pose) > math.pi
-    if low <= -pose <= high and not turned:
-        help = f"is the sign wrong? {format_quantity(-pose, unit)} is inside"
-        if kind is JointKind.HINGE:
-            help += f", {-pose / DEGREE:.4g} deg"
-    elif kind is JointKind.HINGE and low - near <= pose * DEGREE <= high + near:
-        help = f"is it in degrees? Then write {pose:g} deg, {format_quantity(pose * DEGREE, unit, 4)}"
-    elif kind is JointKind.SLIDE and low - near <= pose * 1e-3 <= high + near:
-        help = f"is {'the point wrong, or is ' * (low <= 0.1 * pose <= high)}it in mm? Then write {pose:g} mm"
-    message = (
-        f"the default position {format_quantity(pose, unit, 4)} is outside of the joint's range, "
-        f"{format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)}"
-    )
-    return beyond, message, help

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator
 
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
-from actspec.spec.plausible.clamps import PART, POSE_TOLERANCE, WIDE, clamp_words, is_open, turned_words
+from actspec.poses import POSE_TOLERANCE
+from actspec.spec.plausible.clamps import PART, WIDE, clamp_words, is_open, turned_words
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.table import Found, found_at, is_stated, shown
 from actspec.units import format_quantity
