@@ -29,6 +29,7 @@ LAYERS = (
     },
     {"joints"},
     {"fields"},
+    {"poses"},
     {"ir", "simulators"},
     {"laws"},
     {"simulate"},
