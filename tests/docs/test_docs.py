@@ -59,6 +59,7 @@ from actspec.spec.document import load_document
 from actspec.spec.results import validate_results
 from actspec.verify.environments import EngineUnavailableError
 from tests.docs.forked import client, server
+from tests.frameworks.forking import MJLAB, Forker
 from tests.frameworks.prepare import prepare
 
 ROOT = Path(__file__).parents[2]
@@ -465,29 +466,34 @@ def _top_level(text: str) -> set[str]:
     return found
 
 
+@pytest.fixture(scope="module")
+def mjlab() -> Iterator[Forker]:
+    """A process that has imported the real package."""
+    try:
+        frameworks = prepare()
+    except EngineUnavailableError as err:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"no frameworks: {err}")
+    more = {"PYTHONPATH": "", "MUJOCO_GL": "disabled", "PYTHONDONTWRITEBYTECODE": "1"}
+    more["WARP_CACHE_PATH"] = str(frameworks.folder / "warp")
+    # Elsewhere a process that has PyTorch may not fork: it imports what it needs.
+    packages = MJLAB if sys.platform.startswith("linux") else ()
+    forker = Forker(str(frameworks.python()), packages, {**os.environ, **more})
+    yield forker
+    forker.end()
+
+
 @pytest.mark.slow
 @pytest.mark.engine
 @pytest.mark.parametrize(
     "block", [b for b in NEEDING if b.attributes["data-needs"] == "mjlab"], ids=lambda b: b.id
 )
-def test_snippets_for_mjlab_run_in_it(block: Block, folder: Path) -> None:
+def test_snippets_for_mjlab_run_in_it(block: Block, folder: Path, mjlab: Forker) -> None:
     """A snippet for mjlab prints in the real package what the page says."""
-    try:
-        frameworks = prepare()
-    except EngineUnavailableError as err:
-        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"no frameworks: {err}")
     _beside(block, folder)
     # Behind the framework's own packages, which have another MuJoCo.
-    paths = ["", str(ROOT), sysconfig.get_paths()["purelib"]]
-    env = {**os.environ, "PYTHONPATH": "", "MUJOCO_GL": "disabled", "PYTHONDONTWRITEBYTECODE": "1"}
-    env["WARP_CACHE_PATH"] = str(frameworks.folder / "warp")
-    done = subprocess.run(
-        [str(frameworks.python()), "-c", f"import sys\nsys.path += {paths!r}\n{block.text}"],
-        env=env,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    paths = [str(ROOT), sysconfig.get_paths()["purelib"]]
+    (folder / "snippet.py").write_text(f"import sys\nsys.path += {paths!r}\n{block.text}")
+    done = mjlab.run(["python", str(folder / "snippet.py")], str(folder), mjlab.environment, 600.0)
     assert done.returncode == 0, done.stderr
     asked = [line.partition("  # ")[2] for line in block.text.splitlines() if line.startswith("print(")]
     assert done.stdout.splitlines()[-len(asked) :] == asked
