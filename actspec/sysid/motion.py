@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 from actspec.sysid.course import Course, Parts, parts_of, told
 from actspec.sysid.figures import Bounds, Figures
+from actspec.sysid.stepping import AT_ONCE, Between, Joint, Moment, Step, advance
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
 
 _SHARED = ("kp", "kd", "armature", "coulomb", "viscous", "bias", "static")
 """Figures that the motion takes as they are."""
-AT_ONCE = 1e9
-"""Rate of a low-pass that is none [1/s]."""
+AHEAD = 8192
+"""Rows times lanes whose moments are worked out at once. Chosen: arrays of 64 KiB, a hundred of them."""
 FINE = 0.25
 """Longest step times the fastest rate of the joint. Measured: halving it changes figures by less than 1e-5."""
 
@@ -54,143 +55,6 @@ class Moved:
     qd: Array
     torque: Array
     friction: Array
-
-
-@dataclass(slots=True)
-class _Joint:
-    """Figures of every lane, which is a piece with a set of figures; shape (n_set, n_piece), or of some lanes (n,)."""
-
-    kp: Array
-    kd: Array
-    armature: Array
-    coulomb: Array
-    viscous: Array
-    bias: Array
-    static: Array
-    per_stribeck: Array
-    slipping: bool
-    bounds: Bounds
-
-    def take(self, lanes: NDArray[np.intp]) -> _Joint:
-        return _Joint(
-            kp=self.kp.take(lanes),
-            kd=self.kd.take(lanes),
-            armature=self.armature.take(lanes),
-            coulomb=self.coulomb.take(lanes),
-            viscous=self.viscous.take(lanes),
-            bias=self.bias.take(lanes),
-            static=self.static.take(lanes),
-            per_stribeck=self.per_stribeck.take(lanes),
-            slipping=self.slipping,
-            bounds=self.bounds,
-        )
-
-    def drive(self, command: Array, speed_command: Array, q: Array, qd: Array) -> Array:
-        return self.bounds.clip(self.kp * (command - q - self.bias) + self.kd * (speed_command - qd), qd)
-
-    def dry(self, qd: Array) -> Array:
-        import numpy as np
-
-        if not self.slipping:
-            return self.coulomb
-        more = np.maximum(self.static - self.coulomb, 0.0)
-        found: Array = self.coulomb + more * np.exp(-((qd * self.per_stribeck) ** 2))
-        return found
-
-    def breakaway(self) -> Array:
-        import numpy as np
-
-        found: Array = np.maximum(self.static, self.coulomb) if self.slipping else self.coulomb
-        return found
-
-
-@dataclass(slots=True)
-class _Between:
-    """The model between two rows, linear in time, and the command of one part; by lane.
-
-    Inertia, load, slope and path are pairs: at the earlier row, and the change to the later one.
-    """
-
-    inertia: tuple[Array, Array]
-    load: tuple[Array, Array]
-    slope: tuple[Array, Array]
-    path: tuple[Array, Array]
-    speed_command: Array
-    target: Array
-    command: Array
-    rate: Array | None
-    length: Array
-
-    def take(self, lanes: NDArray[np.intp]) -> _Between:
-        def both(pair: tuple[Array, Array]) -> tuple[Array, Array]:
-            return pair[0].take(lanes), pair[1].take(lanes)
-
-        return _Between(
-            both(self.inertia),
-            both(self.load),
-            both(self.slope),
-            both(self.path),
-            self.speed_command.take(lanes),
-            self.target.take(lanes),
-            self.command.take(lanes),
-            None if self.rate is None else self.rate.take(lanes),
-            self.length.take(lanes),
-        )
-
-    def at(self, pair: tuple[Array, Array], share: Array) -> Array:
-        return pair[0] + pair[1] * share
-
-    def command_at(self, gone: Array | float) -> Array:
-        """The filtered command so much of the row after the part's step began."""
-        import numpy as np
-
-        if self.rate is None:
-            return self.target
-        left = np.where(self.rate < AT_ONCE, np.exp(-self.rate * (gone * self.length)), 0.0)
-        found: Array = self.target + (self.command - self.target) * left
-        return found
-
-
-@dataclass(slots=True)
-class _Moment:
-    """What acts at one moment, as a function of position and speed.
-
-    Attributes:
-        joint: Figures.
-        drive: Torque of the drive at position and speed 0, before it is clipped.
-        push: Of the links there.
-        slope: Of their load over the position.
-        light: One over the inertia.
-    """
-
-    joint: _Joint
-    drive: Array
-    push: Array
-    slope: Array
-    light: Array
-
-    @classmethod
-    def of(cls, joint: _Joint, between: _Between, share: Array, gone: Array | float) -> _Moment:
-        """At a share of the row, so much of it after the part's step began."""
-        command = between.command_at(gone)
-        slope = between.at(between.slope, share)
-        return cls(
-            joint,
-            joint.kp * (command - joint.bias) + joint.kd * between.speed_command,
-            slope * between.at(between.path, share) - between.at(between.load, share),
-            slope,
-            1.0 / (between.at(between.inertia, share) + joint.armature),
-        )
-
-    def net(self, q: Array, qd: Array) -> Array:
-        """All that pulls at the joint but dry friction."""
-        joint = self.joint
-        torque = joint.bounds.clip(self.drive - joint.kp * q - joint.kd * qd, qd)
-        return torque + self.push - self.slope * q - joint.viscous * qd
-
-    def acceleration(self, net: Array, qd: Array, way: Array) -> Array:
-        """With what pulls, and dry friction against a way."""
-        return (net - way * self.joint.dry(qd)) * self.light
 
 
 def move(
@@ -385,53 +249,72 @@ def _rolled(table: _Table, bounds: Bounds, q: Array, qd: Array, finer: int) -> M
     """The motion, row by row.
 
     Within, lanes are (n_set, n_piece), and all arrays are whole: what stands by piece or by delay is copied to every
-    set, because an operation on arrays of unlike shapes takes five times as long.
+    set, because an operation on arrays of unlike shapes takes five times as long. What does not depend on where a joint
+    is, is worked out for many rows at once: on a few hundred lanes an operation takes little longer than its call.
     """
     import numpy as np
 
-    figures, which, seen_of = table.joint, table.which, table.seen_of
+    figures = table.joint
     slipping = bool(np.any((figures["static"] > figures["coulomb"]) & (figures["per_stribeck"] > 0)))
-    joint = _Joint(**figures, slipping=slipping, bounds=bounds)
+    joint = Joint(**figures, slipping=slipping, bounds=bounds)
     rows, fine = len(table.length), table.fine * finer
-    rate = table.rate if table.filtered else None
-    some = np.any(table.parts[1] > table.parts[0], axis=(2, 3))
-    every = 0 * which
-    out = [np.empty((rows, *q.shape[::-1])) for _ in range(4)]
     now_q, now_qd = np.array(q.T, dtype=float, order="C"), np.array(qd.T, dtype=float, order="C")
+    at, speed = np.empty((rows, *now_q.shape)), np.empty((rows, *now_q.shape))
+    at[0], speed[0] = now_q, now_qd
+    ahead = max(1, AHEAD // max(now_q.size, 1))
+    for first in range(0, rows - 1, ahead):
+        some = slice(first, min(first + ahead, rows - 1))
+        steps = _steps(table, joint, some, fine)
+        for k in range(some.stop - first):
+            for step in steps:
+                if step.acts[k]:
+                    now_q, now_qd = advance(joint, step, k, now_q, now_qd)
+            at[first + k + 1], speed[first + k + 1] = now_q, now_qd
+    torque = joint.drive(table.seen.take(table.seen_of, 1), table.vd, at, speed)
+    load, slope, path = table.at_row
     breakaway = joint.breakaway()
-    for k in range(rows):
-        vd, seen = table.vd[k].take(every, 0), table.seen[k].take(seen_of, 0)
-        torque = joint.drive(seen, vd, now_q, now_qd)
-        load, slope, path = (values[k].take(every, 0) for values in table.at_row)
-        resting = torque - load - slope * (now_q - path)
-        resting = np.minimum(np.maximum(resting, -breakaway), breakaway)
-        sliding = np.sign(now_qd) * joint.dry(now_qd)
-        out[0][k], out[1][k], out[2][k] = now_q, now_qd, torque
-        out[3][k] = joint.viscous * now_qd + np.where(now_qd == 0.0, resting, sliding)
-        if k == rows - 1:
-            break
-        length = table.length[k].take(every, 0)
-        inertia, load_of, slope_of, path_of = (
-            (begin[k].take(every, 0), rise[k].take(every, 0)) for begin, rise in table.lines
-        )
-        command = seen if table.filtered else None
-        for p, lasts in enumerate(some[k]):
-            if not lasts:
-                continue
-            begin, end, target = (values[k, p].take(which, 0) for values in table.parts)
-            share = (end - begin) / fine
-            for i in range(fine):
-                at = begin + share * i
-                for step in _cut(share, rate, length):
-                    between = _Between(
-                        inertia, load_of, slope_of, path_of, vd, target, target if command is None else command,
-                        rate, length,
-                    )  # fmt: skip
-                    now_q, now_qd = _advance(joint, between, now_q, now_qd, at, step)
-                    at = at + step
-                    if command is not None:
-                        command = between.command_at(step)
-    return Moved(*(np.swapaxes(values, 1, 2) for values in out))
+    resting = torque - load - slope * (at - path)
+    resting = np.minimum(np.maximum(resting, -breakaway), breakaway)
+    friction = joint.viscous * speed + np.where(speed == 0.0, resting, np.sign(speed) * joint.dry(speed))
+    return Moved(*(np.swapaxes(values, 1, 2) for values in (at, speed, torque, friction)))
+
+
+def _steps(table: _Table, joint: Joint, some: slice, fine: int) -> list[Step]:
+    """The steps of some rows, in their order."""
+    import numpy as np
+
+    every = 0 * table.which
+
+    def whole(values: Array) -> Array:
+        return values[some].take(every, 1)
+
+    length, vd = whole(table.length), whole(table.vd)
+    inertia, load, slope, path = ((whole(begin), whole(rise)) for begin, rise in table.lines)
+    rate = table.rate if table.filtered else None
+    command = table.seen[some].take(table.seen_of, 1) if table.filtered else None
+    found = []
+    for p in range(table.parts[0].shape[1]):
+        begin, end, target = (values[some, p].take(table.which, 1) for values in table.parts)
+        share = (end - begin) / fine
+        for i in range(fine):
+            first = begin + share * i
+            for step in _cut(share, rate, length):
+                acts: NDArray[np.bool_] = np.any(step != 0.0, axis=(1, 2))
+                between = Between(
+                    inertia, load, slope, path, vd, target, target if command is None else command, rate, length
+                )  # fmt: skip
+                after = between.command_at(step)
+                if acts.any():
+                    half = 0.5 * step
+                    begun = Moment.of(joint, between, first, between.command_at(0.0))
+                    middle = Moment.of(joint, between, first + half, between.command_at(half))
+                    ended = Moment.of(joint, between, first + step, after)
+                    time = step * length
+                    found.append(Step(between, begun, middle, ended, first, step, time, acts.tolist()))
+                first = first + step
+                if command is not None:
+                    command = np.where(acts[:, None, None], after, command)
+    return found
 
 
 def _cut(share: Array, rate: Array | None, length: Array) -> list[Array]:
@@ -441,8 +324,7 @@ def _cut(share: Array, rate: Array | None, length: Array) -> list[Array]:
     if rate is None:
         return [share]
     ends = [*(np.minimum(time / (rate * length), share) for time in CUTS), share]
-    steps = [ends[0], *(later - end for end, later in pairwise(ends))]
-    return [step for step in steps if step.any()]
+    return [ends[0], *(later - end for end, later in pairwise(ends))]
 
 
 def _division(course: Course, figures: Figures) -> int:
@@ -478,105 +360,3 @@ def _filtered(course: Course, pairs: Array, parts: Parts, delays: Array) -> Arra
             values.append(a * values[-1] + b)
         out[:, i] = values
     return out
-
-
-def _advance(
-    joint: _Joint, between: _Between, q: Array, qd: Array, first: Array, share: Array
-) -> tuple[Array, Array]:
-    """One step: position and speed after it."""
-    import numpy as np
-
-    way, go = np.sign(qd), share
-    begin = _Moment.of(joint, between, first, 0.0)
-    net = begin.net(q, qd)
-    still = qd == 0.0
-    if still.any():
-        held = still & (np.abs(net) <= joint.breakaway())
-        way = np.where(still, np.sign(net), way)
-        go = np.where(held, 0.0, share)
-    new_q, new_qd = _runge_kutta(begin, net, between, q, qd, way, first, go)
-    back = ((way * new_qd < 0.0) & (go > 0.0)).ravel()
-    if back.any():
-        lanes = np.flatnonzero(back)
-        values = (values.take(lanes) for values in (q, qd, way, first, share, new_qd))
-        turned = _turned(joint.take(lanes), between.take(lanes), *values)
-        new_q.put(lanes, turned[0])
-        new_qd.put(lanes, turned[1])
-    return new_q, new_qd
-
-
-def _turned(
-    joint: _Joint,
-    between: _Between,
-    q: Array,
-    qd: Array,
-    way: Array,
-    first: Array,
-    share: Array,
-    after: Array,
-) -> tuple[Array, Array]:
-    """A step within which these joints come to a stand: to that moment, and on if something pulls."""
-    import numpy as np
-
-    begin = _Moment.of(joint, between, first, 0.0)
-    net = begin.net(q, qd)
-    # A straight line in the speed, put right once: it is 0 there to the fourth power of the step.
-    until = share * np.where(qd == after, 0.0, qd / np.where(qd == after, 1.0, qd - after))
-    for _ in range(2):
-        at, speed = _runge_kutta(begin, net, between, q, qd, way, first, until)
-        end = _Moment.of(joint, between, first + until, until)
-        pull = end.acceleration(end.net(at, speed), speed, way)
-        until = np.clip(
-            until - np.where(pull == 0.0, 0.0, speed / np.where(pull == 0.0, 1.0, pull)) / between.length,
-            0.0,
-            share,
-        )
-    at, _ = _runge_kutta(begin, net, between, q, qd, way, first, until)
-    rest = 0.0 * at
-    stand = _Moment.of(joint, between, first + until, until)
-    net = stand.net(at, rest)
-    goes = np.abs(net) > joint.breakaway()
-    left = np.where(goes, share - until, 0.0)
-    new_way = np.sign(net)
-    new_q, new_qd = _runge_kutta(stand, net, between, at, rest, new_way, first + until, left, until)
-    again = new_way * new_qd < 0.0
-    return np.where(again, at, new_q), np.where(again, 0.0, new_qd)
-
-
-def _runge_kutta(
-    begin: _Moment,
-    net: Array,
-    between: _Between,
-    q: Array,
-    qd: Array,
-    way: Array,
-    first: Array,
-    go: Array,
-    gone: Array | float = 0.0,
-) -> tuple[Array, Array]:
-    """Position and speed after `go` of the row, in one step of the classical method.
-
-    Args:
-        begin: What acts at the step's beginning.
-        net: What pulls there.
-        between: The model between two rows.
-        q: At the beginning.
-        qd: Likewise.
-        way: In which dry friction is overcome.
-        first: Share of the row at the beginning.
-        go: Share of the row that the step takes.
-        gone: Share of the row since the part's step began.
-    """
-    time, halfway = go * between.length, 0.5 * go
-    half = 0.5 * time
-    middle = _Moment.of(begin.joint, between, first + halfway, gone + halfway)
-    end = _Moment.of(begin.joint, between, first + go, gone + go)
-    a1 = begin.acceleration(net, qd, way)
-    v2 = qd + half * a1
-    a2 = middle.acceleration(middle.net(q + half * qd, v2), v2, way)
-    v3 = qd + half * a2
-    a3 = middle.acceleration(middle.net(q + half * v2, v3), v3, way)
-    v4 = qd + time * a3
-    a4 = end.acceleration(end.net(q + time * v3, v4), v4, way)
-    sixth, change = time / 6.0, a1 + a2 + a3
-    return q + time * (qd + sixth * change), qd + sixth * (change + a2 + a3 + a4)

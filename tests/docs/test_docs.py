@@ -35,7 +35,9 @@ import stat
 import subprocess
 import sys
 import sysconfig
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +58,8 @@ from actspec.simulators.newton import newton_dialect
 from actspec.spec.document import load_document
 from actspec.spec.results import validate_results
 from actspec.verify.environments import EngineUnavailableError
+from tests.docs.forked import client, server
+from tests.frameworks.forking import MJLAB, Forker
 from tests.frameworks.prepare import prepare
 
 ROOT = Path(__file__).parents[2]
@@ -303,16 +307,28 @@ def test_commands_are_understood(command: str) -> None:
     arguments = shlex.split(command, comments=True)[1:]
     if arguments in (["--version"], ["--help"]):
         return
-    assert parser().parse_args(arguments).command
+    assert parser(arguments[0]).parse_args(arguments).command
 
 
-def _shims(folder: Path) -> dict[str, str]:
+@pytest.fixture(scope="module")
+def served() -> Iterator[str]:
+    """An `actspec` for PATH."""
+    if not sys.platform.startswith("linux"):
+        yield f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m actspec "$@"\n'
+        return
+    with server(_environment()) as address:
+        yield client(address)
+
+
+@pytest.fixture
+def shims(folder: Path, served: str) -> dict[str, str]:
     """An environment in which `actspec` and `pytest` are these."""
     bin_ = folder / "bin"
     bin_.mkdir()
-    for command, module in (("actspec", "actspec"), ("pytest", "pytest")):
+    tested = f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m pytest "$@"\n'
+    for command, text in (("actspec", served), ("pytest", tested)):
         shim = bin_ / command
-        shim.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m {module} "$@"\n')
+        shim.write_text(text)
         shim.chmod(shim.stat().st_mode | stat.S_IXUSR)
     return {**_environment(), "PATH": f"{bin_}{os.pathsep}{os.environ['PATH']}"}
 
@@ -321,9 +337,8 @@ def _shims(folder: Path) -> dict[str, str]:
 @pytest.mark.parametrize(
     "page", [p for p in PAGES if any(b.page == p for b in _of("console"))], ids=lambda p: p.name
 )
-def test_consoles_show_real_output(page: Path, folder: Path) -> None:
+def test_consoles_show_real_output(page: Path, folder: Path, shims: dict[str, str]) -> None:
     """The console blocks of a page, run in their order in a shell, print what the page shows."""
-    env = _shims(folder)
     for block in (b for b in _of("console") if b.page == page):
         shown: list[tuple[str, list[str]]] = []
         for line in block.text.splitlines():
@@ -336,7 +351,7 @@ def test_consoles_show_real_output(page: Path, folder: Path) -> None:
             done = subprocess.run(
                 ["bash", "-c", command],
                 cwd=folder,
-                env=env,
+                env=shims,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
                 text=True,
@@ -451,29 +466,34 @@ def _top_level(text: str) -> set[str]:
     return found
 
 
+@pytest.fixture(scope="module")
+def mjlab() -> Iterator[Forker]:
+    """A process that has imported the real package."""
+    try:
+        frameworks = prepare()
+    except EngineUnavailableError as err:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"no frameworks: {err}")
+    more = {"PYTHONPATH": "", "MUJOCO_GL": "disabled", "PYTHONDONTWRITEBYTECODE": "1"}
+    more["WARP_CACHE_PATH"] = str(frameworks.folder / "warp")
+    # Elsewhere a process that has PyTorch may not fork: it imports what it needs.
+    packages = MJLAB if sys.platform.startswith("linux") else ()
+    forker = Forker(str(frameworks.python()), packages, {**os.environ, **more})
+    yield forker
+    forker.end()
+
+
 @pytest.mark.slow
 @pytest.mark.engine
 @pytest.mark.parametrize(
     "block", [b for b in NEEDING if b.attributes["data-needs"] == "mjlab"], ids=lambda b: b.id
 )
-def test_snippets_for_mjlab_run_in_it(block: Block, folder: Path) -> None:
+def test_snippets_for_mjlab_run_in_it(block: Block, folder: Path, mjlab: Forker) -> None:
     """A snippet for mjlab prints in the real package what the page says."""
-    try:
-        frameworks = prepare()
-    except EngineUnavailableError as err:
-        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"no frameworks: {err}")
     _beside(block, folder)
     # Behind the framework's own packages, which have another MuJoCo.
-    paths = ["", str(ROOT), sysconfig.get_paths()["purelib"]]
-    env = {**os.environ, "PYTHONPATH": "", "MUJOCO_GL": "disabled", "PYTHONDONTWRITEBYTECODE": "1"}
-    env["WARP_CACHE_PATH"] = str(frameworks.folder / "warp")
-    done = subprocess.run(
-        [str(frameworks.python()), "-c", f"import sys\nsys.path += {paths!r}\n{block.text}"],
-        env=env,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    paths = [str(ROOT), sysconfig.get_paths()["purelib"]]
+    (folder / "snippet.py").write_text(f"import sys\nsys.path += {paths!r}\n{block.text}")
+    done = mjlab.run(["python", str(folder / "snippet.py")], str(folder), mjlab.environment, 600.0)
     assert done.returncode == 0, done.stderr
     asked = [line.partition("  # ")[2] for line in block.text.splitlines() if line.startswith("print(")]
     assert done.stdout.splitlines()[-len(asked) :] == asked
@@ -508,12 +528,12 @@ WORKFLOWS = [b for b in PROJECT if b.title.startswith((".github/workflows/", ".g
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", WORKFLOWS, ids=lambda b: b.id)
-def test_workflows_run(block: Block, folder: Path) -> None:
+def test_workflows_run(block: Block, folder: Path, shims: dict[str, str]) -> None:
     """The steps that call actspec, run in a shell on the example, find what is wrong with it and write their files."""
     shutil.copytree(ROOT / "docs" / "example", folder / "example")
     (job,) = yaml.safe_load(block.text).get("jobs", {0: yaml.safe_load(block.text).get("audit")}).values()
     lines = job["script"] if "script" in job else [step.get("run", "") for step in job["steps"]]
-    env = {**_shims(folder), "GITHUB_STEP_SUMMARY": "summary.md"}
+    env = {**shims, "GITHUB_STEP_SUMMARY": "summary.md"}
     codes = {
         line: subprocess.run(
             ["bash", "-c", line.replace("audit robots", "audit example")],
@@ -544,12 +564,16 @@ RULES = {rule.code for rule in all_rules()}
 FORMER = {code for rule in all_rules() for code in rule.aliases} - RULES
 
 
+@cache
+def _sources() -> str:
+    return "".join(path.read_text(encoding="utf-8") for path in (ROOT / "actspec").rglob("*.py"))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("family", [*CHECKS, *AUDIT, *SYSID, *LEARN, *COMPARE, *DIAGNOSE, *ABLATE])
 def test_every_check_has_its_line(family: str) -> None:
     """docs/checks.md, for the audit docs/audit.md, names exactly the codes that the source gives and no rule has."""
-    sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "actspec").rglob("*.py"))
-    given = set(re.findall(rf'"({family}\d{{3}})"', sources)) - RULES - FORMER
+    given = set(re.findall(rf'"({family}\d{{3}})"', _sources())) - RULES - FORMER
     pages = ((AUDIT, "audit.md"), (SYSID, "sysid.md"), (LEARN, "networks.md"), (LEARN, "delta-action.md"))
     pages += ((COMPARE, "compare.md"), (DIAGNOSE, "diagnose.md"), (ABLATE, "ablate.md"))
     names = [page for families, page in pages if family in families] or ["checks.md"]

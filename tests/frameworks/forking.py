@@ -66,11 +66,12 @@ class Forker:
     """
 
     def __init__(self, python: str, packages: Sequence[str], environment: Mapping[str, str]) -> None:
+        self.environment = dict(environment)
         here, there = socket.socketpair()
         with there:
             self._process = subprocess.Popen(
                 [python, __file__, str(there.fileno()), *packages],
-                env=dict(environment),
+                env=self.environment,
                 pass_fds=[there.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,

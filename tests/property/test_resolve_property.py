@@ -77,7 +77,7 @@ def test_the_order_of_the_spec_does_not_matter(data: st.DataObject, groups: list
 
 @pytest.mark.slow
 @given(robot=st.permutations(NAMES), groups=partitions())
-@settings(deadline=None)
+@settings(deadline=None, max_examples=40)
 def test_the_order_of_the_robot_orders_the_actuators(robot: list[str], groups: list[list[str]]) -> None:
     """Joints in another order in the robot give the same actuators in that order."""
     first, second = fit(text_of(groups)), fit(text_of(groups, robot))
@@ -152,7 +152,7 @@ def figures(actuator: JointActuator) -> dict[str, float | None]:
     current=POSITIVE,
     inertia=POSITIVE,
 )
-@settings(deadline=None)
+@settings(deadline=None, max_examples=40)
 def test_sides(
     gear: float,
     efficiency: float,
