@@ -28,7 +28,7 @@ from actspec.readings.config import Found, control_of_group, figures_of, is_own_
 from actspec.readings.dict_keys import settled
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
-from actspec.simulators.isaaclab import NEW_NAMES, OLD_NAMES
+from actspec.simulators.isaaclab import CLIPPING_AT_SOLVERS, NEW_NAMES, OLD_NAMES
 from actspec.units import format_quantity
 
 NONE_FROM = 1e9
@@ -134,6 +134,7 @@ class ConfigJoint:
         stall = None if curve is not None else self._line("stall_torque", units.torque)
         speed = None if curve is not None else self._line("no_load_speed", units.speed)
         if stall is None or speed is None or not self._is_line(stall, speed):
+            self._note_half_line()
             stall = speed = None
         level = Level.IDEAL_PD
         if network is not None:
@@ -247,15 +248,27 @@ class ConfigJoint:
         if found.value is not None and found.value >= NONE_FROM:
             return real_limit(found)
         solver = self._figures.get("solver_effort_limit")
-        if solver is not None and solver.value is not None and solver.value < (found.value or 0.0):
-            names = ("effort_limit_sim", "joint_effort_limit")
-            name = next(name for name in names if name in self.group.settings)
-            self.notes.append(f"the solver clips at {solver.value:g} {unit} too ({name}), below effort_limit")
-        return found
+        if solver is None or solver.value is None or solver.value >= NONE_FROM:
+            return found
+        name = next(n for n in (OLD_NAMES.solver_effort, NEW_NAMES.solver_effort) if n in self.group.settings)
+        clips = f"the solver clips at {solver.value:g} {unit} too ({name})"
+        if "effort_limit" in self._figures:
+            if solver.value < (found.value or 0.0):
+                self.notes.append(f"{clips}, below effort_limit")
+            return found
+        own = None if self.view is None else self.view.effort_range
+        usds = f"outside {CLIPPING_AT_SOLVERS} the model clips at the USD's limit"
+        if own is not None and max(own) < solver.value:
+            self.notes.append(f"{clips}; {usds}: the robot file's, which is lower, is taken")
+            return found
+        self.notes.append(
+            f"effort_limit is {name}, {solver.value:g} {unit}, where the solver clips; {usds} too, if that is lower"
+        )
+        return self._quantity(solver, unit)
 
     def _no_limit(self) -> str | None:
         if self.config.framework is Framework.ISAACLAB and self._control != "implicit":
-            return "Isaac Lab before 2.3.1 does not clip then, later it clips at the USD's"
+            return f"{CLIPPING_AT_SOLVERS} do not clip then, others at the USD's"
         return self._kept("limit") if self.config.framework is Framework.ISAACLAB else None
 
     def _line(self, name: str, unit: str) -> Quantity | None:
@@ -285,6 +298,17 @@ class ConfigJoint:
             why = wrong.note or "not known" if wrong.value is None else f"{wrong.value:g} {wrong.unit}"
             self.notes.append(f"its torque-speed line is left out: a point of it is {why}")
         return wrong is None
+
+    def _note_half_line(self) -> None:
+        """Say which end is missing of a class that cannot be made without its line."""
+        ends = {"saturation_effort": "stall_torque", "velocity_limit": "no_load_speed"}
+        missing = [name for name, figure in ends.items() if figure not in self._figures]
+        if self._control in ("dc_motor", "network") and len(missing) == 1:
+            solvers = " (velocity_limit_sim is the solver's)" if "velocity_limit" in self._figures else ""
+            self.notes.append(
+                f"its torque-speed line is left out: no {missing[0]}{solvers}, without which {self.group.cls} cannot "
+                "be built"
+            )
 
     def _dry_friction(self) -> tuple[Quantity, Quantity | None]:
         """Sliding friction, and the static one where it is another number."""
