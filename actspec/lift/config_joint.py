@@ -26,6 +26,7 @@ from actspec.ir import (
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config import Found, control_of_group, figures_of, is_own_class, lags_of
 from actspec.readings.dict_keys import settled
+from actspec.readings.networks import stated_manifest
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
 from actspec.simulators.isaaclab import CLIPPING_AT_SOLVERS, NEW_NAMES, OLD_NAMES
@@ -379,10 +380,13 @@ class ConfigJoint:
             if reading is not None:
                 self.notes.append(f"the network {reading.file} beside the gains is left out")
             return None
+        stated = stated_manifest(self.config.framework, self.group, self.physics_dt)
         if reading is None:
-            return Network("", None, self.group.span)
-        manifest = None if reading.manifest is None else reading.manifest.path
-        return Network(reading.path or reading.file, manifest, reading.span)
+            return Network("", None, self.group.span, *stated)
+        file = reading.path or reading.file
+        if reading.manifest is not None:
+            return Network(file, reading.manifest.path, reading.span)
+        return Network(file, None, reading.span, *stated)
 
     def _note_class(self) -> None:
         group = self.group

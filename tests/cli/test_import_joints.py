@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -201,13 +202,74 @@ def test_a_network_elsewhere(folder: Path, capsys: pytest.CaptureFixture[str]) -
     """A network that is not here is told with its name, in the spec and at import."""
     (folder / "leg_cfg.py").write_text(NETWORK, encoding="utf-8")
     assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
-    assert (
-        "its network is not here (/far/away/drive.pt): put it below the spec's folder"
-        in capsys.readouterr().out
-    )
-    assert "# its network is not here (/far/away/drive.pt): put it below" in (folder / "leg.yaml").read_text(
-        "utf-8"
-    )
+    told = "its network is not here: put /far/away/drive.pt at drive.pt, from the spec's folder"
+    assert told in capsys.readouterr().out
+    assert f"# {told}" in (folder / "leg.yaml").read_text("utf-8")
+
+
+MLP = NETWORK.replace("LSTM", "MLP").replace(
+    '"/far/away/drive.pt"',
+    '"nets/drive.pt", pos_scale=-1.0, vel_scale=0.5, torque_scale=2.0, input_order="vel_pos", input_idx=[0, 2, 4],\n'
+    "            saturation_effort=30.0, velocity_limit=9.0",
+)
+"""Numbers that differ from each other, and from those of no scale."""
+
+
+def test_what_a_configuration_states_of_its_network(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The lines of a manifest are told; saved under that name they serve Isaac Lab, and the spec says so anew."""
+    (folder / "leg_cfg.py").write_text(MLP, encoding="utf-8")
+    (folder / "io.yaml").write_text(f"joint_names: [{', '.join(NAMES)}]\nscene: {{physics_dt: 0.005}}\n", "utf-8")
+    command = ["import", "leg_cfg.py", "--joints", "io.yaml", "-o", "leg.yaml", "--force"]
+    assert main(command) == 0
+    out = capsys.readouterr().out
+    start = "its manifest: save as nets/drive.json, and name it as network.manifest, what the configuration states, "
+    (told,) = [line.partition(start)[2] for line in out.splitlines() if start in line]
+    stated, end = json.JSONDecoder().raw_decode(told)
+    assert told[end:] == ""
+    # vel_pos; error and velocity times -1 and 0.5, the output times 2; samples of now, 2 and 4 steps of 5 ms ago.
+    assert stated == {
+        "format": "actspec-network/1",
+        "kind": "mlp",
+        "inputs": "velocity_position",
+        "taps": [0, 2, 4],
+        "tap_period": "5 ms",
+        "position_scale": -1,
+        "velocity_scale": 0.5,
+        "torque_scale": 2,
+        "initial_history": "zero",
+    }
+    (folder / "nets").mkdir()
+    (folder / "nets" / "drive.json").write_text(told, encoding="utf-8")
+    with zipfile.ZipFile(folder / "nets" / "drive.pt", "w") as archive:
+        archive.writestr("drive/constants.pkl", "")
+        archive.writestr("drive/code/net.py", "")
+    assert main(command) == 0
+    network = load_spec("leg.yaml").model.actuators["legs"].network
+    assert network is not None and (network.file, network.manifest) == ("nets/drive.pt", "nets/drive.json")
+    assert main(["compile", "leg.yaml", "-t", "isaaclab", "-o", "out"]) == 0
+    written = (folder / "out" / "isaaclab" / "leg_cfg.py").read_text("utf-8")
+    for field in ("pos_scale=-1.0", "vel_scale=0.5", "torque_scale=2.0", 'input_order="vel_pos"', "[0, 2, 4]"):
+        assert field in written
+
+
+def test_what_it_does_not_state(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A scale that is not known and a step that no file states are named, and nothing is put in their place."""
+    (folder / "leg_cfg.py").write_text(MLP.replace("vel_scale=0.5", "vel_scale=elsewhere()"), encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert '"tap_period": "unknown"' in out and '"velocity_scale"' not in out
+    assert "and what it does not: velocity_scale; tap_period is the physics step of its training, which" in out
+
+
+def test_an_lstm_states_its_inputs(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Isaac Lab's class feeds it error and velocity of now, unscaled; where its file lies is not known here."""
+    text = NETWORK.replace('"/far/away/drive.pt"', "elsewhere()")
+    (folder / "leg_cfg.py").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert '"kind": "lstm", "inputs": "position_velocity", "taps": [0]' in out
+    assert '"position_scale": 1, "velocity_scale": 1, "torque_scale": 1' in out
+    assert "where its network lies could not be read: write its path as network.file" in out
 
 
 def test_what_stops_every_target(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
