@@ -41,6 +41,9 @@ NO_KEY = "no key of the dict covers the joint: it gets 0"
 HELD_FROM = 1_000_000
 """Steps between two draws from which on a lag is held for an episode. Chosen: hours at any physics step."""
 
+_BY_ANGLE = "joint_parameter_lookup"
+"""Setting of Isaac Lab's `RemotizedPDActuatorCfg`."""
+
 _COMMANDS = {command.value: command for command in Command}
 
 
@@ -243,9 +246,37 @@ class ConfigJoint:
             return None
         return _COMMANDS.get(str(written.value))
 
+    def _table(self) -> tuple[float, float] | None:
+        """Least and largest torque of a limit by angle [N*m or N]; None where it cannot be read.
+
+        Rows are [angle, ratio, torque]; its class has no other limit of its own. Source: Isaac Lab 2.3.2,
+        actuator_pd.py, RemotizedPDActuator: effort_limit becomes inf, and the torque is clipped by the third column.
+        """
+        setting = self.group.settings[_BY_ANGLE]
+        rows = setting.value if setting.unknown is None and isinstance(setting.value, tuple) else ()
+        torques = [row[2] for row in rows if isinstance(row, tuple) and len(row) == 3]
+        real = [float(t) for t in torques if isinstance(t, int | float) and 0.0 <= t < math.inf]
+        return (min(real), max(real)) if rows and len(real) == len(rows) and max(real) > 0.0 else None
+
+    def _peak(self) -> Quantity:
+        """The largest torque of a limit by angle, in place of it."""
+        unit, setting = self._units.torque, self.group.settings[_BY_ANGLE]
+        ends = self._table()
+        if ends is None:
+            return unknown(
+                unit, f"it depends on the angle, by a table that is not known ({_BY_ANGLE})", setting.span
+            )
+        low, high = (format_quantity(end, unit, 4) for end in ends)
+        self.notes.append(
+            f"its torque limit depends on the angle, {low} to {high} by a table at line {setting.span.line} "
+            f"({_BY_ANGLE}): effort_limit is its peak, too strong at other angles; `linkages` can hold the table"
+        )
+        return stated(ends[1], unit, setting.span)
+
     def _effort_limit(self) -> Quantity:
         unit = self._units.torque
-        found = self._figure("effort_limit", unit, self._no_limit())
+        by_angle = _BY_ANGLE in self.group.settings and self.config.framework is Framework.ISAACLAB
+        found = self._peak() if by_angle else self._figure("effort_limit", unit, self._no_limit())
         if found.value is not None and found.value >= NONE_FROM:
             return real_limit(found)
         solver = self._figures.get("solver_effort_limit")
@@ -253,7 +284,7 @@ class ConfigJoint:
             return found
         name = next(n for n in (OLD_NAMES.solver_effort, NEW_NAMES.solver_effort) if n in self.group.settings)
         clips = f"the solver clips at {solver.value:g} {unit} too ({name})"
-        if "effort_limit" in self._figures:
+        if "effort_limit" in self._figures or found.value is not None:
             if solver.value < (found.value or 0.0):
                 self.notes.append(f"{clips}, below effort_limit")
             return found
@@ -407,8 +438,6 @@ class ConfigJoint:
             )
         if self._own:
             self.notes.append(f"{group.cls} is read as the class that actspec writes")
-        elif "joint_parameter_lookup" in group.settings:
-            self.notes.append("its torque limit depends on the angle (a table): a spec has one number")
         elif group.bases:
             self.notes.append(f"{group.cls} is read as {group.bases[0]}: what else it does is not known here")
 

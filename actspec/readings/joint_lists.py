@@ -88,7 +88,9 @@ def environment_of(text: str) -> Artifact | None:
 
 
 def _entries(node: yaml.Node | None) -> list[tuple[str, yaml.Node]]:
-    return [(str(key.value), value) for key, value in node.value] if isinstance(node, yaml.MappingNode) else []
+    return (
+        [(str(key.value), value) for key, value in node.value] if isinstance(node, yaml.MappingNode) else []
+    )
 
 
 def _entry(node: yaml.Node | None, name: str) -> yaml.Node | None:

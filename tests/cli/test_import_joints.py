@@ -198,6 +198,49 @@ def test_isaac_lab_cannot_have_it(
     assert main(["compile", "leg.yaml", "-o", "out"]) == 0
 
 
+DELAYED = CFG.replace("ImplicitActuatorCfg", "DelayedPDActuatorCfg").replace(
+    "damping=1.5", "damping=1.5, max_delay=3"
+)
+
+
+@pytest.mark.parametrize("own", ["", "0.004"])
+def test_steps_of_the_descriptors(folder: Path, own: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """IO_descriptors.yaml, named for the joints, states the step too: 3 of 5 ms are 15 ms, of an own 4 ms 12 ms."""
+    env = f"\nclass E:\n    def __post_init__(self):\n        self.sim.dt = {own}\n        self.scene.robot = LEG_CFG\n"
+    text = DELAYED + (
+        f"from isaaclab.envs import ManagerBasedRLEnvCfg\n{env.replace('E:', 'E(ManagerBasedRLEnvCfg):')}"
+    )
+    (folder / "leg_cfg.py").write_text(text if own else DELAYED, encoding="utf-8")
+    (folder / "io.yaml").write_text(IO_DESCRIPTORS, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "io.yaml", "-o", "leg.yaml"]) == 0
+    out, err = capsys.readouterr()
+    assert "whose length no file states" not in out
+    assert "from leg_cfg.py, io.yaml\n" in out
+    spec = (folder / "leg.yaml").read_text("utf-8")
+    assert ("range: [0 ms, 15 ms]" in spec, "range: [0 ms, 12 ms]" in spec) == (not own, bool(own))
+    taken = (
+        "physics_dt: {value: 4 ms, source: leg_cfg}" if own else "physics_dt: {value: 5 ms, source: io_cfg}"
+    )
+    # The control period of 20 ms stays: 4 x 5 ms, 5 x 4 ms.
+    assert taken in spec and f"decimation: {5 if own else 4}\n" in spec
+    assert ("physics_dt is 0.004 s here, which is used, and 0.005 s in io.yaml:" in err) == bool(own)
+    assert main(["compile", "leg.yaml", "-t", "isaaclab", "-o", "out"]) == 0
+    written = (folder / "out" / "isaaclab" / "leg_cfg.py").read_text("utf-8")
+    assert "max_delay=3," in written and "DelayedPDActuatorCfg(" in written
+
+
+@pytest.mark.parametrize(
+    "steps", ["{decimation: 4}", "{physics_dt: fast}", "{physics_dt: 0}", "[0.005]", "{physics_dt: .inf}"]
+)
+def test_descriptors_without_a_step(folder: Path, steps: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """What is no step leaves the delay unknown."""
+    (folder / "leg_cfg.py").write_text(DELAYED, encoding="utf-8")
+    text = f"{IO_DESCRIPTORS.partition('scene:')[0]}scene: {steps}\n"
+    (folder / "io.yaml").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "io.yaml", "-o", "leg.yaml"]) == 0
+    assert "0 to 3 physics steps, whose length no file states" in capsys.readouterr().out
+
+
 def test_a_network_elsewhere(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A network that is not here is told with its name, in the spec and at import."""
     (folder / "leg_cfg.py").write_text(NETWORK, encoding="utf-8")
@@ -218,7 +261,9 @@ MLP = NETWORK.replace("LSTM", "MLP").replace(
 def test_what_a_configuration_states_of_its_network(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The lines of a manifest are told; saved under that name they serve Isaac Lab, and the spec says so anew."""
     (folder / "leg_cfg.py").write_text(MLP, encoding="utf-8")
-    (folder / "io.yaml").write_text(f"joint_names: [{', '.join(NAMES)}]\nscene: {{physics_dt: 0.005}}\n", "utf-8")
+    (folder / "io.yaml").write_text(
+        f"joint_names: [{', '.join(NAMES)}]\nscene: {{physics_dt: 0.005}}\n", "utf-8"
+    )
     command = ["import", "leg_cfg.py", "--joints", "io.yaml", "-o", "leg.yaml", "--force"]
     assert main(command) == 0
     out = capsys.readouterr().out
@@ -248,17 +293,27 @@ def test_what_a_configuration_states_of_its_network(folder: Path, capsys: pytest
     assert network is not None and (network.file, network.manifest) == ("nets/drive.pt", "nets/drive.json")
     assert main(["compile", "leg.yaml", "-t", "isaaclab", "-o", "out"]) == 0
     written = (folder / "out" / "isaaclab" / "leg_cfg.py").read_text("utf-8")
-    for field in ("pos_scale=-1.0", "vel_scale=0.5", "torque_scale=2.0", 'input_order="vel_pos"', "[0, 2, 4]"):
+    for field in (
+        "pos_scale=-1.0",
+        "vel_scale=0.5",
+        "torque_scale=2.0",
+        'input_order="vel_pos"',
+        "[0, 2, 4]",
+    ):
         assert field in written
 
 
 def test_what_it_does_not_state(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A scale that is not known and a step that no file states are named, and nothing is put in their place."""
-    (folder / "leg_cfg.py").write_text(MLP.replace("vel_scale=0.5", "vel_scale=elsewhere()"), encoding="utf-8")
+    (folder / "leg_cfg.py").write_text(
+        MLP.replace("vel_scale=0.5", "vel_scale=elsewhere()"), encoding="utf-8"
+    )
     assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
     out = capsys.readouterr().out
     assert '"tap_period": "unknown"' in out and '"velocity_scale"' not in out
-    assert "and what it does not: velocity_scale; tap_period is the physics step of its training, which" in out
+    assert (
+        "and what it does not: velocity_scale; tap_period is the physics step of its training, which" in out
+    )
 
 
 def test_an_lstm_states_its_inputs(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

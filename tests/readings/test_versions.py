@@ -178,11 +178,17 @@ def test_whose_limit_stands_in(version: str, clips: bool | None) -> None:
         ("2.2", "effort_limit_sim=45.0", {"effort limit": "45"}),
         ("2.3.2", "effort_limit_sim=45.0", {"effort limit of the solver": "45"}),
         (None, "effort_limit_sim=45.0", {"effort limit of the solver": "45"}),
-        ("2.2", "effort_limit=60.0, effort_limit_sim=45.0", {"effort limit": "60", "effort limit of the solver": "45"}),
+        (
+            "2.2",
+            "effort_limit=60.0, effort_limit_sim=45.0",
+            {"effort limit": "60", "effort limit of the solver": "45"},
+        ),
         ("2.2", "effort_limit=30.0, effort_limit_sim=45.0", {"effort limit": "30"}),
     ],
 )
-def test_ledger_shows_the_clamp(folder: Path, version: str | None, limits: str, columns: dict[str, str]) -> None:
+def test_ledger_shows_the_clamp(
+    folder: Path, version: str | None, limits: str, columns: dict[str, str]
+) -> None:
     """A limit of the solver stands in the table where it is the lower one."""
     (folder / "cfg.py").write_text(LIMITED.replace("LIMITS", limits), encoding="utf-8")
     settings = Settings(versions=Versions(isaaclab=version))
