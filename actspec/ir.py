@@ -225,11 +225,15 @@ class Network:
         file: The network itself; None: those that the manifest names.
         manifest: Its manifest; None: none is named. One of the two is there.
         span: Where it is written.
+        stated: What a configuration states of the manifest, as JSON; "" where it states nothing.
+        lacking: Keys of a manifest that it does not state.
     """
 
     file: str | None
     manifest: str | None
     span: Span | None = None
+    stated: str = ""
+    lacking: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:

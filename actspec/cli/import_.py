@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from actspec.draft import DraftedSpec
     from actspec.draft.combine import Combined, Disagreement
     from actspec.draft.sources import DraftTarget
+    from actspec.ir import Network
     from actspec.readings.versions import Versions
     from actspec.spec.validate import Spec
 
@@ -177,6 +178,8 @@ def drafted(
     print_diagnostics(said)
     sources = tuple(file for r in readings for file in (r.path, *r.includes))
     folder = os.path.dirname(os.path.abspath(path))
+    # What names the joints may state the steps too, and is none of the files.
+    found |= {r.path: r.path for r in readings if r.path not in found}
     named_so = tuple(dict.fromkeys(found[r.path] for r in readings))
     readings = tuple(replace(r, reference=_reference(found[r.path], folder)) for r in readings)
     combined = _placed(combine(readings), folder)
@@ -211,22 +214,53 @@ def _placed(combined: Combined, folder: str) -> Combined:
     for joint in combined.actuators.joints:
         network = joint.network
         if network is not None:
-            names: dict[str, str | None] = {}
-            for key, found in (("file", network.file), ("manifest", network.manifest)):
-                reference = _reference(found, folder) if found and os.path.isfile(found) else found
-                names[key] = reference and _below(reference, folder)
-                if reference != names[key]:
-                    text = f"a spec names networks below its folder: copy {reference} to {names[key]} there"
-                    notes[joint.joint] = (*notes.get(joint.joint, ()), text)
-            joint = replace(joint, network=replace(network, file=names["file"], manifest=names["manifest"]))
-            if network.file and not os.path.isfile(network.file):
-                text = f"its network is not here ({one_line(network.file)}): put it below the spec's folder, and name "
-                text += (
-                    "it and its manifest under `network`; `actspec schema network` has the keys of a manifest"
-                )
-                notes[joint.joint] = (*notes.get(joint.joint, ()), text)
+            named, said = _placed_network(network, folder)
+            joint = replace(joint, network=named)
+            if said:
+                notes[joint.joint] = (*notes.get(joint.joint, ()), *said)
         joints.append(joint)
     return replace(combined, actuators=replace(combined.actuators, joints=tuple(joints)), notes=notes)
+
+
+def _placed_network(network: Network, folder: str) -> tuple[Network, list[str]]:
+    """A network named from the spec's folder, and what is to be put there."""
+    said = []
+    names: dict[str, str | None] = {}
+    for key, found in (("file", network.file), ("manifest", network.manifest)):
+        reference = _reference(found, folder) if found and os.path.isfile(found) else found
+        # A folder that nobody knows is none of the spec's.
+        known = reference if reference is None or "{" not in reference else posixpath.basename(reference)
+        names[key] = known and _below(known, folder)
+        if found and not os.path.isfile(found):
+            which = "it" if found == names[key] else one_line(found)
+            said.append(f"its network is not here: put {which} at {names[key]}, from the spec's folder")
+        elif reference != names[key]:
+            said.append(f"a spec names networks below its folder: copy {reference} to {names[key]} there")
+    file = names["file"]
+    if not file:
+        said.append("where its network lies could not be read: write its path as network.file")
+    if names["manifest"] is None and network.stated:
+        own = f"{posixpath.splitext(file or 'network')[0]}.json"
+        if os.path.isfile(os.path.join(folder, own)):
+            names["manifest"] = own
+        else:
+            said.append(f"its manifest: save as {own}, and name it as network.manifest, {_stated(network)}")
+    elif names["manifest"] is None:
+        said.append(
+            "no file states the manifest of its network: write it, and name it as network.manifest; `actspec schema "
+            "network` has its keys"
+        )
+    return replace(network, file=file, manifest=names["manifest"]), said
+
+
+def _stated(network: Network) -> str:
+    """What a configuration states of a network's manifest, and what is missing."""
+    text = f"what the configuration states, {network.stated}"
+    if network.lacking:
+        text += f", and what it does not: {listed(network.lacking)}"
+    if '"unknown"' in network.stated:
+        text += "; tap_period is the physics step of its training, which no file states"
+    return text
 
 
 def _below(name: str, folder: str) -> str:

@@ -38,7 +38,7 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.config import lost_keys, plain_name, selected
 from actspec.readings.dict_keys import POSE, again, meant_for, refuses_two
-from actspec.readings.joint_lists import fitting, joint_lists, names_of, other_endings
+from actspec.readings.joint_lists import environment_of, fitting, joint_lists, names_of, other_endings
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
@@ -95,6 +95,8 @@ def read_robot_files(
     out.raise_if_failed(AuditError)
     names = None if named is None else _named(artifacts, named, out)
     out.raise_if_failed(AuditError)
+    if named is not None and (environment := environment_of(named)) is not None:
+        artifacts.append(environment)
     fitting = of_this_robot(artifacts, () if names is None else names[0], out)
     trained = [in_environment(artifact, every) for artifact in fitting]
     artifacts = [artifact for artifact, _ in trained]

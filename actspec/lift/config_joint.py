@@ -26,9 +26,10 @@ from actspec.ir import (
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config import Found, control_of_group, figures_of, is_own_class, lags_of
 from actspec.readings.dict_keys import settled
+from actspec.readings.networks import stated_manifest
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
-from actspec.simulators.isaaclab import NEW_NAMES, OLD_NAMES
+from actspec.simulators.isaaclab import CLIPPING_AT_SOLVERS, NEW_NAMES, OLD_NAMES
 from actspec.units import format_quantity
 
 NONE_FROM = 1e9
@@ -39,6 +40,9 @@ NO_KEY = "no key of the dict covers the joint: it gets 0"
 
 HELD_FROM = 1_000_000
 """Steps between two draws from which on a lag is held for an episode. Chosen: hours at any physics step."""
+
+_BY_ANGLE = "joint_parameter_lookup"
+"""Setting of Isaac Lab's `RemotizedPDActuatorCfg`."""
 
 _COMMANDS = {command.value: command for command in Command}
 
@@ -134,6 +138,7 @@ class ConfigJoint:
         stall = None if curve is not None else self._line("stall_torque", units.torque)
         speed = None if curve is not None else self._line("no_load_speed", units.speed)
         if stall is None or speed is None or not self._is_line(stall, speed):
+            self._note_half_line()
             stall = speed = None
         level = Level.IDEAL_PD
         if network is not None:
@@ -241,21 +246,61 @@ class ConfigJoint:
             return None
         return _COMMANDS.get(str(written.value))
 
+    def _table(self) -> tuple[float, float] | None:
+        """Least and largest torque of a limit by angle [N*m or N]; None where it cannot be read.
+
+        Rows are [angle, ratio, torque]; its class has no other limit of its own. Source: Isaac Lab 2.3.2,
+        actuator_pd.py, RemotizedPDActuator: effort_limit becomes inf, and the torque is clipped by the third column.
+        """
+        setting = self.group.settings[_BY_ANGLE]
+        rows = setting.value if setting.unknown is None and isinstance(setting.value, tuple) else ()
+        torques = [row[2] for row in rows if isinstance(row, tuple) and len(row) == 3]
+        real = [float(t) for t in torques if isinstance(t, int | float) and 0.0 <= t < math.inf]
+        return (min(real), max(real)) if rows and len(real) == len(rows) and max(real) > 0.0 else None
+
+    def _peak(self) -> Quantity:
+        """The largest torque of a limit by angle, in place of it."""
+        unit, setting = self._units.torque, self.group.settings[_BY_ANGLE]
+        ends = self._table()
+        if ends is None:
+            return unknown(
+                unit, f"it depends on the angle, by a table that is not known ({_BY_ANGLE})", setting.span
+            )
+        low, high = (format_quantity(end, unit, 4) for end in ends)
+        self.notes.append(
+            f"its torque limit depends on the angle, {low} to {high} by a table at line {setting.span.line} "
+            f"({_BY_ANGLE}): effort_limit is its peak, too strong at other angles; `linkages` can hold the table"
+        )
+        return stated(ends[1], unit, setting.span)
+
     def _effort_limit(self) -> Quantity:
         unit = self._units.torque
-        found = self._figure("effort_limit", unit, self._no_limit())
+        by_angle = _BY_ANGLE in self.group.settings and self.config.framework is Framework.ISAACLAB
+        found = self._peak() if by_angle else self._figure("effort_limit", unit, self._no_limit())
         if found.value is not None and found.value >= NONE_FROM:
             return real_limit(found)
         solver = self._figures.get("solver_effort_limit")
-        if solver is not None and solver.value is not None and solver.value < (found.value or 0.0):
-            names = ("effort_limit_sim", "joint_effort_limit")
-            name = next(name for name in names if name in self.group.settings)
-            self.notes.append(f"the solver clips at {solver.value:g} {unit} too ({name}), below effort_limit")
-        return found
+        if solver is None or solver.value is None or solver.value >= NONE_FROM:
+            return found
+        name = next(n for n in (OLD_NAMES.solver_effort, NEW_NAMES.solver_effort) if n in self.group.settings)
+        clips = f"the solver clips at {solver.value:g} {unit} too ({name})"
+        if "effort_limit" in self._figures or found.value is not None:
+            if solver.value < (found.value or 0.0):
+                self.notes.append(f"{clips}, below effort_limit")
+            return found
+        own = None if self.view is None else self.view.effort_range
+        usds = f"outside {CLIPPING_AT_SOLVERS} the model clips at the USD's limit"
+        if own is not None and max(own) < solver.value:
+            self.notes.append(f"{clips}; {usds}: the robot file's, which is lower, is taken")
+            return found
+        self.notes.append(
+            f"effort_limit is {name}, {solver.value:g} {unit}, where the solver clips; {usds} too, if that is lower"
+        )
+        return self._quantity(solver, unit)
 
     def _no_limit(self) -> str | None:
         if self.config.framework is Framework.ISAACLAB and self._control != "implicit":
-            return "Isaac Lab before 2.3.1 does not clip then, later it clips at the USD's"
+            return f"{CLIPPING_AT_SOLVERS} do not clip then, others at the USD's"
         return self._kept("limit") if self.config.framework is Framework.ISAACLAB else None
 
     def _line(self, name: str, unit: str) -> Quantity | None:
@@ -285,6 +330,17 @@ class ConfigJoint:
             why = wrong.note or "not known" if wrong.value is None else f"{wrong.value:g} {wrong.unit}"
             self.notes.append(f"its torque-speed line is left out: a point of it is {why}")
         return wrong is None
+
+    def _note_half_line(self) -> None:
+        """Say which end is missing of a class that cannot be made without its line."""
+        ends = {"saturation_effort": "stall_torque", "velocity_limit": "no_load_speed"}
+        missing = [name for name, figure in ends.items() if figure not in self._figures]
+        if self._control in ("dc_motor", "network") and len(missing) == 1:
+            solvers = " (velocity_limit_sim is the solver's)" if "velocity_limit" in self._figures else ""
+            self.notes.append(
+                f"its torque-speed line is left out: no {missing[0]}{solvers}, without which {self.group.cls} cannot "
+                "be built"
+            )
 
     def _dry_friction(self) -> tuple[Quantity, Quantity | None]:
         """Sliding friction, and the static one where it is another number."""
@@ -355,10 +411,13 @@ class ConfigJoint:
             if reading is not None:
                 self.notes.append(f"the network {reading.file} beside the gains is left out")
             return None
+        stated = stated_manifest(self.config.framework, self.group, self.physics_dt)
         if reading is None:
-            return Network("", None, self.group.span)
-        manifest = None if reading.manifest is None else reading.manifest.path
-        return Network(reading.path or reading.file, manifest, reading.span)
+            return Network("", None, self.group.span, *stated)
+        file = reading.path or reading.file
+        if reading.manifest is not None:
+            return Network(file, reading.manifest.path, reading.span)
+        return Network(file, None, reading.span, *stated)
 
     def _note_class(self) -> None:
         group = self.group
@@ -379,8 +438,6 @@ class ConfigJoint:
             )
         if self._own:
             self.notes.append(f"{group.cls} is read as the class that actspec writes")
-        elif "joint_parameter_lookup" in group.settings:
-            self.notes.append("its torque limit depends on the angle (a table): a spec has one number")
         elif group.bases:
             self.notes.append(f"{group.cls} is read as {group.bases[0]}: what else it does is not known here")
 

@@ -32,7 +32,7 @@ from actspec.readings.dict_keys import may_match
 from actspec.readings.ledger import LedgerRow, dynamics_at
 from actspec.readings.overlap import has_last, laid_over, last_of_each
 from actspec.readings.pair import agreement, joint_names, matching
-from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native
+from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native, limited_by_solver
 from actspec.robot.view import JointInertia, JointView, ModelFormat, RobotView
 from actspec.simulators.isaaclab import FrictionUnit
 
@@ -303,7 +303,7 @@ def figures_of(
     take("default_position", "default_position")
     take("action_scale", "action_scale")
     if config.framework is Framework.ISAACLAB:
-        _isaaclab_limits(control, take)
+        _isaaclab_limits(control, take, versions)
         take("friction_setting", "friction")
         take("dynamic_friction_setting", "dynamic_friction")
         _isaaclab_friction(values, versions)
@@ -348,17 +348,19 @@ _OF_GAINS = ("ideal_pd", "velocity")
 """Controls of legged_gym that use its gains."""
 
 
-def _isaaclab_limits(control: str, take: Callable[..., None]) -> None:
+def _isaaclab_limits(control: str, take: Callable[..., None], versions: Versions) -> None:
     """The limits by class, in the names of 2.x and 3.0.
 
     An implicit drive is clamped by the solver's limit, and its `velocity_limit` is ignored; an explicit
-    one clamps in the model. `velocity_limit` of a DC motor is the no-load speed.
+    one clamps in the model, without a limit of its own at the solver's in some releases.
+    `velocity_limit` of a DC motor is the no-load speed.
     """
     if control == "implicit":
         take("effort_limit", "effort_limit_sim", "joint_effort_limit", "effort_limit")
         take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
         return
-    take("effort_limit", "effort_limit", "actuator_effort_limit")
+    solvers = ("effort_limit_sim",) if limited_by_solver(versions) else ()
+    take("effort_limit", "effort_limit", "actuator_effort_limit", *solvers)
     take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
     take("solver_effort_limit", "effort_limit_sim", "joint_effort_limit")
     curve = control in ("dc_motor", "network")

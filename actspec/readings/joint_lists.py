@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -14,7 +15,7 @@ import yaml
 from actspec.diagnostics import AuditError, Span, one_line
 from actspec.files import FAULTS, read_regular, why
 from actspec.ir import JointKind
-from actspec.readings.artifact import RobotConfig
+from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.deploy import MOST_STEPS, NAMES, Unfit, compose
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.read import MOST_YAML_BYTES, YAML, PendingFiles
@@ -66,6 +67,45 @@ def joint_lists(text: str) -> tuple[Joints, ...]:
     if not found:
         raise _refusal("no list of joint names is in it", text, _HELP)
     return found
+
+
+def environment_of(text: str) -> Artifact | None:
+    """The steps that Isaac Lab's IO_descriptors.yaml states of the environment, as a configuration without groups.
+
+    Args:
+        text: As of `joint_lists`, which has read it; None where it states no physics step.
+    """
+    if not os.path.isfile(text) or not text.lower().endswith((*YAML, ".json")):
+        return None
+    settings = {}
+    for name, node in _entries(_entry(compose(_data(text)), "scene")):
+        if name in ("physics_dt", "decimation") and (number := _number(node)) is not None:
+            mark = node.start_mark
+            settings[name] = Setting(number, Span(text, mark.line + 1, mark.column + 1))
+    name = os.path.splitext(os.path.basename(text))[0]
+    config = RobotConfig(Framework.ISAACLAB, name, Span(text), (), settings)
+    return Artifact(text, FileKind.CFG, name, config=config) if "physics_dt" in settings else None
+
+
+def _entries(node: yaml.Node | None) -> list[tuple[str, yaml.Node]]:
+    return (
+        [(str(key.value), value) for key, value in node.value] if isinstance(node, yaml.MappingNode) else []
+    )
+
+
+def _entry(node: yaml.Node | None, name: str) -> yaml.Node | None:
+    return next((value for key, value in _entries(node) if key == name), None)
+
+
+def _number(node: yaml.Node) -> float | None:
+    """A number above 0 that is written as one."""
+    if node.tag not in ("tag:yaml.org,2002:float", "tag:yaml.org,2002:int"):
+        return None
+    try:
+        number = float(node.value)
+    except ValueError:
+        return None
+    return number if 0.0 < number < math.inf else None
 
 
 def fitting(lists: Sequence[Joints], configs: Sequence[RobotConfig]) -> tuple[Joints, str]:

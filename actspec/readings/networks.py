@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -9,7 +11,13 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span, SpecError
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, Network
-from actspec.readings.artifact import ActuatorGroup, NetworkConventions, NetworkReading, RobotConfig
+from actspec.readings.artifact import (
+    ActuatorGroup,
+    Framework,
+    NetworkConventions,
+    NetworkReading,
+    RobotConfig,
+)
 
 if TYPE_CHECKING:
     from actspec.spec.network import NetworkManifest
@@ -23,7 +31,13 @@ MAX_MANIFEST = 1024 * 1024
 MAX_LEVELS = 12
 """Folders above the configuration in which a relative path is looked for. Chosen: deeper than any repository."""
 
+MJLAB_HISTORY = 3
+"""mjlab's default `history_length`. Source: mjlab 1.6.0, actuator/learned_actuator.py."""
+
 _MARK = b"actspec-network/"
+_SCALES = {"pos_scale": "position_scale", "vel_scale": "velocity_scale", "torque_scale": "torque_scale"}
+_ORDERS = {"pos_vel": "position_velocity", "vel_pos": "velocity_position"}
+"""Words of Isaac Lab and mjlab to those of a manifest."""
 
 
 def with_networks(config: RobotConfig) -> RobotConfig:
@@ -45,6 +59,63 @@ def _network(group: ActuatorGroup) -> NetworkReading | None:
     beside = _find(f"{os.path.splitext(file)[0]}.json", folder)
     manifest, problem = (None, None) if beside is None else _manifest(beside)
     return NetworkReading(file, setting.span, True, _find(file, folder), manifest, problem)
+
+
+def tap_steps(framework: Framework, group: ActuatorGroup) -> tuple[int, ...] | None:
+    """Physics steps back of each tap of an MLP, as the class takes them; None: not known."""
+    if framework is Framework.MJLAB:
+        setting = group.settings.get("history_length")
+        length = MJLAB_HISTORY if setting is None else setting.value
+        return tuple(range(length)) if isinstance(length, int) and 0 < length <= 1000 else None
+    setting = group.settings.get("input_idx")
+    value = setting.value if setting is not None else None
+    if not isinstance(value, tuple) or not value:
+        return None
+    whole = tuple(one for one in value if isinstance(one, int) and not isinstance(one, bool))
+    return whole if len(whole) == len(value) else None
+
+
+def stated_manifest(
+    framework: Framework, group: ActuatorGroup, step: float | None
+) -> tuple[str, tuple[str, ...]]:
+    """The manifest of a group's network as far as its class and settings state it, as JSON, and the keys that lack.
+
+    The period of the samples is the physics step, which both frameworks count taps in.
+
+    Args:
+        framework: Isaac Lab or mjlab; no other states anything of a network.
+        group: The group.
+        step: The simulation's step [s]; None: nobody states it.
+
+    Returns:
+        "" where nothing is stated.
+
+    Source: Isaac Lab 2.3.2, actuator_net.py: an LSTM gets error and velocity of this step, unscaled; an MLP's history
+    is 0 after a reset. mjlab 1.6.0, learned_actuator.py: it is the first sample.
+    """
+    kinds = "".join((group.cls, *group.bases)).lower()
+    if framework not in (Framework.ISAACLAB, Framework.MJLAB) or ("mlp" in kinds) == ("lstm" in kinds):
+        return "", ()
+    order: object = "pos_vel"
+    taps: tuple[int, ...] | None = (0,)
+    scales: dict[str, float | None] = dict.fromkeys(_SCALES.values(), 1.0)
+    if "mlp" in kinds:
+        given = {name: group.settings[name] for name in (*_SCALES, "input_order") if name in group.settings}
+        numbers = {key: given[name].number if name in given else None for name, key in _SCALES.items()}
+        scales = {key: n if n is not None and math.isfinite(n) else None for key, n in numbers.items()}
+        order = given["input_order"].value if "input_order" in given else None
+        taps = tap_steps(framework, group)
+    stated = {
+        "format": f"{_MARK.decode()}1",
+        "kind": "mlp" if "mlp" in kinds else "lstm",
+        "inputs": _ORDERS.get(order) if isinstance(order, str) else None,
+        "taps": taps,
+        "tap_period": "unknown" if step is None else f"{step * 1e3:.12g} ms",
+        **{key: scale if scale is None or scale % 1.0 else int(scale) for key, scale in scales.items()},
+        "initial_history": "first_sample" if framework is Framework.MJLAB else "zero",
+    }
+    lacking = tuple(key for key, value in stated.items() if value is None)
+    return json.dumps({key: value for key, value in stated.items() if value is not None}), lacking
 
 
 def networks_of(spec: ActuatorSet) -> tuple[NetworkReading, ...]:

@@ -8,7 +8,13 @@ from dataclasses import dataclass, replace
 
 from actspec.readings.artifact import Artifact
 from actspec.simulators import Release, before, release, text_of
-from actspec.simulators.isaaclab import FrictionUnit, IsaacLabRelease, friction_unit, row_of
+from actspec.simulators.isaaclab import (
+    FrictionUnit,
+    IsaacLabRelease,
+    clips_at_solvers,
+    friction_unit,
+    row_of,
+)
 from actspec.simulators.mjlab import mujoco_taken_by
 
 _HEAD = re.compile(
@@ -96,6 +102,11 @@ def is_native(versions: Versions) -> bool:
     """Whether the files are meant for an Isaac Lab whose actuators run natively (3.0)."""
     row = isaaclab_row(versions)
     return row is not None and row.native
+
+
+def limited_by_solver(versions: Versions) -> bool | None:
+    """Whether an explicit Isaac Lab drive without an effort limit of its own clips at the solver's; None: not known."""
+    return clips_at_solvers(_release(versions.isaaclab))
 
 
 def friction_unit_of(versions: Versions) -> FrictionUnit | None:

@@ -20,6 +20,11 @@ from actspec.units import format_number
 COLUMNS = tuple(field for field in FIELDS.values() if field.name in LedgerRow.__dataclass_fields__)
 """Figures of a row, in the order in which reports show them."""
 
+_SOLVERS = FIELDS["solver_effort_limit"]
+"""A second clamp, which a table has where it is the lower one."""
+
+_IN_TABLES = tuple(field for field in FIELDS.values() if field in (*COLUMNS, _SOLVERS))
+
 _NOT_IN_JSON = ("stall_torque", "no_load_speed", "action_scale", "default_position")
 
 JSON_FIELDS = tuple(column.name for column in COLUMNS if column.name not in _NOT_IN_JSON)
@@ -138,10 +143,10 @@ def _bounds(artifact: Artifact, rows: Sequence[LedgerRow]) -> dict[Span, float]:
 def _sheet(
     title: str, rows: Sequence[LedgerRow], kind: JointKind | None, bounds: Mapping[Span, float]
 ) -> Sheet:
-    known = {column: {_number(row, column) for row in rows} - {None} for column in COLUMNS}
+    known = {column: {_number(row, column) for row in rows} - {None} for column in _IN_TABLES}
     # Of rows with and without a figure the unknown ones would be lost in a list of zeros.
-    zero = [c for c in COLUMNS if known[c] == {0.0} and all(_number(row, c) == 0.0 for row in rows)]
-    columns = [column for column in COLUMNS if known[column] and column not in zero]
+    zero = [c for c in _IN_TABLES if known[c] == {0.0} and all(_number(row, c) == 0.0 for row in rows)]
+    columns = [column for column in _IN_TABLES if known[column] and column not in zero]
     merged: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
         name = f"{row.actuator} ({row.drives})".lstrip() if row.drives else row.joint
@@ -161,6 +166,9 @@ def _sheet(
 
 
 def _number(row: LedgerRow, column: Field) -> float | None:
+    if column is _SOLVERS:
+        clamp = row.more.get(column.name)
+        return clamp if clamp is not None and (row.effort_limit is None or clamp < row.effort_limit) else None
     value: float | None = getattr(row, column.name)
     return None if value is None or math.isnan(value) else float(value)
 

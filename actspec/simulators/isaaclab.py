@@ -68,6 +68,33 @@ NEW_NAMES = LimitNames(
 OLD_NAMES_GONE = (4, 0)
 """First release without the old names, as 3.0's changelog announces."""
 
+_CLIPS_AT_SOLVERS = ((2, 0, 2), (2, 3, 1))
+"""First release, and the first no more, whose explicit drives without an effort limit of their own clip at that of the
+solver, 1e9 N*m without one; the others clip at the USD's. At its own the solver clips the torque again in all.
+
+Source: actuator_base.py of 2.0.1, 2.0.2 and 2.3.1, read (the second has `effort_limit_sim` as default of
+`effort_limit`; isaac-sim/IsaacLab#3522 ends it); the wheels 2.2.0, 2.3.0 and 2.3.2, measured; 3.0,
+docs/source/concepts/actuators.rst.
+"""
+
+CLIPPING_AT_SOLVERS = "Isaac Lab 2.0.2 to 2.3.0"
+"""These releases, in words."""
+
+
+def clips_at_solvers(named: Release | None) -> bool | None:
+    """Whether an explicit drive without an effort limit of its own clips at the solver's; False: at the USD's.
+
+    Args:
+        named: Isaac Lab's release, as many numbers as were named; None: not named.
+
+    Returns:
+        None where the release does not tell: `2.3` may be 2.3.0 or 2.3.1.
+    """
+    first, end = _CLIPS_AT_SOLVERS
+    if named is None or any(len(named) < len(edge) and edge[: len(named)] == named for edge in (first, end)):
+        return None
+    return first <= named < end
+
 
 @dataclass(frozen=True, slots=True)
 class IsaacLabRelease:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -197,17 +198,133 @@ def test_isaac_lab_cannot_have_it(
     assert main(["compile", "leg.yaml", "-o", "out"]) == 0
 
 
+DELAYED = CFG.replace("ImplicitActuatorCfg", "DelayedPDActuatorCfg").replace(
+    "damping=1.5", "damping=1.5, max_delay=3"
+)
+
+
+@pytest.mark.parametrize("own", ["", "0.004"])
+def test_steps_of_the_descriptors(folder: Path, own: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """IO_descriptors.yaml, named for the joints, states the step too: 3 of 5 ms are 15 ms, of an own 4 ms 12 ms."""
+    env = f"\nclass E:\n    def __post_init__(self):\n        self.sim.dt = {own}\n        self.scene.robot = LEG_CFG\n"
+    text = DELAYED + (
+        f"from isaaclab.envs import ManagerBasedRLEnvCfg\n{env.replace('E:', 'E(ManagerBasedRLEnvCfg):')}"
+    )
+    (folder / "leg_cfg.py").write_text(text if own else DELAYED, encoding="utf-8")
+    (folder / "io.yaml").write_text(IO_DESCRIPTORS, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "io.yaml", "-o", "leg.yaml"]) == 0
+    out, err = capsys.readouterr()
+    assert "whose length no file states" not in out
+    assert "from leg_cfg.py, io.yaml\n" in out
+    spec = (folder / "leg.yaml").read_text("utf-8")
+    assert ("range: [0 ms, 15 ms]" in spec, "range: [0 ms, 12 ms]" in spec) == (not own, bool(own))
+    taken = (
+        "physics_dt: {value: 4 ms, source: leg_cfg}" if own else "physics_dt: {value: 5 ms, source: io_cfg}"
+    )
+    # The control period of 20 ms stays: 4 x 5 ms, 5 x 4 ms.
+    assert taken in spec and f"decimation: {5 if own else 4}\n" in spec
+    assert ("physics_dt is 0.004 s here, which is used, and 0.005 s in io.yaml:" in err) == bool(own)
+    assert main(["compile", "leg.yaml", "-t", "isaaclab", "-o", "out"]) == 0
+    written = (folder / "out" / "isaaclab" / "leg_cfg.py").read_text("utf-8")
+    assert "max_delay=3," in written and "DelayedPDActuatorCfg(" in written
+
+
+@pytest.mark.parametrize(
+    "steps", ["{decimation: 4}", "{physics_dt: fast}", "{physics_dt: 0}", "[0.005]", "{physics_dt: .inf}"]
+)
+def test_descriptors_without_a_step(folder: Path, steps: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """What is no step leaves the delay unknown."""
+    (folder / "leg_cfg.py").write_text(DELAYED, encoding="utf-8")
+    text = f"{IO_DESCRIPTORS.partition('scene:')[0]}scene: {steps}\n"
+    (folder / "io.yaml").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "io.yaml", "-o", "leg.yaml"]) == 0
+    assert "0 to 3 physics steps, whose length no file states" in capsys.readouterr().out
+
+
 def test_a_network_elsewhere(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A network that is not here is told with its name, in the spec and at import."""
     (folder / "leg_cfg.py").write_text(NETWORK, encoding="utf-8")
     assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    told = "its network is not here: put /far/away/drive.pt at drive.pt, from the spec's folder"
+    assert told in capsys.readouterr().out
+    assert f"# {told}" in (folder / "leg.yaml").read_text("utf-8")
+
+
+MLP = NETWORK.replace("LSTM", "MLP").replace(
+    '"/far/away/drive.pt"',
+    '"nets/drive.pt", pos_scale=-1.0, vel_scale=0.5, torque_scale=2.0, input_order="vel_pos", input_idx=[0, 2, 4],\n'
+    "            saturation_effort=30.0, velocity_limit=9.0",
+)
+"""Numbers that differ from each other, and from those of no scale."""
+
+
+def test_what_a_configuration_states_of_its_network(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The lines of a manifest are told; saved under that name they serve Isaac Lab, and the spec says so anew."""
+    (folder / "leg_cfg.py").write_text(MLP, encoding="utf-8")
+    (folder / "io.yaml").write_text(
+        f"joint_names: [{', '.join(NAMES)}]\nscene: {{physics_dt: 0.005}}\n", "utf-8"
+    )
+    command = ["import", "leg_cfg.py", "--joints", "io.yaml", "-o", "leg.yaml", "--force"]
+    assert main(command) == 0
+    out = capsys.readouterr().out
+    start = "its manifest: save as nets/drive.json, and name it as network.manifest, what the configuration states, "
+    (told,) = [line.partition(start)[2] for line in out.splitlines() if start in line]
+    stated, end = json.JSONDecoder().raw_decode(told)
+    assert told[end:] == ""
+    # vel_pos; error and velocity times -1 and 0.5, the output times 2; samples of now, 2 and 4 steps of 5 ms ago.
+    assert stated == {
+        "format": "actspec-network/1",
+        "kind": "mlp",
+        "inputs": "velocity_position",
+        "taps": [0, 2, 4],
+        "tap_period": "5 ms",
+        "position_scale": -1,
+        "velocity_scale": 0.5,
+        "torque_scale": 2,
+        "initial_history": "zero",
+    }
+    (folder / "nets").mkdir()
+    (folder / "nets" / "drive.json").write_text(told, encoding="utf-8")
+    with zipfile.ZipFile(folder / "nets" / "drive.pt", "w") as archive:
+        archive.writestr("drive/constants.pkl", "")
+        archive.writestr("drive/code/net.py", "")
+    assert main(command) == 0
+    network = load_spec("leg.yaml").model.actuators["legs"].network
+    assert network is not None and (network.file, network.manifest) == ("nets/drive.pt", "nets/drive.json")
+    assert main(["compile", "leg.yaml", "-t", "isaaclab", "-o", "out"]) == 0
+    written = (folder / "out" / "isaaclab" / "leg_cfg.py").read_text("utf-8")
+    for field in (
+        "pos_scale=-1.0",
+        "vel_scale=0.5",
+        "torque_scale=2.0",
+        'input_order="vel_pos"',
+        "[0, 2, 4]",
+    ):
+        assert field in written
+
+
+def test_what_it_does_not_state(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A scale that is not known and a step that no file states are named, and nothing is put in their place."""
+    (folder / "leg_cfg.py").write_text(
+        MLP.replace("vel_scale=0.5", "vel_scale=elsewhere()"), encoding="utf-8"
+    )
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert '"tap_period": "unknown"' in out and '"velocity_scale"' not in out
     assert (
-        "its network is not here (/far/away/drive.pt): put it below the spec's folder"
-        in capsys.readouterr().out
+        "and what it does not: velocity_scale; tap_period is the physics step of its training, which" in out
     )
-    assert "# its network is not here (/far/away/drive.pt): put it below" in (folder / "leg.yaml").read_text(
-        "utf-8"
-    )
+
+
+def test_an_lstm_states_its_inputs(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Isaac Lab's class feeds it error and velocity of now, unscaled; where its file lies is not known here."""
+    text = NETWORK.replace('"/far/away/drive.pt"', "elsewhere()")
+    (folder / "leg_cfg.py").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert '"kind": "lstm", "inputs": "position_velocity", "taps": [0]' in out
+    assert '"position_scale": 1, "velocity_scale": 1, "torque_scale": 1' in out
+    assert "where its network lies could not be read: write its path as network.file" in out
 
 
 def test_what_stops_every_target(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -156,11 +157,24 @@ def test_a_step_that_nobody_states(spec: Path, stated: bool, capsys: Any) -> Non
     whose = "MuJoCo's default: neither the spec nor its model states one"
     assert lines[0].endswith(", physics 2 ms" if stated else f", physics 2 ms ({whose})")
     for path, line in (
-        ("isaaclab/arm_cfg.py", f"\nThe step is {whose}.\n"),
+        (
+            "isaaclab/arm_cfg.py",
+            f"\nDelays, filters and networks count physics steps of 0.002 s,\n{whose}.\n",
+        ),
         ("mjlab/arm_cfg.py", f"\n# The step is {whose}.\n"),
         ("deploy/arm_deploy.yaml", f"  physics_dt: 0.002  # s, of the simulation; {whose}\n"),
     ):
         assert (line in Path("build/arm", path).read_text()) is not stated
+
+
+def test_a_step_that_nothing_counts(spec: Path, capsys: Any) -> None:
+    """Nobody stated a step, and without delay, filter and network none counts: the module is made for any."""
+    text = re.sub(r"\n *(delay|command_filter):.*", "", SPEC.replace("timing: {physics_dt: 5 ms}\n", ""))
+    spec.write_text(text)
+    _said(capsys, "-t", "isaaclab")
+    written = Path("build/arm/isaaclab/arm_cfg.py").read_text()
+    assert "\nNo step of the simulation is stated, and nothing here counts one.\n" in written
+    assert "0.002" not in written and "SimulationCfg" not in written
 
 
 def test_strict_says_not_written(spec: Path, capsys: Any) -> None:

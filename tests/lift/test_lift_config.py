@@ -148,6 +148,86 @@ def test_dc_motor_and_limits(tmp_path: Path) -> None:
     assert (lift.effort_limit.value, lift.velocity_limit.value) == (5.0, None)
 
 
+_SOLVERS = "outside Isaac Lab 2.0.2 to 2.3.0 the model clips at the USD's limit"
+
+
+@pytest.mark.parametrize(
+    ("release", "usd", "limit", "remark"),
+    [
+        # 45 is where the solver clips in every release; 30 or 60 may be the USD's.
+        ("2.2", "", 45.0, ""),
+        ("2.3.0", 'actuatorfrcrange="-30 30"', 45.0, ""),
+        (
+            None,
+            "",
+            45.0,
+            f"effort_limit is effort_limit_sim, 45 N*m, where the solver clips; {_SOLVERS} too, ",
+        ),
+        (
+            "2.3.2",
+            "",
+            45.0,
+            f"effort_limit is effort_limit_sim, 45 N*m, where the solver clips; {_SOLVERS} too, ",
+        ),
+        ("2.3.2", 'actuatorfrcrange="-60 60"', 45.0, "effort_limit is effort_limit_sim, 45 N*m"),
+        (
+            "2.3.2",
+            'actuatorfrcrange="-30 30"',
+            None,
+            f"the solver clips at 45 N*m too (effort_limit_sim); {_SOLVERS}",
+        ),
+        (
+            "2.0.1",
+            'actuatorfrcrange="-30 30"',
+            None,
+            f"the solver clips at 45 N*m too (effort_limit_sim); {_SOLVERS}",
+        ),
+        ("2.3", "", 45.0, "effort_limit is effort_limit_sim, 45 N*m"),
+    ],
+)
+@pytest.mark.parametrize("cls", ["IdealPDActuatorCfg", "DelayedPDActuatorCfg"])
+def test_solvers_limit_alone(
+    tmp_path: Path, cls: str, release: str | None, usd: str, limit: float | None, remark: str
+) -> None:
+    """`effort_limit_sim` alone limits an explicit drive; a robot file's lower limit, where that counts, stays."""
+    group = f'{cls}(joint_names_expr=["hip"], effort_limit_sim=45.0, stiffness=1.0, damping=1.0)'
+    text = f"""from isaaclab.actuators import {cls}
+from isaaclab.assets import ArticulationCfg
+BOT_CFG = ArticulationCfg(actuators={{"legs": {group}}})
+"""
+    view = view_of(MODEL.replace('name="hip"', f'name="hip" {usd}'), folder="").joints
+    versions = Versions(isaaclab=release)
+    found = lift_config(artifact_of(tmp_path, text), view, versions=versions)
+    hip = by_name(found)["hip"]
+    assert hip.effort_limit.value == limit
+    (told,) = found.notes.get("hip", ("",))
+    assert told.startswith(remark) and bool(told) == bool(remark)
+    if limit is not None:
+        assert hip.effort_limit.span is not None and hip.effort_limit.span.line == 3
+
+
+def test_solvers_limit_of_a_placeholder_is_none(tmp_path: Path) -> None:
+    """1e9 at the solver limits nothing."""
+    found = isaaclab(
+        tmp_path, 'IdealPDActuatorCfg(["hip"], effort_limit_sim=1e9, stiffness=1.0, damping=1.0)'
+    )
+    hip = by_name(found)["hip"]
+    why = "Isaac Lab 2.0.2 to 2.3.0 do not clip then, others at the USD's"
+    assert (hip.effort_limit.value, hip.effort_limit.note) == (None, why)
+
+
+def test_dc_motor_with_the_solvers_speed_alone(tmp_path: Path) -> None:
+    """`velocity_limit_sim` is no end of a torque-speed line: 25 rad/s is the solver's, the 45 N*m of it are lost."""
+    group = 'DCMotorCfg(["hip"], saturation_effort=45, velocity_limit_sim=25, effort_limit=9, stiffness=1, damping=1)'
+    found = isaaclab(tmp_path, group)
+    hip = by_name(found)["hip"]
+    assert (hip.level, hip.velocity_limit.value, hip.stall_torque) == (Level.IDEAL_PD, 25.0, None)
+    assert found.notes["hip"] == (
+        "its torque-speed line is left out: no velocity_limit (velocity_limit_sim is the solver's), without which "
+        "DCMotorCfg cannot be built",
+    )
+
+
 @pytest.mark.parametrize(
     "cls, written, limit, note",
     [
@@ -219,6 +299,45 @@ def test_delay_in_steps(tmp_path: Path) -> None:
     silent = isaaclab(tmp_path, group)
     assert by_name(silent)["hip"].delay is not None
     assert silent.notes["hip"] == ("delay: 2 to 6 physics steps, whose length no file states",)
+
+
+_TABLE = "joint_parameter_lookup=[[-2.0, -24.0, 37.5], [-1.0, -75.0, 112.5], [0.0, -40.0, 60.0]]"
+
+
+@pytest.mark.parametrize(
+    ("more", "limit", "remarks"),
+    [
+        # The largest of 37.5, 112.5 and 60; the class takes no effort_limit, and the solver clips what is above 90.
+        ("", 112.5, []),
+        (", effort_limit=45.0", 112.5, []),
+        (
+            ", effort_limit_sim=90.0",
+            112.5,
+            ["the solver clips at 90 N*m too (effort_limit_sim), below effort_limit"],
+        ),
+    ],
+)
+def test_limit_by_angle(tmp_path: Path, more: str, limit: float, remarks: list[str]) -> None:
+    """A table of torques is its peak as one number, with a remark on the least and the largest and its line."""
+    group = f'RemotizedPDActuatorCfg(["hip"], {_TABLE}{more}, stiffness=1.0, damping=1.0)'
+    found = isaaclab(tmp_path, group)
+    hip = by_name(found)["hip"]
+    assert hip.effort_limit.value == limit
+    first, *others = found.notes["hip"]
+    assert first.startswith(
+        "its torque limit depends on the angle, 37.5 N*m to 112.5 N*m by a table at line 3 (joint_parameter_lookup): "
+        "effort_limit is its peak"
+    )
+    assert others == remarks
+
+
+@pytest.mark.parametrize("table", ["elsewhere()", "[[0.0, 1.0]]", "[]", "[[0.0, 1.0, elsewhere()]]"])
+def test_limit_by_an_angle_that_is_not_known(tmp_path: Path, table: str) -> None:
+    """A table that cannot be read limits by nothing that is known."""
+    group = f'RemotizedPDActuatorCfg(["hip"], joint_parameter_lookup={table}, stiffness=1.0, damping=1.0)'
+    hip = by_name(isaaclab(tmp_path, group))["hip"]
+    why = "it depends on the angle, by a table that is not known (joint_parameter_lookup)"
+    assert (hip.effort_limit.value, hip.effort_limit.note) == (None, why)
 
 
 def test_overlapping_groups(tmp_path: Path) -> None:

@@ -9,9 +9,15 @@ import pytest
 from actspec.audit.engine import audit
 from actspec.audit.settings import Settings
 from actspec.cli.main import main
-from actspec.readings.versions import Versions, step_of, written_for
+from actspec.readings.versions import Versions, limited_by_solver, step_of, written_for
+from actspec.report.ledger import ledger_sheets
 
 ROOT = Path(__file__).parents[2]
+LIMITED = """from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+BOT_CFG = ArticulationCfg(actuators={"legs": IdealPDActuatorCfg(joint_names_expr=["knee"], stiffness=1.0,
+    damping=1.0, LIMITS)})
+"""
 SPEC = """actspec: 1
 robot: {name: leg, model: none, joints: [knee]}
 actuators:
@@ -150,3 +156,43 @@ def test_the_head_tells_what_friction_is() -> None:
     assert [row.frictionloss for row in report.case.rows] == [0.2]
     # What the user says counts before the head, all of it: 2.3 alone does not tell the simulator.
     assert _friction("robot_cfg.py", versions=Versions(isaaclab="2.3")) == ["FRC102"]
+
+
+@pytest.mark.parametrize(
+    ("version", "clips"),
+    [
+        ("1.4", False), ("2", None), ("2.0", None), ("2.0.1", False), ("2.0.2", True), ("2.1", True), ("2.2.1", True),
+        ("2.3", None), ("2.3.0", True), ("2.3.1", False), ("2.4", False), ("3", False), ("3.0", False),
+    ],
+)  # fmt: skip
+def test_whose_limit_stands_in(version: str, clips: bool | None) -> None:
+    """2.0.2 to 2.3.0 take the solver's limit for that of the model; `2.0` and `2.3` may be either."""
+    assert limited_by_solver(Versions(isaaclab=version)) is clips
+    assert limited_by_solver(Versions()) is None
+
+
+@pytest.mark.parametrize(
+    ("version", "limits", "columns"),
+    [
+        # The solver clips at 45 N*m in all; from 2.0.2 to 2.3.0 the model does.
+        ("2.2", "effort_limit_sim=45.0", {"effort limit": "45"}),
+        ("2.3.2", "effort_limit_sim=45.0", {"effort limit of the solver": "45"}),
+        (None, "effort_limit_sim=45.0", {"effort limit of the solver": "45"}),
+        (
+            "2.2",
+            "effort_limit=60.0, effort_limit_sim=45.0",
+            {"effort limit": "60", "effort limit of the solver": "45"},
+        ),
+        ("2.2", "effort_limit=30.0, effort_limit_sim=45.0", {"effort limit": "30"}),
+    ],
+)
+def test_ledger_shows_the_clamp(
+    folder: Path, version: str | None, limits: str, columns: dict[str, str]
+) -> None:
+    """A limit of the solver stands in the table where it is the lower one."""
+    (folder / "cfg.py").write_text(LIMITED.replace("LIMITS", limits), encoding="utf-8")
+    settings = Settings(versions=Versions(isaaclab=version))
+    (sheet,) = ledger_sheets(audit(["cfg.py"], settings).case)
+    ((_, _, *cells),) = sheet.rows
+    shown = {title: cell for (title, _), cell in zip(sheet.heads[2:], cells, strict=True)}
+    assert {title: cell for title, cell in shown.items() if "effort" in title} == columns

@@ -19,6 +19,8 @@ from actspec.audit.rules.configs import (
 )
 from actspec.audit.rules.joints import partner_rows
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig
+from actspec.simulators import release
+from actspec.simulators.isaaclab import CLIPPING_AT_SOLVERS, clips_at_solvers
 
 _MJLAB_EXPLICIT = MJLAB_WITH_LINE | {"IdealPdActuatorCfg"}
 
@@ -111,18 +113,17 @@ def _takes_none(config: RobotConfig, missing: list[str]) -> bool:
 
 def _isaac_default(version: str | None, group: Group) -> str | None:
     """What counts in place of the missing limit; None where that is the USD's, or the solver's clamp."""
-    numbers = [int(part) for part in version.split(".")] if version is not None else []
-    if numbers >= [2, 3, 1]:
+    clips = clips_at_solvers(None if version is None else release(version))
+    solver = group.written("effort_limit_sim") is not None
+    if clips is False or (clips and solver):
         return None
-    solver = group.written("effort_limit_sim")
-    if numbers and (numbers < [2, 3] or numbers == [2, 3, 0]):
-        return (
-            None
-            if solver is not None
-            else f"Isaac Lab {version} then clips at 1e9 N*m, which no joint reaches"
-        )
-    first = "at its effort_limit_sim" if solver is not None else "at 1e9 N*m, which no joint reaches"
-    return f"Isaac Lab 2.2 and 2.3.0 then clip {first}; later versions at the limit that the USD has"
+    nowhere = "at 1e9 N*m, which no joint reaches"
+    if clips:
+        return f"Isaac Lab {version} then clips {nowhere}"
+    first, later = ("at its effort_limit_sim", "the lower of that and") if solver else (nowhere, "")
+    return f"{CLIPPING_AT_SOLVERS} then clip {first}; later versions at {later} the limit that the USD has".replace(
+        "  ", " "
+    )
 
 
 def _of_the_urdf(case: Case, group: Group) -> set[str]:

@@ -10,7 +10,6 @@ from actspec.audit.rules.networks_found import (
     networks,
     of_specs,
     tap_factor,
-    tap_steps,
 )
 from actspec.diagnostics import Span
 from actspec.readings.artifact import (
@@ -19,6 +18,7 @@ from actspec.readings.artifact import (
     NetworkConventions,
     RobotConfig,
 )
+from actspec.readings.networks import tap_steps
 from actspec.units import format_quantity
 
 
@@ -111,7 +111,7 @@ def _stride(
     """Physics steps between two samples, and the last sample; None where the taps do not fit or do not matter."""
     if manifest.kind != "mlp":
         return 1.0, 1
-    indices = tap_steps(config, group)
+    indices = tap_steps(config.framework, group)
     if indices is None or not any(manifest.taps):
         return None
     stride = tap_factor(indices, manifest.taps)

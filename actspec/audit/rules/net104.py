@@ -9,7 +9,6 @@ from actspec.audit.rules.networks_found import (
     networks,
     of_specs,
     tap_factor,
-    tap_steps,
 )
 from actspec.diagnostics import Span
 from actspec.readings.artifact import (
@@ -19,6 +18,7 @@ from actspec.readings.artifact import (
     NetworkReading,
     RobotConfig,
 )
+from actspec.readings.networks import tap_steps
 
 
 class NetworkInputs(RuleInParts):
@@ -83,7 +83,7 @@ def _differences(
         wanted = "vel_pos" if manifest.velocity_first else "pos_vel"
         if order.value != wanted:
             yield f"input_order is {order.value}, and the network was trained on {wanted}", "input_order"
-    indices = tap_steps(config, group)
+    indices = tap_steps(config.framework, group)
     if indices is None or tap_factor(indices, manifest.taps) is not None:
         return
     name = "history_length" if config.framework is Framework.MJLAB else "input_idx"

@@ -17,9 +17,6 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.config import control_of
 
-MJLAB_HISTORY = 3
-"""mjlab's default `history_length`. Source: mjlab 1.6.0, actuator/learned_actuator.py."""
-
 SAME = 0.01
 """Relative difference up to which two periods or scales are one. Chosen: rounding of written figures."""
 
@@ -65,23 +62,6 @@ def conventions(case: Case, index: int, group: ActuatorGroup) -> NetworkConventi
         if os.path.basename(network.file) == name and network.manifest is not None
     }
     return found.pop() if len(found) == 1 else None
-
-
-def tap_steps(config: RobotConfig, group: ActuatorGroup) -> tuple[int, ...] | None:
-    """Physics steps back of each tap, as the class takes them; None: not known."""
-    if config.framework is Framework.MJLAB:
-        setting = group.settings.get("history_length")
-        length = MJLAB_HISTORY if setting is None else setting.value
-        return tuple(range(length)) if isinstance(length, int) and 0 < length <= 1000 else None
-    setting = group.settings.get("input_idx")
-    value = setting.value if setting is not None else None
-    if isinstance(value, tuple) and value:
-        return tuple(one for one in value if isinstance(one, int)) if _whole(value) else None
-    return None
-
-
-def _whole(values: tuple[object, ...]) -> bool:
-    return all(isinstance(one, int) and not isinstance(one, bool) for one in values)
 
 
 def tap_factor(indices: tuple[int, ...], taps: tuple[int, ...]) -> float | None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from actspec.diagnostics import Collector, EmitError, listed, many
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Level
 from actspec.robot.view import ModelFormat, RobotView
-from actspec.simulators.isaaclab import IsaacLabDialect
+from actspec.simulators.isaaclab import CLIPPING_AT_SOLVERS, IsaacLabDialect
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.check import isaaclab_row
 from actspec.targets.isaaclab.classes import check_classes, classes_of
@@ -73,7 +73,7 @@ def _check_limits(unlimited: Sequence[JointActuator], collector: Collector) -> N
         collector.at(f"actuators.{group}.effort_limit", span).error(
             "ISL010",
             f"{listed(member.joint for member in members)}: effort_limit is unknown, and Isaac Lab must have a "
-            "number: without one, versions before 2.3.1 do not clip at all and later ones clip at the USD's",
+            f"number: without one, {CLIPPING_AT_SOLVERS} do not clip at all, and others clip at the USD's",
             "state effort_limit",
         )
 

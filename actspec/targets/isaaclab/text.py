@@ -179,7 +179,7 @@ def module_text(
         environment("isaaclab")
         .get_template("cfg.py.j2")
         .render(
-            header=list(_header(actuators, approximations, dialect, model)),
+            header=list(_header(actuators, groups, approximations, dialect, model)),
             constant=constant,
             robot_constant=f"{identifier(actuators.robot).upper()}_CFG",
             module=module_name(actuators.robot),
@@ -204,16 +204,26 @@ def module_text(
     )
 
 
+def _counts_steps(groups: Sequence[CfgGroup]) -> bool:
+    """Whether something acts by the length of a physics step."""
+    timed = {"max_delay", "physics_dt", "network_file"}
+    return any(keyword.name in timed for group in groups for keyword in group.keywords)
+
+
 def _timing(actuators: ActuatorSet, groups: Sequence[CfgGroup]) -> str:
-    text = f"Made for ``SimulationCfg(dt={py(actuators.physics_dt.require())})``"
+    """For which steps it is made; a step that nobody chose only where something counts it."""
+    counts = _counts_steps(groups)
+    step = py(actuators.physics_dt.require())
+    if actuators.assumed_step:
+        return (
+            f"Delays, filters and networks count physics steps of {step} s,\n{actuators.assumed_step}."
+            if counts
+            else "No step of the simulation is stated, and nothing here counts one."
+        )
+    text = f"Made for ``SimulationCfg(dt={step})``"
     if actuators.decimation is not None and actuators.control_period is not None:
         text += f" and ``decimation={actuators.decimation}``"
-    timed = {"max_delay", "physics_dt", "network_file"}
-    if any(keyword.name in timed for group in groups for keyword in group.keywords):
-        text += ": delays, filters and networks count physics steps"
-    if actuators.assumed_step:
-        text += f".\nThe step is {actuators.assumed_step}"
-    return f"{text}."
+    return f"{text}: delays, filters and networks count physics steps." if counts else f"{text}."
 
 
 def _stages(features: set[str]) -> list[str]:
@@ -272,7 +282,11 @@ def _noted(code: str, note: str) -> str:
 
 
 def _header(
-    actuators: ActuatorSet, approximations: Sequence[Approximation], dialect: IsaacLabDialect, model: str
+    actuators: ActuatorSet,
+    groups: Sequence[CfgGroup],
+    approximations: Sequence[Approximation],
+    dialect: IsaacLabDialect,
+    model: str,
 ) -> Iterator[str]:
     title = f"Isaac Lab {dialect.text} on Isaac Sim {dialect.sim_text} ({dialect.backend_text})"
     yield from comment_lines(written_by(f" for {title}"))
@@ -282,9 +296,10 @@ def _header(
         yield from comment_lines(line)
     if model:
         yield from comment_lines(f"model {model}")
-    yield from comment_lines(
-        f"physics_dt {format_quantity(actuators.physics_dt.value, actuators.physics_dt.unit)}"
-    )
+    if _counts_steps(groups) or not actuators.assumed_step:
+        yield from comment_lines(
+            f"physics_dt {format_quantity(actuators.physics_dt.value, actuators.physics_dt.unit)}"
+        )
     heading = "Approximations (what these classes cannot hold):"
     said = sections(actuators, approximations, heading, digits=4)
     yield from section_lines(said, bullet="  ", hang="    ")
