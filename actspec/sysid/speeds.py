@@ -51,7 +51,7 @@ LEAP = 5.0
 Chosen: it stops or turns back slower than that, and what is lost in a bus's message or two is less."""
 COARSE = 0.0125
 """Time between two rows from which on leaps tell nothing [s]. Chosen: a joint of 7 ms that follows a step of its
-command goes 0.95 of the way between two rows at 50 Hz, and rests by the second; at 80 Hz it does not."""
+command goes 0.94 of the way between two rows at 50 Hz, and rests by the second; at 80 Hz it does not."""
 LATE = 1.5e-3
 """Lag of a velocity from which on it counts as filtered [s]. Measured: a first-order low-pass of 40 Hz is 4 ms late
 and makes kp 2 to 4 %, viscous friction up to 100 % wrong."""
