@@ -273,6 +273,7 @@ class JointActuator:
         continuous_torque: The motor's thermal torque [N*m or N]; information.
         armature: Inertia added to the joint [kg*m^2 or kg].
         reflected_inertia: Rotor inertia seen at the joint [kg*m^2 or kg]; unknown without rotor data.
+        gear: Speed of the motor's rotor over that of the joint [-, or rad/m at a slide]; None without a gear.
         torque_constant: Torque at the joint per current of one motor [N*m/A or N/A]; None where the motor states none,
             and behind a linkage.
         friction_coulomb: Kinetic dry friction [N*m or N].
@@ -312,6 +313,7 @@ class JointActuator:
     continuous_torque: Quantity
     armature: Quantity
     reflected_inertia: Quantity
+    gear: float | None = None
     torque_constant: Quantity | None = None
     friction_coulomb: Quantity
     friction_static: Quantity | None = None

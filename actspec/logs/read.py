@@ -53,6 +53,17 @@ class _Column:
     index: int
 
 
+@dataclass(frozen=True, slots=True)
+class _Unit:
+    """The unit of a column: its text, what one of it is in SI, 0 after an error, and whether it is a slide's."""
+
+    column: _Column
+    kind: Kind
+    text: str
+    scale: float
+    linear: bool | None = None
+
+
 def load_log(path: str) -> Log:
     """Read a log and its sidecar.
 
@@ -65,7 +76,7 @@ def load_log(path: str) -> Log:
     columns = _columns(table, sidecar, path, out)
     time = _time(table, columns, sidecar, path, out)
     found: dict[str, dict[str, Array]] = {}
-    linear: dict[str, bool] = {}
+    parts: dict[str, list[_Unit]] = {}
     ignored = []
     base = {name: column for name, column in columns.items() if name in _BASE}
     for column in columns.values():
@@ -77,7 +88,11 @@ def load_log(path: str) -> Log:
                 ignored.append(column.theirs)
             continue
         kind = SIGNALS[signal]
-        scale = 1.0 if kind is None else _scale(column, kind, sidecar, linear, path, out)
+        scale = 1.0
+        if kind is not None:
+            unit = _unit_of(column, kind, sidecar, path, out)
+            scale = unit.scale
+            parts.setdefault(joint, []).append(unit)
         if (bits := _unsigned(table.columns[column.index])) is not None:
             message = (
                 f"jumps between 0 and {2**bits - 1}: a signed number of {bits} bits, read as an unsigned one"
@@ -87,6 +102,7 @@ def load_log(path: str) -> Log:
         if kind is None and not set(table.columns[column.index].tolist()) <= {0.0, 1.0}:
             out.error("LOG014", "must be 0 or 1 in every row", where=column.theirs, span=Span(path, 1))
         found.setdefault(joint, {})[signal] = table.columns[column.index] * scale
+    linear = {joint: _linear(units, path, out) for joint, units in parts.items()}
     moved = _base(table, base, sidecar, path, out)
     if not found and not out.failed:
         message = "no column is a signal of a joint"
@@ -129,12 +145,13 @@ def _base(
             continue
         parts = []
         for name in names:
-            column, linear = columns[name], dict[str, bool]()
-            kind = _BASE[name]
-            scale = 1.0 if kind is None else _scale(column, kind, sidecar, linear, path, out)
-            if scale and any(is_linear is unit.startswith("rad") for is_linear in linear.values()):
-                place = Span(path, 1, column.index + 1)
-                out.error("LOG013", f"must be in {unit}", where=column.theirs, span=place)
+            column, kind, scale = columns[name], _BASE[name], 1.0
+            if kind is not None:
+                read = _unit_of(column, kind, sidecar, path, out)
+                scale = read.scale
+                if read.linear is unit.startswith("rad"):
+                    place = Span(path, 1, column.index + 1)
+                    out.error("LOG013", f"must be in {unit}", where=column.theirs, span=place)
             parts.append(table.columns[column.index] * scale)
         found[signal] = np.stack(parts, axis=1)
     turn = found.get("orientation")
@@ -209,7 +226,7 @@ def _time(
         help = did_you_mean("time", table.names, "the first column is `time [s]`")
         out.error("LOG012", "the log has no column `time`", span=Span(path, 1), help=help)
         return None
-    if (scale := _scale(column, Kind.TIME, sidecar, {}, path, out)) == 0.0:
+    if (scale := _unit_of(column, Kind.TIME, sidecar, path, out).scale) == 0.0:
         return None
     raw = table.columns[column.index]
     if (bad := np.flatnonzero(~np.isfinite(raw))).size:
@@ -241,16 +258,9 @@ def _time(
     return time
 
 
-def _scale(
-    column: _Column,
-    kind: Kind,
-    sidecar: Sidecar,
-    linear: dict[str, bool],
-    path: str,
-    out: Collector,
-) -> float:
-    """What one of a column's unit is in SI; 0 after an error."""
-    joint, _, signal = column.ours.rpartition(".")
+def _unit_of(column: _Column, kind: Kind, sidecar: Sidecar, path: str, out: Collector) -> _Unit:
+    """A column's unit, by its header or the sidecar."""
+    signal = column.ours.rpartition(".")[2]
     place = Span(path, 1, column.index + 1)
     stated = next(
         (sidecar.units[key] for key in (column.theirs, column.ours, signal) if key in sidecar.units), None
@@ -258,25 +268,42 @@ def _scale(
     if column.unit is not None and stated is not None and column.unit != stated:
         message = f"two units are stated: [{column.unit}] in the header, {stated} in {sidecar_path(path)}"
         out.error("LOG013", message, where=column.theirs, span=place, help="remove one")
-        return 0.0
+        return _Unit(column, kind, stated, 0.0)
     unit = column.unit if column.unit is not None else stated
     if unit is None:
         si = kind.rotary_unit
         help = f"write `{shortened(column.theirs)} [{si}]`, or `units: {{{signal}: {si}}}` in {sidecar_path(path)}"
         out.error("LOG013", "the column has no unit", where=column.theirs, span=place, help=help)
-        return 0.0
+        return _Unit(column, kind, "", 0.0)
     try:
         parsed = parse_with_unit(1.0, unit, kind)
     except UnitError as err:
         out.error("LOG013", err.message, where=column.theirs, span=place, help=err.help)
-        return 0.0
-    if parsed.linear is not None and linear.setdefault(joint, parsed.linear) is not parsed.linear:
-        message = (
-            f"[{unit}] is a unit of a {'slide' if parsed.linear else 'hinge'}, other columns have the other's"
-        )
-        out.error("LOG013", message, where=column.theirs, span=place)
-        return 0.0
-    return parsed.value
+        return _Unit(column, kind, unit, 0.0)
+    return _Unit(column, kind, unit, parsed.value, parsed.linear)
+
+
+def _linear(units: Sequence[_Unit], path: str, out: Collector) -> bool | None:
+    """Whether a joint's columns are a slide's; the fewer that contradict the others are wrong, of two the second."""
+    told = [unit for unit in units if unit.linear is not None]
+    if not told:
+        return None
+    linear = max(
+        (True, False), key=lambda kind: (sum(unit.linear is kind for unit in told), told[0].linear is kind)
+    )
+    others = [unit for unit in told if unit.linear is linear]
+    for unit in told:
+        if unit.linear is linear:
+            continue
+        noun, theirs = ("slide", "hinge") if linear else ("hinge", "slide")
+        right = unit.kind.linear_unit if linear else unit.kind.rotary_unit
+        rest = "column has" if len(others) == 1 else "columns have"
+        shown = listed(f"[{one.text}]" for one in others)
+        message = f"[{unit.text}] is a unit of a {theirs}, the joint's other {rest} a {noun}'s: {shown}"
+        place = Span(path, 1, unit.column.index + 1)
+        help = f"write [{right}], if that is what it is"
+        out.error("LOG013", message, where=unit.column.theirs, span=place, help=help)
+    return linear
 
 
 def _misspelt(column: _Column, path: str, out: Collector) -> bool:

@@ -95,6 +95,7 @@ def actuator_of(
         reflected_inertia=motor.reflected_inertia
         if motor is not None
         else unknown(inputs.unit(Kind.INERTIA)),
+        gear=None if motor is None else motor.gear,
         torque_constant=None if motor is None else motor.torque_constant,
         friction_coulomb=friction["coulomb"] or unknown(inputs.unit(Kind.TORQUE)),
         friction_static=friction["static"],

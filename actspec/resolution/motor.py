@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -43,6 +44,7 @@ class JointMotor:
     bandwidth: Quantity | None
     arms: tuple[str, ...]
     torque_constant: Quantity | None = None
+    gear: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +142,7 @@ def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> 
     motors = (float(drivetrain.motors), "motors_per_joint")
     to_torque = [*(factor for train in passed for factor in train.torque), motors]
     to_speed = [factor for train in passed for factor in train.speed]
+    ratios = [factor for train in (drivetrain.gearbox, drivetrain.transmission) for factor in train.speed]
 
     def figure(value: SpecValue | None, quantity: Kind, *path: str) -> Quantity | None:
         if value is None:
@@ -212,6 +215,7 @@ def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> 
         reflected_inertia=_reflected(motor, name, drivetrain, spec),
         bandwidth=figure(motor.bandwidth, Kind.FREQUENCY, "bandwidth"),
         torque_constant=None if constant is None else scaled(constant, to_torque),
+        gear=math.prod(ratio for ratio, _ in ratios) if ratios else None,
         arms=tuple(
             step.text
             for train in (drivetrain.gearbox, drivetrain.transmission)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector
 from actspec.fields import units_of
 from actspec.sysid.figures import Bounds
-from actspec.sysid.recording import LEAST_ROWS, Recording, smooth, without_velocity
+from actspec.sysid.recording import LEAST_ROWS, Recording
+from actspec.sysid.speeds import SURE, check_speeds, correlated, unit_of
 from actspec.sysid.spoilt import EXCITED, texture
 from actspec.sysid.torques import AT_LIMIT, OFTEN, STANDS, check_torques
 from actspec.units import format_number
@@ -24,15 +25,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-SURE = 0.8
-"""Correlation from which on two signals are the same thing. Chosen."""
-FACTORS = {180.0 / math.pi: "degrees", 30.0 / math.pi: "rpm", 1e3: "thousandths", 2.0 * math.pi: "turns"}
-"""Scale to the unit that it is the mark of."""
-NEAR = 0.12
-"""How near a scale must be to one of these, as a share. Chosen: they are far from each other, and from 1."""
-LATE = 1.5e-3
-"""Lag of a velocity from which on it counts as filtered [s]. Measured: a first-order low-pass of 40 Hz is 4 ms late
-and makes kp 2 to 4 %, viscous friction up to 100 % wrong."""
 SMALL = 5.0
 """Movement of a joint, as a standard deviation, in the noise or counts of its encoder below which it is too small."""
 LIVELY = 3
@@ -52,10 +44,6 @@ BEYOND = 3.0
 without stops at its resonance goes over twice its range."""
 OUTSIDE = 0.2
 """Share of the joint's range by which a position may be outside of it. Chosen: stops give way, and zeros are off."""
-WINDOW = 0.03
-"""Width of the filter with which a velocity is compared [s]."""
-SEEN = 10.0
-"""Least speed of a joint, in the smoothed noise of its velocity, at which the two are compared."""
 
 
 def check(
@@ -84,8 +72,8 @@ def check(
                 _follows(recording, recordings, out)
                 _clipped(recording, out)
             _within(recording, recordings, ranges, out)
-            kept = _velocity(recording, recordings, out)
-            found[name].append(kept)
+            found[name].append(recording)
+    check_speeds(found, recordings, out)
     check_torques(found, bounds, out)
     return found
 
@@ -101,22 +89,6 @@ def _moves(recording: Recording, out: Collector) -> bool:
     return False
 
 
-def _scale(a: Array, b: Array) -> tuple[float, float]:
-    """Slope of a over b, and their correlation."""
-    import numpy as np
-
-    x, y = b - b.mean(), a - a.mean()
-    size = float(np.sqrt((x @ x) * (y @ y)))
-    if size == 0.0:
-        return 0.0, 0.0
-    return float(x @ y / (x @ x)), float(x @ y) / size
-
-
-def _unit_of(slope: float) -> str | None:
-    """The unit that a scale is the mark of."""
-    return next((unit for factor, unit in FACTORS.items() if abs(abs(slope) / factor - 1.0) < NEAR), None)
-
-
 def _shifted(recording: Recording, command: Array) -> tuple[float, float]:
     """Slope and correlation of the position over a command, at the lag at which they agree best."""
     import numpy as np
@@ -126,7 +98,7 @@ def _shifted(recording: Recording, command: Array) -> tuple[float, float]:
     known = np.isfinite(recording.measured["position"])
     for lag in np.unique(np.linspace(0, rows, 12).astype(int)):
         n = len(command) - lag
-        tried = _scale(recording.position[lag:][known[lag:]], command[:n][known[lag:]])
+        tried = correlated(recording.position[lag:][known[lag:]], command[:n][known[lag:]])
         if abs(tried[1]) > abs(best[1]):
             best = tried
     return best
@@ -139,10 +111,10 @@ def _follows(recording: Recording, recordings: Mapping[str, Sequence[Recording]]
     if sure < -SURE:
         message = f"the position goes against the command (correlation {sure:.2f})"
         out.error("SYS014", message, where=name, span=place, help="one of the two columns has the wrong sign")
-    elif sure > SURE and (unit := _unit_of(slope)) is not None and unit != "turns":
+    elif sure > SURE and (unit := unit_of(slope)) is not None and unit != "turns":
         message = f"the position moves {slope:.3g} times as far as the command: it is in {unit}"
         out.error("SYS014", message, where=name, span=place, help=f"write [{_written(unit)}] in its header")
-    elif sure > SURE and (unit := _unit_of(1.0 / slope)) is not None and unit != "turns":
+    elif sure > SURE and (unit := unit_of(1.0 / slope)) is not None and unit != "turns":
         message = f"the command moves {1.0 / slope:.3g} times as far as the position: it is in {unit}"
         out.error("SYS014", message, where=name, span=place, help=f"write [{_written(unit)}] in its header")
     elif abs(sure) < 0.5:
@@ -287,100 +259,6 @@ def _within(
 
 def _written(unit: str) -> str:
     return {"degrees": "deg", "thousandths": "mrad"}.get(unit, unit)
-
-
-def _velocity(
-    recording: Recording, recordings: Mapping[str, Sequence[Recording]], out: Collector
-) -> Recording:
-    """The velocity against the position's derivative."""
-    import numpy as np
-
-    read = recording.measured.get("velocity")
-    if read is None or len(read) < LEAST_ROWS:
-        return recording
-    known = np.isfinite(recording.measured["position"]) & np.isfinite(read)
-    slopes = smooth(recording.time, recording.position, WINDOW, 1)[known]
-    course = smooth(recording.time, read, WINDOW)[known]
-    read = read[known]
-    slope, sure = _scale(course, slopes)
-    place, name = recording.place(), recording.joint
-    if float(np.std(course)) < SEEN * float(np.nanstd(read - course)) * math.sqrt(recording.step / WINDOW):
-        # Noise is all that one sees of so slow a joint: there is nothing to compare.
-        return recording
-    if sure < -SURE:
-        message = f"the velocity has the opposite sign of the position's derivative (correlation {sure:.2f})"
-        out.error("SYS014", message, where=name, span=place, help="turn the sign of one of the two columns")
-        return recording
-    lag, at_lag = _lag(course, slopes, recording.step)
-    if at_lag > SURE and abs(slope - 1.0) > NEAR and (unit := _unit_of(slope)) is not None:
-        message = f"the velocity is {slope:.3g} times the position's derivative: it is in {unit}"
-        shown = {"degrees": "deg/s", "rpm": "rpm", "thousandths": "mrad/s", "turns": "rev/s"}[unit]
-        out.error("SYS014", message, where=name, span=place, help=f"write [{shown}] in its header")
-        return recording
-    if at_lag > SURE and slope > 0 and (unit := _unit_of(1.0 / slope)) is not None and unit != "rpm":
-        message = (
-            f"the position's derivative is {1.0 / slope:.3g} times the velocity: the position is in {unit}"
-        )
-        shown = {"degrees": "deg", "thousandths": "mrad", "turns": "rev"}[unit]
-        out.error("SYS014", message, where=name, span=place, help=f"write [{shown}] in its header")
-        return recording
-    if at_lag < SURE:
-        if whose := _derivative_of(recording, recordings, course, known):
-            message = f"the velocity is the derivative of {whose}, not of its own position"
-            help = "columns are exchanged"
-            if whose == "the command":
-                help = "command and position are exchanged, or it is a commanded velocity"
-            out.error("SYS015", message, where=name, span=place, help=help)
-            return recording
-        message = f"the velocity is not the position's derivative (correlation {at_lag:.2f}): it is left out"
-        out.warning("SYS012", message, where=name, span=place)
-        return without_velocity(recording)
-    if lag > LATE:
-        message = f"the velocity is {lag * 1e3:.2g} ms late, as behind a filter: it is left out"
-        out.info("SYS012", message, where=name, span=place)
-        return without_velocity(recording)
-    return recording
-
-
-def _derivative_of(
-    recording: Recording,
-    recordings: Mapping[str, Sequence[Recording]],
-    course: Array,
-    known: NDArray[np.bool_],
-) -> str | None:
-    """What else of the log a velocity is the derivative of; None: nothing."""
-    signals = {"the command": recording.command} | {
-        f"the position of {joint}": other.position
-        for joint, theirs in recordings.items()
-        for other in theirs
-        if joint != recording.joint and other.log is recording.log and len(other.time) == len(recording.time)
-    }
-    for name, signal in signals.items():
-        lag, sure = _lag(course, smooth(recording.time, signal, WINDOW, 1)[known], recording.step)
-        if sure > SURE and abs(lag) < LATE:
-            return name
-    return None
-
-
-def _lag(late: Array, early: Array, step: float) -> tuple[float, float]:
-    """By how much one signal is behind another [s], by a parabola through the best correlations; and the best."""
-    import numpy as np
-
-    rows = max(2, round(0.03 / step))
-    found = []
-    for lag in range(-2, rows + 1):
-        a = late[max(lag, 0) : len(late) + min(lag, 0)]
-        b = early[max(-lag, 0) : len(early) - max(lag, 0)]
-        found.append(_scale(a, b)[1])
-    best = int(np.argmax(found))
-    top = found[best]
-    if 0 < best < len(found) - 1:
-        left, right = found[best - 1], found[best + 1]
-        bend = left - 2.0 * top + right
-        shift = 0.0 if bend == 0.0 else 0.5 * (left - right) / bend
-    else:
-        shift = 0.0
-    return (best - 2 + shift) * step, top
 
 
 def _large(recording: Recording, out: Collector) -> bool:

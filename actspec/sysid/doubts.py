@@ -7,10 +7,11 @@ nothing in the fit shows it. Gravity, and what other joints do to this one, are 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Span
+from actspec.diagnostics import Collector, Span, listed
 from actspec.fields import units_of
 from actspec.sysid.descent import System, simulated
 from actspec.sysid.drift import judge_drift
@@ -32,7 +33,9 @@ TOLD = 0.05
 FAR = 0.03
 """How far from 1 a scale may be beside twice its standard deviation. Chosen: masses of a model are no better."""
 GROSS = (0.6, 1.5)
-"""Scales beyond which no figure of a fit means anything. Chosen: filtered readings alone make it 0.8 to 1.1."""
+"""Scales beyond which no figure of a fit means anything. Chosen: see `FILTERED`."""
+FILTERED = (0.8, 1.1)
+"""What filtered readings alone make of a scale of 1. Measured."""
 GONE = 0.25
 """Position error, as a share of the joint's motion, from which on the model moves otherwise. Measured: play, stiction
 and a torque twice too large leave less than 0.1; a command that the drive did not get, or columns of another joint,
@@ -61,6 +64,11 @@ class Scale:
     std: float
     offset: float
 
+    @property
+    def shown(self) -> str:
+        """The factor with twice its standard deviation."""
+        return f"{format_number(self.value, 3)} +- {format_number(2.0 * self.std, 1)}"
+
 
 def doubted(joint: JointInWork, found: JointFit, system: System, out: Collector) -> JointFit:
     """A joint's fit with what speaks against it, by the residuals where it ended; warnings go to `out`."""
@@ -83,8 +91,52 @@ def doubted(joint: JointInWork, found: JointFit, system: System, out: Collector)
     return found
 
 
-def judge_torque(joint: JointInWork, out: Collector) -> None:
-    """The logged torque against the masses along the motion that was read, before a fit takes it at its word."""
+def judge_torques(joints: Iterable[JointInWork], out: Collector) -> None:
+    """The logged torques against the masses along the motion that was read, before a fit takes them at their word.
+
+    Those that a gear explains are told once, for it is one mistake.
+    """
+    behind: list[tuple[JointInWork, Scale]] = []
+    for joint in joints:
+        solved = _read_scale(joint)
+        if solved is None or solved[1] > TOLD or GROSS[0] < solved[0] < GROSS[1]:
+            continue
+        scale = Scale(*solved, 0.0)
+        if _at_motor(scale, joint.actuator.gear):
+            behind.append((joint, scale))
+        else:
+            _judge_scale(joint, scale, out)
+    if not behind:
+        return
+    shown, times = [], []
+    for gear in dict.fromkeys(joint.actuator.gear for joint, _ in behind):
+        assert gear is not None
+        mine = [(joint.actuator.joint, scale) for joint, scale in behind if joint.actuator.gear == gear]
+        factor = format_number(gear, 4)
+        shown.append(f"1/{factor} ({listed(f'{name}: {scale.shown}' for name, scale in mine)})")
+        times.append(f"{listed(name for name, _ in mine)} by {factor}")
+    message = (
+        f"the torque is about {' and '.join(shown)} of what the model's masses need, as the spec's gear has it: "
+        "it is likely that on the motor's side"
+    )
+    help = (
+        f"multiply the torque of {', of '.join(times)}, and by the gear's efficiency where the motor drives"
+    )
+    first = behind[0][0]
+    names = listed(joint.actuator.joint for joint, _ in behind)
+    out.error("SYS018", message, where=names, span=Span(first.recordings[0].log.path), help=help)
+
+
+def _at_motor(scale: Scale, gear: float | None) -> bool:
+    """Whether a torque is one over the gear's ratio of that at the joint, as far as readings tell."""
+    if gear is None:
+        return False
+    least, most = FILTERED
+    return least <= (scale.value + 2.0 * scale.std) * gear and (scale.value - 2.0 * scale.std) * gear <= most
+
+
+def _read_scale(joint: JointInWork) -> tuple[float, float] | None:
+    """The logged torque over what the masses need along the motion that was read, and its standard deviation."""
     import numpy as np
 
     blocks = []
@@ -97,9 +149,7 @@ def judge_torque(joint: JointInWork, out: Collector) -> None:
             qd, acceleration = recording.velocity[rows], recording.acceleration[rows]
             known = course.inertia[rows] * acceleration + course.load[rows]
             blocks += _block(known, acceleration, qd, recording.measured["torque"][rows], fastest)
-    solved = _regressed(blocks)
-    if solved is not None and solved[1] < TOLD and not GROSS[0] < solved[0] < GROSS[1]:
-        _judge_scale(joint, Scale(*solved, 0.0), out)
+    return _regressed(blocks)
 
 
 def _block(
@@ -217,7 +267,7 @@ def _judge_scale(joint: JointInWork, scale: Scale, out: Collector) -> None:
     if off < FAR + 2.0 * scale.std or off < 2.0 * math.hypot(known, scale.std):
         return
     name, place = joint.actuator.joint, Span(joint.recordings[0].log.path)
-    shown = f"{format_number(scale.value, 3)} +- {format_number(2.0 * scale.std, 1)}"
+    shown = scale.shown
     say = out.warning if GROSS[0] < scale.value < GROSS[1] else out.error
     if scale.value <= 0.0:
         message = (

@@ -21,7 +21,7 @@ from actspec.sysid.checks import check
 from actspec.sysid.coupling import Path, course_of, dense, fitted, links_of, read
 from actspec.sysid.course import Course, told
 from actspec.sysid.descent import ROUNDS, WIDE, Fit, Piecewise, Search, descend, simulated
-from actspec.sysid.doubts import doubted, judge_torque
+from actspec.sysid.doubts import doubted, judge_torques
 from actspec.sysid.figures import Bounds, figures_of
 from actspec.sysid.gains import GAINS, extended, gains_of, joined
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
@@ -101,9 +101,7 @@ def fit_logs(
     out.raise_if_failed(LogError)
     joints = prepared(stand, logs, names, options, out)
     unseen = recorded(actuators, validation, [name for name in tests if name in joints], out)
-    for joint in joints.values():
-        if joint.torque and joint.courses:
-            judge_torque(joint, out)
+    judge_torques([joint for joint in joints.values() if joint.torque and joint.courses], out)
     out.raise_if_failed(LogError)
     roll(stand, logs, joints, options, out)
     systems = {}

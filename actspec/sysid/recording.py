@@ -241,6 +241,26 @@ def without_velocity(recording: Recording) -> Recording:
         {name: signal for name, signal in readings.items() if name != "velocity"}
         for readings in (recording.measured, recording.released)
     )
+    return _with(recording, measured, released)
+
+
+def earlier(recording: Recording, rows: int) -> Recording:
+    """The recording with its position as that of so many rows earlier, for it was read late."""
+    import numpy as np
+
+    time, n, off = recording.time, len(recording.time) - rows, recording.off
+    read = np.where(off, recording.released["position"], recording.measured["position"])
+    position = np.full(len(time), np.nan)
+    # Behind a gap is another moment.
+    gaps = np.concatenate([[0], np.cumsum(np.diff(time) > longest_step(time))])
+    position[:n] = np.where(gaps[rows:] == gaps[:n], read[rows:], np.nan)
+    measured = {**recording.measured, "position": np.where(off, np.nan, position)}
+    released = {**recording.released, "position": np.where(off, position, np.nan)}
+    return _with(recording, measured, released)
+
+
+def _with(recording: Recording, measured: dict[str, Array], released: dict[str, Array]) -> Recording:
+    """The recording with other readings."""
     position, velocity, acceleration = _motion(recording.time, measured, recording.off, released)
     return replace(
         recording,

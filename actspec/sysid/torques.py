@@ -154,7 +154,8 @@ def answer(torque: Array, cause: Recording, limit: float) -> Answer | None:
     return best if best.left < min(BETTER * prompt.left, EXPLAINED) else prompt
 
 
-def _rows(number: int) -> str:
+def rows_of(number: int) -> str:
+    """So many rows, in words."""
     return "1 row" if number == 1 else f"{number} rows"
 
 
@@ -200,7 +201,7 @@ def prompt(recording: Recording, course: Course, out: Collector) -> Recording:
     if _moved(torque, recording, course, late) > BETTER * _moved(torque, recording, course, 0):
         return recording
     message = (
-        f"the torque is {_rows(late)} ({format_number(1e3 * late * recording.step, 3)} ms) behind the "
+        f"the torque is {rows_of(late)} ({format_number(1e3 * late * recording.step, 3)} ms) behind the "
         "motion that it makes: it is fitted as that of so much earlier"
     )
     help = "log what the drive reads in one message, or take the lag out of the column"

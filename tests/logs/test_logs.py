@@ -149,7 +149,7 @@ def test_missing_cells_are_no_numbers(tmp_path: Path) -> None:
         (lambda lines: [lines[0].replace("[ms]", "[s]"), *lines[1:]], ":1", "time [ms]"),
         (lambda lines: [lines[0].replace(" [rad]", ""), *lines[1:]], ":1:3", "no unit"),
         (lambda lines: [lines[0].replace("[rad]", "[N*m]"), *lines[1:]], ":1:3", "a torque, not a position"),
-        (lambda lines: [lines[0].replace("[deg]", "[mm]"), *lines[1:]], ":1:3", "unit of a hinge"),
+        (lambda lines: [lines[0].replace("[deg]", "[mm]"), *lines[1:]], ":1:2", "have a hinge's: [rad], [N*m]"),
         (lambda lines: [lines[0].replace(".torque", ".torqe"), *lines[1:]], ":1:4", "'hip.torque'"),
         (lambda lines: [lines[0].replace("time", "clock"), *lines[1:]], ":1", "no column `time`"),
         (lambda lines: lines[:11], "", "10 rows, at least 20"),

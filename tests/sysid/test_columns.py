@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from actspec.diagnostics import Collector, Diagnostic, Severity
 from actspec.logs import JointLog, Log, LogError, Sidecar
 from actspec.sysid.checks import check
 from actspec.sysid.course import Course
+from actspec.sysid.doubts import judge_torques
 from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import Recording, record, without_velocity
 from actspec.sysid.torques import answer, prompt
@@ -210,3 +212,154 @@ def test_a_command_that_the_drive_did_not_get_has_no_figures(tmp_path: Path) -> 
     cut = replace(hip, command=np.clip(hip.command, -0.2, 0.2))
     with pytest.raises(LogError, match=r"no figures make the model move as the log does"):
         fitted(tmp_path, replace(log, joints={"hip": cut}))
+
+
+def legs(rows: int = 800) -> Log:
+    """Two joints, 4 s at 200 Hz: sines of 0.7 and 1.9 Hz, and of 0.5 and 2.3 Hz, 0.2 mrad and 0.03 rad/s of noise.
+
+    The first goes 1.9 rad/s at most, 9.5 mrad a row.
+    """
+    t, random = 0.005 * np.arange(rows), np.random.default_rng(7)
+    parts = {"hip": ((0.7, 0.3), (1.9, 0.05)), "knee": ((0.5, -0.25), (2.3, 0.08))}
+    joints = {}
+    for name, sines in parts.items():
+        course = sum(size * np.sin(2 * np.pi * f * t) for f, size in sines)
+        speed = sum(2 * np.pi * f * size * np.cos(2 * np.pi * f * t) for f, size in sines)
+        position = course + 2e-4 * random.standard_normal(rows)
+        joints[name] = JointLog(
+            name,
+            False,
+            command=course,
+            position=position,
+            velocity=speed + 0.03 * random.standard_normal(rows),
+        )
+    return Log("leg.csv", "0" * 64, t, joints, Sidecar())
+
+
+def scaled(log: Log, **factors: float) -> dict[str, JointLog]:
+    """The joints with their velocities times a factor."""
+    return {
+        name: replace(log.joints[name], velocity=factor * log.joints[name].velocity)
+        for name, factor in factors.items()
+    }
+
+
+def test_a_velocity_of_another_scale() -> None:
+    """Twice the derivative at one of two joints, or 1.5 and 9 at both: no unit's factors, nor the time's."""
+    log = legs()
+    (one,) = checked(log, **scaled(log, knee=2.0))[1]
+    assert (one.code, one.severity, one.where) == ("SYS014", Severity.ERROR, "knee")
+    assert one.message == "the velocity is 2 times the position's derivative"
+    both = checked(log, **scaled(log, hip=1.5, knee=1 / 9))[1]
+    assert [one.message[:28] for one in both] == [
+        "the velocity is 1.5 times th",
+        "the velocity is 0.111 times ",
+    ]
+    assert [one.message[-9:] for one in checked(log, **scaled(log, hip=30 / np.pi))[1]] == ["is in rpm"]
+
+
+def test_a_velocity_as_drives_report_it_has_its_scale() -> None:
+    """Behind a low-pass of 5 Hz, in counts of 0.024 rad/s that are cut off, late by 2 rows, with 0.3 rad/s of noise."""
+    log = legs()
+    for name, joint in log.joints.items():
+        speed = joint.velocity
+        assert speed is not None
+        slow = np.zeros_like(speed)
+        for row in range(1, len(speed)):
+            # 2 pi 5 Hz 5 ms = 0.157, of which 1 - exp(-0.157) = 0.145.
+            slow[row] = slow[row - 1] + 0.145 * (speed[row] - slow[row - 1])
+        noise = 0.3 * np.random.default_rng(1).standard_normal(len(speed))
+        for other in (slow, 0.024 * np.trunc(speed / 0.024), np.roll(speed, 2), speed + noise):
+            found = checked(log, **{name: replace(joint, velocity=other)})[1]
+            assert not [one for one in found if one.severity is not Severity.INFO], name
+
+
+def test_a_time_of_another_scale() -> None:
+    """Twice too long: both joints' velocities are twice what their positions make of it, and the time is told."""
+    log = legs()
+    (one,) = checked(replace(log, time=2.0 * log.time))[1]
+    assert (one.code, one.severity, one.where) == ("SYS014", Severity.ERROR, "time")
+    assert one.message.startswith("the velocities of both joints are 2 times their positions' derivatives")
+    assert one.message.endswith("ms by the velocities, and every 10 ms by the time")
+
+
+def test_rows_that_are_missing_behind_a_time_that_goes_on() -> None:
+    """100 rows less from row 300 on, 0.5 s, in which the joints go elsewhere: line 301 of the file is the last before.
+
+    With the times that they had it is a gap as others are.
+    """
+    log = legs()
+    kept = np.r_[0:300, 400:800]
+    joints = {
+        name: replace(
+            joint, **{signal: getattr(joint, signal)[kept] for signal in ("command", "position", "velocity")}
+        )
+        for name, joint in log.joints.items()
+    }
+    found = checked(replace(log, time=log.time[:700]), **joints)[1]
+    (one,) = [one for one in found if one.severity is not Severity.INFO]
+    assert (one.code, one.severity, one.where) == ("SYS013", Severity.ERROR, "time")
+    assert one.message.startswith("the positions of 2 of 2 joints jump from this row to the next: ")
+    assert one.span == log.span(299)
+    assert {one.severity for one in checked(replace(log, time=log.time[kept]), **joints)[1]} == {
+        Severity.INFO
+    }
+
+
+def test_readings_that_are_held_are_no_gap() -> None:
+    """Eight rows in which a bus gives the same readings again: behind them the joints go on by a leap."""
+    log = legs()
+    held = np.arange(800)
+    held[300:308] = 300
+    joints = {
+        name: replace(joint, position=joint.position[held], velocity=joint.velocity[held])
+        for name, joint in log.joints.items()
+    }
+    assert not [one for one in checked(log, **joints)[1] if one.severity is Severity.ERROR]
+
+
+@pytest.mark.parametrize("rows", [2, 4, 12])
+def test_a_position_that_is_late_is_taken_earlier(rows: int) -> None:
+    """12 rows are 60 ms; one row may be how a program reads, and is left."""
+    whole = legs(820)
+    log = replace(
+        whole,
+        time=whole.time[20:],
+        joints={
+            name: replace(joint, **{signal: read[20:] for signal, read in joint.signals.items()})
+            for name, joint in whole.joints.items()
+        },
+    )
+    hip, position = log.joints["hip"], whole.joints["hip"].position
+    assert position is not None
+    made, (one,) = checked(log, hip=replace(hip, position=position[20 - rows : 820 - rows]))
+    assert (one.code, one.severity, one.where) == ("SYS012", Severity.WARNING, "hip")
+    assert one.message.startswith(f"the position is {rows} rows ({5 * rows} ms) behind its velocity")
+    read = made["hip"][0].measured["position"]
+    np.testing.assert_array_equal(read[: 800 - rows], position[20 : 820 - rows])
+    assert np.isnan(read[800 - rows :]).all()
+    assert checked(log, hip=replace(hip, position=position[19:819]))[1] == []
+
+
+@pytest.mark.parametrize(
+    ("factor", "gear", "words"),
+    [(9.0, 9.0, "about 1/9 (hip: 0.09"), (9.0, 6.0, "times what"), (1.0, 9.0, None)],
+)
+def test_a_torque_of_the_motor_s_side(log: Log, factor: float, gear: float, words: str | None) -> None:
+    """A ninth of the joint's, where the spec's gear is 9; one of 6 does not explain it."""
+    hip = log.joints["hip"]
+    assert hip.torque is not None
+    out = Collector()
+    read = record(log, replace(hip, torque=hip.torque / factor), out)
+    assert read is not None
+    still = np.zeros(ROWS)
+    load, slope = 1.2 * np.sin(read.position), 1.2 * np.cos(read.position)
+    course = Course(read.time, read.command, still, still + 0.02, load, slope, read.position)
+    one = SimpleNamespace(
+        recordings=[read], courses=[course], actuator=SimpleNamespace(joint="hip", gear=gear)
+    )
+    judge_torques([one], out)  # type: ignore[list-item]
+    assert [(one.code, one.where) for one in out.sorted()] == ([("SYS018", "hip")] if words else [])
+    for found in out.sorted():
+        assert words is not None and words in found.message
+        assert ("by 9" in (found.help or "")) is (gear == factor)
