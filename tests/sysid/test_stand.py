@@ -194,7 +194,7 @@ def test_the_armature_with_a_bent_knee(pose: str, knee: bool, tmp_path: Path) ->
     assert value is not None and value == pytest.approx(0.012, abs=5e-4)
     assert hip.parameter("kp").value == pytest.approx(TRUE["kp"], rel=2e-3)
     left_out = [item.message for item in found.findings if item.code == "SYS037"]
-    assert left_out == (["not fitted, as no command moves them: knee stands at 1.571 rad"] if knee else [])
+    assert left_out == (["no figures, as no command moves them: knee stands at 1.571 rad"] if knee else [])
 
 
 @pytest.mark.slow
