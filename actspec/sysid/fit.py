@@ -35,6 +35,7 @@ from actspec.sysid.stand import Stand, by_log, idle
 from actspec.sysid.torques import prompt
 from actspec.sysid.unseen import held_out, judge_validation, tested, told_apart
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
+from actspec.sysid.zeros import judge_biases, judge_zeros
 
 if TYPE_CHECKING:
     import numpy as np
@@ -87,8 +88,9 @@ def fit_logs(
     out.raise_if_failed(LogError)
     joints = prepared(stand, logs, names, options, out)
     unseen = recorded(actuators, validation, [name for name in tests if name in joints], out)
-    for joint in joints.values():
-        if joint.torque and joint.courses:
+    askew = frozenset() if out.failed else judge_zeros(stand, joints, out)
+    for name, joint in joints.items():
+        if joint.torque and joint.courses and name not in askew:
             judge_torque(joint, out)
     out.raise_if_failed(LogError)
     beside = carried(stand, joints, options) if options.joints else {}
@@ -104,14 +106,17 @@ def fit_logs(
     else:
         errors = {name: held_out(joint, systems[name]) for name, joint in joints.items()}
     found = tuple(
-        doubted(joint, judged(joint, options, systems[name], errors.get(name)), systems[name], out)
+        doubted(
+            joint, judged(joint, options, systems[name], errors.get(name)), systems[name], out, name in askew
+        )
         for name, joint in joints.items()
     )
     if validation:
         made = {name: tuple(one.log.path for one in recordings) for name, recordings in unseen.items()}
         judge_validation({joint.joint: joint for joint in found}, made, out)
     out.raise_if_failed(LogError)
-    judge_fit(found, out)
+    judge_fit([joint for joint in found if joint.joint not in askew], out)
+    judge_biases(found, askew, out)
     return Identification(actuators.robot, "rollout", found, out.sorted(), clock.perf_counter() - begun)
 
 
