@@ -223,8 +223,9 @@ def read(stand: Stand, first: Recording, here: Mapping[str, Recording]) -> Read:
     motion: list[list[Array]] = []
     torques = []
     for name in names:
-        position = log.joints[name].position
-        assert position is not None
+        position, actuator = log.joints[name].position, stand.actuators.joint(name)
+        assert position is not None and actuator is not None
+        position = position - (actuator.encoder_bias.value or 0.0)
         known = np.isfinite(position)
         whole = np.interp(time, log.time[known], position[known])
         motion.append([smooth(time, whole, SLOWLY, order)[rows] for order in range(3)])

@@ -68,11 +68,14 @@ def stand(folder: Path, pose: str = "knee: 90 deg", model: str = MODEL) -> Stand
     return Stand(robot, api.resolve(spec, robot))
 
 
-def log_of(joints: dict[str, dict[str, np.ndarray]], sidecar: str = "") -> Log:
+def log_of(
+    joints: dict[str, dict[str, np.ndarray]], sidecar: str = "", time: np.ndarray | None = None
+) -> Log:
     """A log of these columns; the sidecar may state a pose of the knee."""
     pose = {"pose": {"knee": sidecar}} if sidecar else {}
     made = {name: JointLog(name, False, **columns) for name, columns in joints.items()}
-    return Log("l.csv", "0" * 64, np.arange(ROWS) * PERIOD, made, Sidecar.model_validate(pose))
+    time = np.arange(ROWS) * PERIOD if time is None else time
+    return Log("l.csv", "0" * 64, time, made, Sidecar.model_validate(pose))
 
 
 EVEN = np.ones(ROWS)
