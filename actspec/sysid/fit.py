@@ -27,7 +27,7 @@ from actspec.sysid.identified import FIGURE, Identification
 from actspec.sysid.judge import UNLIKE, judge_fit, judged
 from actspec.sysid.links import links_at
 from actspec.sysid.more import enlarged
-from actspec.sysid.recording import Recording, driven, reading_noise, record, smooth
+from actspec.sysid.recording import SMOOTH, Recording, driven, reading_noise, record, smooth
 from actspec.sysid.released import release
 from actspec.sysid.single import COUPLED, fit_joint
 from actspec.sysid.sparse import judge_rows
@@ -53,6 +53,9 @@ SETTLED = 0.2
 SLOWLY, LOOKS = 0.05, 25
 """Width of the filter with which accelerations are compared for whether joints move each other [s], and rows of a log
 at which their inertia is. Chosen: it is asked for a size alone."""
+WIDER, LEAST_CUBIC = 2.0, 5
+"""The filter of joints that move as read, over the usual one, and rows that this has at least: what the two make of a
+figure is how little is known of it. Chosen: of 5 and 9 rows, the wider one lets a fifth of the noise through."""
 NUDGE = 0.1
 """Change of the load that is nothing any more, as the position that it makes over the bias's standard deviation."""
 
@@ -164,6 +167,9 @@ def roll(
                 fit_joint(joint, options, heard[name])
         # What is found of a joint's bias moves gravity at the others.
         again = coupled and any(_moved(joint, read[name]) for name, joint in every.items())
+    if any(stand.beside(log, list(every))[1] for log in logs):
+        for name, courses in _courses(stand, logs, every, fits=coupled, wider=True).items():
+            every[name].otherwise = courses
     return frozenset(every.keys() - joints.keys())
 
 
@@ -433,13 +439,27 @@ def _bias(joint: JointInWork) -> float:
 
 
 def _couple(stand: Stand, logs: Sequence[Log], joints: Mapping[str, JointInWork], *, fits: bool) -> None:
-    """Give every joint its courses: the links along each log, and in the load what the others' motion does.
+    """Give every joint its courses; see `_courses`."""
+    for name, courses in _courses(stand, logs, joints, fits=fits).items():
+        joints[name].courses = courses
+
+
+def _courses(
+    stand: Stand,
+    logs: Sequence[Log],
+    joints: Mapping[str, JointInWork],
+    *,
+    fits: bool,
+    wider: bool = False,
+) -> dict[str, list[Course]]:
+    """Courses of every joint: the links along each log, and in the load what the others' motion does.
 
     Args:
         stand: The model, and where its other joints are.
         logs: That the joints' recordings are of.
         joints: Of which the courses are made.
         fits: Whether the joints move as their fits say; else as the readings do.
+        wider: Whether the readings of other joints go through a wider filter.
     """
     made: dict[str, list[Course]] = {name: [] for name in joints}
     for log in logs:
@@ -455,11 +475,11 @@ def _couple(stand: Stand, logs: Sequence[Log], joints: Mapping[str, JointInWork]
             _path(joints[name], i) if fits else read(r, _bias(joints[name])) for name, (i, r) in here.items()
         ]
         recordings = [recording for _, recording in here.values()]
-        links, paths = links_of(stand, recordings, paths, list(here))
+        width = WIDER * max(SMOOTH, LEAST_CUBIC * recordings[0].step) if wider else SMOOTH
+        links, paths = links_of(stand, recordings, paths, list(here), width)
         for j, (name, recording) in enumerate(zip(here, recordings, strict=True)):
             made[name].append(course_of(recording, links, paths, j))
-    for name, joint in joints.items():
-        joint.courses = made[name]
+    return made
 
 
 def _path(joint: JointInWork, index: int) -> Path:
