@@ -19,11 +19,11 @@ from actspec.robot.view import RobotView
 from actspec.sysid.checks import check
 from actspec.sysid.coupling import Path, course_of, dense, fitted, links_of, read
 from actspec.sysid.course import Course
-from actspec.sysid.descent import simulated
+from actspec.sysid.descent import System, simulated
 from actspec.sysid.doubts import doubted, judge_torque
 from actspec.sysid.figures import Bounds
 from actspec.sysid.gains import extended, gains_of, joined
-from actspec.sysid.identified import FIGURE, Identification
+from actspec.sysid.identified import FIGURE, Identification, State
 from actspec.sysid.judge import UNLIKE, judge_fit, judged
 from actspec.sysid.links import links_at
 from actspec.sysid.more import enlarged
@@ -101,7 +101,7 @@ def fit_logs(
     tell_left_out(stand, {name: joint.recordings for name, joint in joints.items()}, out, fitted_too)
     systems = {}
     for name, joint in joints.items():
-        joints[name], systems[name] = enlarged(joint, options, fit_joint, out)
+        joints[name], systems[name] = _enlarged(joint, options, out)
         judge_rows(joints[name], options, fit_joint, out)
     errors: Mapping[str, float | None]
     if validation:
@@ -171,6 +171,21 @@ def roll(
         for name, courses in _courses(stand, logs, every, fits=coupled, wider=True).items():
             every[name].otherwise = courses
     return frozenset(every.keys() - joints.keys())
+
+
+def _enlarged(joint: JointInWork, options: FitOptions, out: Collector) -> tuple[JointInWork, System]:
+    """The joint with more figures; with a low-pass only where it is told then: else the delay is short of it."""
+    heard = Collector()
+    found, system = enlarged(joint, options, fit_joint, heard)
+    if "lag" in found.added:
+        told = judged(replace(found), options, system, None).parameter("bandwidth")
+        if told.state is not State.IDENTIFIED:
+            heard = Collector()
+            without = replace(options, hold=options.hold | {"bandwidth"})
+            found, system = enlarged(joint, without, fit_joint, heard)
+    for item in heard:
+        out.add(item)
+    return found, system
 
 
 def _unlike(joint: JointInWork) -> bool:
