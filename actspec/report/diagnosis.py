@@ -119,6 +119,9 @@ def verdict(found: Diagnosis, others: Sequence[Diagnostic] = ()) -> str:
         found: What the logs say.
         others: Findings of spec and simulation, which a page shows with those of the logs.
     """
+    if found.contradicted:
+        wrong = _counted((*found.findings, *others))
+        return f"no verdict, as the logs' columns contradict each other or the model: {wrong}"
     if found.enough is False:
         return f"not good enough: {_counted((*found.findings, *others))}"
     besides = f"; {_counted(others)}" if others else ""

@@ -6,7 +6,7 @@ from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Diagnostic, Span, listed
+from actspec.diagnostics import Collector, Diagnostic, Severity, Span, listed
 from actspec.ir import ActuatorSet, Level
 from actspec.logs import Log, LogError
 from actspec.study.advice import Advice, advise
@@ -15,10 +15,15 @@ from actspec.study.learned import Sampled
 from actspec.study.level import LADDER, Answers, LevelChoice, choose_level
 from actspec.study.measures import Gap, JointMeasures, Track, gap_between, measured, track_of
 from actspec.study.rollouts import position_errors
+from actspec.sysid.fit import recorded
 from actspec.verify.joint_laws import laws_of
 
 if TYPE_CHECKING:
     from actspec.robot.view import RobotView
+
+
+CONTRADICTIONS = frozenset({"SYS014", "SYS015", "SYS047"})
+"""Signs and units, exchanged joints and columns, angles that are not the model's: what a fit is told of a log too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +46,12 @@ class Diagnosis:
     Attributes:
         joints: Those that the logs tell of, in the spec's order.
         skipped: The others, of spec and logs.
-        findings: What is wrong, as warnings.
+        findings: What is wrong; what is wrong with the logs' columns first.
         notes: What the logs were taken for.
         advice: The cheapest first.
         level: What is recommended.
-        enough: Whether the model is good enough by these logs; None: between good and bad, or no log.
+        enough: Whether the model is good enough by these logs; None: between good and bad, no log, or one whose columns
+            contradict each other.
         tracks: What the logs have of each joint that was judged, for pictures.
     """
 
@@ -57,6 +63,11 @@ class Diagnosis:
     level: LevelChoice
     enough: bool | None
     tracks: Mapping[str, tuple[Track, ...]]
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether what is wrong with the logs' columns leaves nothing to be said of the model."""
+        return any(item.code in CONTRADICTIONS for item in self.findings)
 
 
 def diagnose(
@@ -92,11 +103,17 @@ def diagnose(
                 help=f"joints of the spec: {listed(list(known), 4)}; `columns` in the sidecar gives theirs other names",
             )
     out.raise_if_failed(LogError)
+    signals = _signals(actuators, everything, out)
+    refused = {item.where: item.code for item in signals if item.severity is Severity.ERROR}
     learned = _networks(actuators, out) if logs else {}
     found: list[JointMeasures] = []
     kept: dict[str, tuple[Track, ...]] = {}
     skipped = [Skipped(name, "the spec does not have it") for name in _foreign(everything, known)]
     for actuator in actuators.joints if logs else ():
+        if actuator.joint in refused:
+            why = f"its columns contradict each other ({refused[actuator.joint]})"
+            skipped.append(Skipped(actuator.joint, why))
+            continue
         tracks, reasons = _tracks(actuator.joint, logs, actuators, out)
         if not tracks:
             skipped.append(Skipped(actuator.joint, reasons[0] if reasons else "no log has it"))
@@ -122,7 +139,7 @@ def diagnose(
         )
         help = "by the form of logs a row holds what was read before its command was sent"
         out.info("DGN012", message, span=Span(logs[0].path), help=help)
-    wrong = findings(found, known)
+    wrong = (*signals, *findings(found, known))
     codes: dict[str, list[str]] = {}
     for item in wrong:
         codes.setdefault(item.code, []).append(item.where)
@@ -131,11 +148,33 @@ def diagnose(
         current = "delta_action"
     level = choose_level(current, answers, codes)
     good: bool | None = None
-    if found:
+    if found and not signals:
         good = False if wrong else True if all(enough(one) for one in found) else None
     steps = advise(spec, [log.path for log in logs], actuators.joints, found, codes, level, answers)
     notes = tuple(item for item in out.sorted())
     return Diagnosis(tuple(found), tuple(skipped), wrong, notes, steps, level, good, kept)
+
+
+def _signals(actuators: ActuatorSet, logs: Sequence[Log], out: Collector) -> tuple[Diagnostic, ...]:
+    """What a fit would be told of signs, units, exchanged columns and angles."""
+    try:
+        import scipy.signal  # noqa: F401
+    except ImportError:
+        message = (
+            "signs and units of the logs' columns are not checked: that needs scipy, which is not installed"
+        )
+        out.info("DGN016", message, help="pip install 'actspec[sysid]'")
+        return ()
+    seen = Collector()
+    kinds = {actuator.joint: actuator.kind for actuator in actuators.joints}
+    names = [
+        name
+        for name, kind in kinds.items()
+        if all(log.joints[name].unlike(kind) is None for log in logs if name in log.joints)
+    ]
+    for log in logs:
+        recorded(actuators, [log], [name for name in names if name in log.joints], seen)
+    return tuple(item for item in seen.sorted() if item.code in CONTRADICTIONS)
 
 
 def _networks(actuators: ActuatorSet, out: Collector) -> dict[str, Sampled]:

@@ -14,6 +14,10 @@ MOST = {"saturated": 0.10, "beyond": 0.01, "continuous_ratio": 1.0, "high_freque
 MISSED = 0.10
 """Root mean square of what the spec's law misses of a logged torque, as a share of the effort limit, from which on that
 is a finding. Chosen: a fitted law leaves a few hundredths."""
+UNTOLD = 0.5
+"""Standard deviation of what the spec's law misses over that of the logged torque, noise taken off both, from which on
+that is a finding too. Chosen: it then tells less than three quarters of the variance; gains 20 % off leave a quarter
+of the standard deviation, a fitted law a few hundredths."""
 FINE = {"saturated": 0.05, "beyond": 0.01, "continuous_ratio": 1.0, "high_frequency": 0.10}
 """Up to which each is good enough. Chosen: what a margin for another day and another robot leaves."""
 
@@ -56,7 +60,9 @@ CHECKS = (
     Check(
         "DGN006",
         "torque-of-another-drive",
-        "A root mean square of what the spec's law misses of the logged torque above 10 % of the effort limit.",
+        "A root mean square of what the spec's law misses of the logged torque above 10 % of the effort limit; or a "
+        "standard deviation of it above half of the logged torque's own, where that is 2 % of the limit and twice its "
+        "noise at least.",
         "The joint is driven by another law than the spec's: other gains, a friction, a delay or a line that the spec "
         "lacks, or a torque in another unit or of another sign. A fitted law leaves a few hundredths. `actspec sysid "
         "fit` finds the figures; where they leave as much, `actspec net train`.",
@@ -135,6 +141,15 @@ def _findings(measures: JointMeasures, actuator: JointActuator) -> Iterator[tupl
     for code, (value, most, words, help) in told.items():
         if value is not None and value > most:
             yield value / most, Diagnostic(code, Severity.WARNING, words, m.joint, actuator.span, help)
+        elif code == "DGN006" and m.torque_untold is not None and m.torque_untold > UNTOLD:
+            words = (
+                f"the spec's law misses the torque by {missed or 0.0:.3g} {unit} RMS, which is {m.rms_torque:.3g}: "
+                f"what it misses varies by {m.torque_untold:.0%} of what the torque does"
+            )
+            yield (
+                m.torque_untold / UNTOLD,
+                Diagnostic(code, Severity.WARNING, words, m.joint, actuator.span, help),
+            )
 
 
 def enough(measures: JointMeasures) -> bool:

@@ -17,7 +17,7 @@ from actspec.study.metrics import FULL
 from actspec.study.spectra import spectrum
 from actspec.study.variants import lined, variants_of
 from actspec.sysid.figures import Bounds
-from actspec.sysid.recording import driven
+from actspec.sysid.recording import driven, scatter
 from actspec.targets.kit.network import network_clip
 
 if TYPE_CHECKING:
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 EDGE, BEYOND = 0.02, 0.05
 """Shares of the effort limit: so near to a bound is at it; so far past it is beyond what the motor can."""
+VARIES, LOUD = 0.02, 2.0
+"""Least standard deviation of a torque that a law is asked to tell: as a share of the effort limit, and over the noise
+of its readings. Chosen: less is friction's, or noise."""
 FALLBACK = 30.0
 """Frequency above which a torque is fast where neither motor nor filter has one [Hz]. Chosen: what legs follow."""
 MOST_POWER = 0.95
@@ -77,6 +80,8 @@ class JointMeasures:
         command_band: Frequency below which 95 % of the command's variance is [Hz].
         tracking_rmse: Command less position [rad or m].
         torque_error: Law to the RMSE of its torque against the logged one [N*m or N].
+        torque_untold: Standard deviation of what the spec's law misses of a logged torque over that of the torque,
+            noise taken off both; None: there is no such law, or the torque hardly varies.
         position_error: Likewise to the RMSE of its position in rollouts, where no torque was logged [rad or m].
         torque_late: Rows by which the command of a logged torque is behind its own: 1 by the form of logs.
         gap: To another log.
@@ -98,6 +103,7 @@ class JointMeasures:
     command_band: float | None
     tracking_rmse: float | None
     torque_error: Mapping[str, float]
+    torque_untold: float | None
     position_error: Mapping[str, float]
     torque_late: int
     gap: Gap | None
@@ -246,6 +252,7 @@ def measured(
         None if of_command is None else of_command.below_which(MOST_POWER),
         _tracking(tracks),
         errors,
+        _untold(whole, actuator, used, late) if logged and whole is not None else None,
         {},
         late,
         gap,
@@ -349,6 +356,30 @@ def _torque_errors(
     before, own = found
     other_way = bool(before) and min(own.values()) < 0.5 * min(before.values())
     return (own, 0) if other_way else (before, 1)
+
+
+def _untold(
+    law: TorqueLaw | Sampled, actuator: JointActuator, tracks: Sequence[Track], late: int
+) -> float | None:
+    """See `JointMeasures.torque_untold`."""
+    import numpy as np
+
+    logged, missed, noise = [], [], []
+    for track in tracks:
+        if track.command is not None and track.torque is not None:
+            left = law_torque(law, actuator, track, late) - track.torque
+            rows = np.isfinite(left)
+            logged.append(track.torque[rows])
+            missed.append(left[rows])
+            noise.append(scatter(track.torque))
+    if sum(map(len, logged)) < LEAST:
+        return None
+    spread, off = (float(np.std(np.concatenate(parts))) for parts in (logged, missed))
+    limit = actuator.effort_limit.value
+    if not limit or spread < max(VARIES * limit, LOUD * max(noise)):
+        return None
+    grain = max(noise) ** 2
+    return math.sqrt(max(off**2 - grain, 0.0) / (spread**2 - grain))
 
 
 def _tracking(tracks: Sequence[Track]) -> float | None:

@@ -111,9 +111,20 @@ def fitted(recording: Recording, bias: float, runs: Sequence[tuple[Piecewise, Mo
 
 
 def links_of(
-    stand: Stand, recordings: Sequence[Recording], paths: Sequence[Path], names: Sequence[str]
+    stand: Stand,
+    recordings: Sequence[Recording],
+    paths: Sequence[Path],
+    names: Sequence[str],
+    width: float = SMOOTH,
 ) -> tuple[Links, list[Path]]:
     """The links along the paths of joints of one log, and the paths with those of other joints that move behind them.
+
+    Args:
+        stand: The model, and where its other joints are.
+        recordings: Of the joints.
+        paths: Likewise.
+        names: Likewise.
+        width: Of the filter of the others' readings [s].
 
     Raises:
         RobotError: see `links_along`.
@@ -122,7 +133,7 @@ def links_of(
 
     first = recordings[0]
     robot, moving = stand.beside(first.log, names)
-    every = [*paths, *(_beside(first, signal) for signal in moving.values())]
+    every = [*paths, *(_beside(first, signal, width) for signal in moving.values())]
     base = first.log.sidecar.base
     q, qd = np.stack([path.q for path in every], axis=1), np.stack([path.qd for path in every], axis=1)
     rows = max(1, round(POSE / first.step))
@@ -130,13 +141,13 @@ def links_of(
     return links_along(robot, [*names, *moving], q, qd, orientation, rows), every
 
 
-def _beside(recording: Recording, position: Array) -> Path:
+def _beside(recording: Recording, position: Array, width: float) -> Path:
     """How a joint moves that is not fitted, by its readings at the log's rows."""
     import numpy as np
 
     time, known = recording.time, np.isfinite(position)
     read = np.interp(time, recording.log.time[known], position[known])
-    q, qd, acceleration = (smooth(time, read, SMOOTH, derivative) for derivative in range(3))
+    q, qd, acceleration = (smooth(time, read, width, derivative) for derivative in range(3))
     count = _moments(recording)
     return Path(q, qd, acceleration, (_inside(acceleration, count), _inside(q, count)))
 

@@ -70,8 +70,18 @@ class Scale:
         return f"{format_number(self.value, 3)} +- {format_number(2.0 * self.std, 1)}"
 
 
-def doubted(joint: JointInWork, found: JointFit, system: System, out: Collector) -> JointFit:
-    """A joint's fit with what speaks against it, by the residuals where it ended; warnings go to `out`."""
+def doubted(
+    joint: JointInWork, found: JointFit, system: System, out: Collector, askew: bool = False
+) -> JointFit:
+    """A joint's fit with what speaks against it, by the residuals where it ended.
+
+    Args:
+        joint: After its fit.
+        found: What is said of it.
+        system: Residuals, and their derivatives.
+        out: Takes warnings.
+        askew: Whether its angles are known to be others than the model's, which makes the torque's scale wrong.
+    """
     unit = next(p.unit for p in found.parameters if p.field == "friction.coulomb")
     judge_drift(joint, system, unit, out)
     scale = torque_scale(joint) if joint.torque else None
@@ -84,7 +94,8 @@ def doubted(joint: JointInWork, found: JointFit, system: System, out: Collector)
             Indicator("torque_offset", scale.offset, None, unit),
         )
         found = replace(found, diagnostics=(*found.diagnostics, *read))
-        _judge_scale(joint, scale, out)
+        if not askew:
+            _judge_scale(joint, scale, out)
     if joint.torque:
         _judge_gains(joint, found, scale, out)
     _judge_motion(joint, found, out)

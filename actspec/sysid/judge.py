@@ -112,8 +112,9 @@ def _own_gains(joint: JointInWork) -> Iterator[Indicator]:
 def _with_givens(joint: JointInWork, system: System, *, unscaled: bool) -> Fit:
     """The fit, with what it takes as given in its covariance: the steps of the integration, torque scale, masses.
 
-    Each cause moves the best figures by d, to first order, when the readings change by what a halved step, or one
-    standard deviation of the sidecar's `accuracy`, does to the motion: d d' is added.
+    Each cause moves the best figures by d, to first order, when the readings change by what a halved step, one
+    standard deviation of the sidecar's `accuracy`, or another filter of joints that move as read, does to the motion:
+    d d' is added.
     """
     import numpy as np
 
@@ -149,6 +150,15 @@ def _with_givens(joint: JointInWork, system: System, *, unscaled: bool) -> Fit:
             [
                 change(log, _heavier(log, off), states, 1)
                 for (log, states, _), off in zip(logs, masses, strict=True)
+            ]
+        )
+    if joint.otherwise:
+        # Of joints that move as read, the figures have the noise of two differences.
+        others = [*joint.otherwise, *(None for _ in logs[len(joint.otherwise) :])]
+        causes.append(
+            [
+                {} if other is None else change(log, replace(log, course=other), states, 1)
+                for (log, states, _), other in zip(logs, others, strict=True)
             ]
         )
     moved = system.shifts(fit.noise, causes)

@@ -12,11 +12,11 @@ from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
 from actspec.sysid import frequency, friction, step
 from actspec.sysid.figures import Bounds
-from actspec.sysid.fit import fit_logs, joints_of, prepared, recorded, roll
+from actspec.sysid.fit import fit_logs, joints_of, prepared, recorded, roll, tell_left_out
 from actspec.sysid.gains import gains_of
 from actspec.sysid.identified import Identification, JointFit
 from actspec.sysid.recording import Recording
-from actspec.sysid.stand import Stand, by_log
+from actspec.sysid.stand import Stand
 from actspec.sysid.work import FitOptions
 
 NOTHING = ("SYS051", "SYS055", "SYS059")
@@ -85,8 +85,7 @@ def _closed_loop(
     method: str, stand: Stand, recordings: Mapping[str, Sequence[Recording]], out: Collector
 ) -> list[JointFit]:
     """What the position says of the command alone."""
-    for log, here in by_log({name: [(one.log, one) for one in mine] for name, mine in recordings.items()}):
-        stand.tell_left_out(log, here, out)
+    tell_left_out(stand, recordings, out)
     found = []
     for name, mine in recordings.items():
         if not mine:
@@ -119,6 +118,7 @@ def _closed_loop(
 def _friction(stand: Stand, logs: Sequence[Log], names: Sequence[str], out: Collector) -> list[JointFit]:
     """What the torque at constant speeds says."""
     joints = prepared(stand, logs, names, FitOptions(), out)
+    tell_left_out(stand, {name: joint.recordings for name, joint in joints.items()}, out)
     for name, joint in joints.items():
         for recording in joint.recordings:
             place = Span(recording.log.path)

@@ -141,13 +141,16 @@ class Stand:
                         "SYS021", message, where="pose", span=Span(log.path), help=f"joints: {listed(names)}"
                     )
 
-    def tell_left_out(self, log: Log, here: Container[str], out: Collector) -> None:
-        """Say which joints of a log are not fitted, why, and where they are.
+    def tell_left_out(
+        self, log: Log, here: Container[str], out: Collector, fitted: Container[str] = ()
+    ) -> None:
+        """Say which joints of a log have no figures, why, and where they are.
 
         Args:
             log: With its columns.
-            here: Joints that are fitted.
+            here: Joints that have figures.
             out: Takes it.
+            fitted: Others whose fit says how they moved.
         """
         shown: dict[str, list[str]] = {}
         for name in log.joints:
@@ -156,13 +159,15 @@ class Stand:
                 continue
             read = self._read(log, joint)
             why = "no command moves them" if idle(log.joints[name]) else "--joint does not name them"
-            if isinstance(read, float):
+            if name in fitted:
+                at = f"{name} moves by a fit of its own"
+            elif isinstance(read, float):
                 at = f"{name} stands at {format_quantity(read, units_of(joint.kind).position, 4)}"
             else:
                 at = f"{name} has no position" if read is None else f"{name} moves as read"
             shown.setdefault(why, []).append(at)
         for why, mine in shown.items():
-            out.info("SYS037", f"not fitted, as {why}: {listed(mine)}", span=Span(log.path))
+            out.info("SYS037", f"no figures, as {why}: {listed(mine)}", span=Span(log.path))
 
     def others(self, names: Sequence[str]) -> list[JointView]:
         return [joint for joint in self.robot.joints if joint.kind in STANDS and joint.name not in names]

@@ -63,6 +63,7 @@ class JointInWork:
         low: Least ones.
         added: Figures that are free unasked.
         swings: Of each recording, once they are found.
+        otherwise: The links along each recording, joints that move as read by another filter; empty: there are none.
     """
 
     actuator: JointActuator
@@ -76,6 +77,7 @@ class JointInWork:
     low: Mapping[str, float] = field(default_factory=dict)
     added: frozenset[str] = frozenset()
     swings: Sequence[Swings] = ()
+    otherwise: Sequence[Course] = ()
 
     @property
     def kind(self) -> JointKind:

@@ -207,6 +207,41 @@ def test_which_law_is_the_robots(leg: Path, capsys: Any) -> None:
     assert "DGN012" in {item["code"] for item in record["notes"]}
 
 
+@pytest.mark.parametrize("share, told", [(0.45, False), (0.55, True)])
+def test_a_law_that_tells_little_of_a_small_torque(share: float, told: bool, leg: Path, capsys: Any) -> None:
+    """0.4 sin at 1 Hz by 20 N*m/rad on 0.02 rad, and in the log m cos more, with m = 0.4 s / sqrt(1 - s^2).
+
+    That part is s of the whole, 0.4 / sqrt(1 - s^2), and at most 0.26 N*m: within a tenth of the limit, 1 N*m RMS. Half
+    is the bound.
+    """
+    t = np.arange(ROWS) * PERIOD
+    wave, other = np.sin(2 * np.pi * t), np.cos(2 * np.pi * t)
+    more = share / math.sqrt(1.0 - share**2)
+    log("robot.csv", 0.4 * (wave + more * other), None, 0.02 * wave, 0.0 * t)
+    record = diagnosed(["robot.csv", "--fail-on", "never"], capsys)
+    # The position stands, so kd does nothing; the torque is that of the row before, 5 ms of 1 s earlier: 0.03.
+    assert record["joints"][0]["torque_untold"] == pytest.approx(share, abs=0.04)
+    assert record["joints"][1]["torque_untold"] is None
+    assert [item["where"] for item in record["findings"] if item["code"] == "DGN006"] == ["hip"] * told
+
+
+def test_columns_that_contradict_each_other_leave_no_verdict(leg: Path, capsys: Any) -> None:
+    """A position in degrees beside a command in radians: the hip is not judged, nor is the model by the knee alone."""
+    t = np.arange(ROWS) * PERIOD
+    command = 0.3 * np.sin(2 * np.pi * t)
+    log("sound.csv", 0.1 * np.cos(t), None, command, command)
+    assert diagnosed(["sound.csv"], capsys, 1)["enough"] is False
+    log("deg.csv", 0.1 * np.cos(t), None, command, np.rad2deg(command))
+    record = diagnosed(["deg.csv"], capsys, 1)
+    # The knee's torque is too fast in both.
+    found = [(item["code"], item["where"]) for item in record["findings"]]
+    assert found == [("SYS014", "hip"), ("DGN004", "knee")]
+    assert ([one["joint"] for one in record["joints"]], record["enough"]) == (["knee"], None)
+    assert "contradict" in record["skipped"][0]["reason"]
+    assert main(["diagnose", "leg.yaml", "deg.csv"]) == 1
+    assert "no verdict" in capsys.readouterr().out
+
+
 def test_without_a_torque_the_law_gives_it(leg: Path, capsys: Any) -> None:
     """kp 20: an error of 0.25 rad at rest is 5 N*m; without a velocity the position's derivative is taken."""
     log("rollout.csv", None, None, np.full(ROWS, 0.25))
@@ -220,7 +255,8 @@ def test_a_gap_between_two_logs(leg: Path, capsys: Any) -> None:
     """The same course 20 ms later and 0.1 rad higher: sines of 2 rad at 1 Hz are apart by 2 sqrt(2) sin(pi / 50)."""
     t = np.arange(ROWS) * PERIOD
     for name, late in (("sim.csv", 0.0), ("robot.csv", 0.02)):
-        log(name, 0.1 * np.sin(t), np.cos(t), np.sin(t), 2.0 * np.sin(2 * np.pi * (t - late)))
+        phase = 2 * np.pi * (t - late)
+        log(name, 0.1 * np.sin(t), 4 * np.pi * np.cos(phase), np.sin(t), 2.0 * np.sin(phase))
     gap = diagnosed(["sim.csv", "--against", "robot.csv", "--fail-on", "never"], capsys)["joints"][0]["gap"]
     assert gap["lag"] == pytest.approx(0.02, abs=2e-4)
     assert gap["position_rmse"] == pytest.approx(2.0 * math.sqrt(2.0) * math.sin(math.pi / 50.0), rel=1e-2)

@@ -68,11 +68,14 @@ def stand(folder: Path, pose: str = "knee: 90 deg", model: str = MODEL) -> Stand
     return Stand(robot, api.resolve(spec, robot))
 
 
-def log_of(joints: dict[str, dict[str, np.ndarray]], sidecar: str = "") -> Log:
+def log_of(
+    joints: dict[str, dict[str, np.ndarray]], sidecar: str = "", time: np.ndarray | None = None
+) -> Log:
     """A log of these columns; the sidecar may state a pose of the knee."""
     pose = {"pose": {"knee": sidecar}} if sidecar else {}
     made = {name: JointLog(name, False, **columns) for name, columns in joints.items()}
-    return Log("l.csv", "0" * 64, np.arange(ROWS) * PERIOD, made, Sidecar.model_validate(pose))
+    time = np.arange(ROWS) * PERIOD if time is None else time
+    return Log("l.csv", "0" * 64, time, made, Sidecar.model_validate(pose))
 
 
 EVEN = np.ones(ROWS)
@@ -194,7 +197,7 @@ def test_the_armature_with_a_bent_knee(pose: str, knee: bool, tmp_path: Path) ->
     assert value is not None and value == pytest.approx(0.012, abs=5e-4)
     assert hip.parameter("kp").value == pytest.approx(TRUE["kp"], rel=2e-3)
     left_out = [item.message for item in found.findings if item.code == "SYS037"]
-    assert left_out == (["not fitted, as no command moves them: knee stands at 1.571 rad"] if knee else [])
+    assert left_out == (["no figures, as no command moves them: knee stands at 1.571 rad"] if knee else [])
 
 
 @pytest.mark.slow
