@@ -235,6 +235,10 @@ def _of_drive(reading: JointReading, drive: DriveReading, places: Mapping[str, S
     bound, own = drive.bound, reading.joint_bound.value
     if bound.span is not None and bound.value is not None and own is not None and bound.value < own:
         places["effort_limit"] = drive.places.get("effort_limit", bound.span)
+    if bound.value == 0.0 and "effort" not in reading.joint.stated:
+        # A servo of gain 0 beside a motor applies no torque: the limit stands at the one that does.
+        most = max(reading.acting, key=lambda one: one.bound.value or 0.0, default=drive)
+        places["effort_limit"] = most.places.get("effort_limit", most.view.span)
     same = {
         "span": view.span,
         "actuator": view.name,
