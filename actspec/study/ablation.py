@@ -242,7 +242,8 @@ def figure(value: Any) -> Any:
     return value
 
 
-_PLACES = ("span",)
+_PLACES = ("span", "stated", "lacking")
+"""Where a figure is written, and what import says of a network's manifest."""
 
 
 def words(value: Any) -> str:
