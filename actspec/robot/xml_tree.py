@@ -493,6 +493,10 @@ def legible(data: bytes) -> bytes:
     return data
 
 
+_POINTER = b"version https://git-lfs.github.com/"
+"""How a file begins that Git LFS keeps elsewhere."""
+
+
 def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> tuple[str, str | None]:
     """Put expat's reason in plain words.
 
@@ -509,6 +513,8 @@ def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> 
     if text == expat.errors.XML_ERROR_INVALID_TOKEN:
         return _invalid_token(data, at)
     if text == expat.errors.XML_ERROR_SYNTAX:
+        if data.startswith(_POINTER):
+            return "this is a pointer of Git LFS, and not the file itself", "fetch it: `git lfs pull`"
         return "this is not XML", None
     if text == expat.errors.XML_ERROR_NO_ELEMENTS:
         if not element:

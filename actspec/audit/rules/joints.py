@@ -12,6 +12,7 @@ from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEED, PLACEHOLDER_SPEEDS, unit_of
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.dynamics import undriven
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of
@@ -182,6 +183,16 @@ def is_undriven(case: Case, row: LedgerRow) -> bool:
     if any(other.control != "none" for other in case.rows_of(row.artifact)):
         return True
     return case.is_met(row.artifact) and not is_driven_by_mjlab(case, row)
+
+
+def undriven_joints(case: Case) -> dict[int, frozenset[str]]:
+    """Joints without an actuator of each whole model, where others have one."""
+    parts = {file.path for file in case.files if file.included}
+    return {
+        index: undriven(artifact.robot)
+        for index, artifact in case.of_kind(FileKind.MJCF)
+        if artifact.path not in parts
+    }
 
 
 def is_driven_by_mjlab(case: Case, row: LedgerRow) -> bool:

@@ -3,11 +3,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import is_driven_by_mjlab
+from actspec.audit.rules.joints import is_driven_by_mjlab, undriven_joints
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, spec_joints
 from actspec.ir import Command, Level
 from actspec.readings.artifact import FileKind
-from actspec.readings.dynamics import figure, undriven
+from actspec.readings.dynamics import figure
 
 
 class SpecControl(RuleOver[SpecJoint]):
@@ -53,19 +53,11 @@ def _without_a_drive(case: Case, joint: SpecJoint) -> tuple[str, Severity] | Non
     first = joint.rows[0]
     if first.control != "none" or not (joint.spec.kp or joint.spec.kd):
         return None
-    if first.joint not in case.once(_undriven).get(first.artifact, ()) or is_driven_by_mjlab(case, first):
+    if first.joint not in case.once(undriven_joints).get(first.artifact, ()) or is_driven_by_mjlab(
+        case, first
+    ):
         return None
     return "no actuator drives this joint, though others have one, and the spec's has a drive", Severity.ERROR
-
-
-def _undriven(case: Case) -> dict[int, frozenset[str]]:
-    """Joints without an actuator of each whole model, where others have one."""
-    parts = {file.path for file in case.files if file.included}
-    return {
-        index: undriven(artifact.robot)
-        for index, artifact in case.of_kind(FileKind.MJCF)
-        if artifact.path not in parts
-    }
 
 
 def _departs(joint: SpecJoint) -> tuple[str, Severity] | None:

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
+from actspec.audit.rules.joints import undriven_joints
 from actspec.audit.rules.source_pairs import Disagreement
 from actspec.audit.rules.source_rule import SourceRule, shown
 from actspec.diagnostics import Severity
@@ -28,8 +29,12 @@ class Armature(SourceRule):
     needs = "an armature of one joint"
 
     def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
-        """Never: no format has an armature in degrees or rpm, and ten times is near the 9.55 of rpm."""
-        return False
+        """Whether one is of a joint without a drive, which another joint's turns.
+
+        No format has an armature in degrees or rpm, and ten times is near the 9.55 of rpm.
+        """
+        firsts = (rows[0] for rows in (found.rows, found.others))
+        return any(row.joint in case.once(undriven_joints).get(row.artifact, ()) for row in firsts)
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces."""
