@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Diagnostic, Severity, Span, listed
-from actspec.ir import ActuatorSet, Level
+from actspec.ir import ActuatorSet, JointActuator, Level
 from actspec.logs import Log, LogError
 from actspec.study.advice import Advice, advise
 from actspec.study.findings import enough, findings
@@ -174,7 +174,24 @@ def _signals(actuators: ActuatorSet, logs: Sequence[Log], out: Collector) -> tup
     ]
     for log in logs:
         recorded(actuators, [log], [name for name in names if name in log.joints], seen)
-    return tuple(item for item in seen.sorted() if item.code in CONTRADICTIONS)
+    return tuple(
+        item
+        for item in seen.sorted()
+        if item.code in CONTRADICTIONS
+        and (item.severity is Severity.ERROR or _mostly_outside(actuators.joint(item.where), logs))
+    )
+
+
+def _mostly_outside(actuator: JointActuator | None, logs: Sequence[Log]) -> bool:
+    """Whether a joint is beyond its range for most of a log: one that has no stops passes them for a moment."""
+    import numpy as np
+
+    if actuator is None or actuator.position_range is None:
+        return False
+    low, high = actuator.position_range
+    columns = (log.joints[actuator.joint].position for log in logs if actuator.joint in log.joints)
+    read = (column[np.isfinite(column)] for column in columns if column is not None)
+    return any(len(rows) > 0 and not low <= float(np.median(rows)) <= high for rows in read)
 
 
 def _networks(actuators: ActuatorSet, out: Collector) -> dict[str, Sampled]:

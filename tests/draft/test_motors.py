@@ -211,8 +211,8 @@ ROOT = Path(__file__).resolve().parents[2]
 UNDERIVED = (Origin.DEFAULT, Origin.UNKNOWN)
 """A default that nobody stated is written as `unknown`, which keeps it."""
 
-PLACES = ("group", "pattern", "motor", "span", "inertia_held", "inertia_free")
-"""What depends on names in the spec, not on the actuators."""
+PLACES = ("group", "pattern", "motor", "gear", "span", "inertia_held", "inertia_free")
+"""What depends on names in the spec, not on the actuators, and the motor's gear, behind figures at the joint."""
 
 SPEC = """actspec: 1
 robot: {name: leg, model: leg.xml, default_pose: {".*_hip": 0.5 rad}}

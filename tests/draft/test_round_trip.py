@@ -21,7 +21,7 @@ READ = {"mujoco": ".xml", "isaaclab": "_cfg.py", "mjlab": "_cfg.py", "deploy": "
 
 NOBODYS = {
     "group", "pattern", "motor", "span", "motor_line", "peak_torque", "continuous_torque", "torque_constant",
-    "reflected_inertia", "inertia_held", "inertia_free", "randomize", "network",
+    "reflected_inertia", "inertia_held", "inertia_free", "randomize", "network", "gear",
 }  # fmt: skip
 """What no target's file has (figures of the motor behind the limits), what depends on names in the spec, and ranges,
 which stand in files of their own."""

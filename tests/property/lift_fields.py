@@ -245,7 +245,7 @@ NO_FIELDS = frozenset(
         "joint", "group", "pattern", "motor", "span",
         # Information about the motor and the robot, which no target writes.
         "peak_torque", "continuous_torque", "reflected_inertia", "torque_constant", "inertia_held", "inertia_free",
-        "motor_line",
+        "motor_line", "gear",
     }
 )  # fmt: skip
 """Fields of an actuator that a file is not asked for."""
