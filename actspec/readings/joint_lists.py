@@ -31,6 +31,8 @@ _ENDING = "_joint"
 """That USD files of robots leave out, or have, where the URDF is the other way round."""
 _NO_NAME = re.compile(r"[,;\s]+")
 _COMMENT = re.compile(r"#.*")
+_NUMBERED = re.compile(r"^[ \t]*(?:[-*][ \t]+)?(?:\d+[:.)][ \t]+)?", re.MULTILINE)
+"""Before a name in a list of lines: a dash, a number."""
 _PRINTED = re.compile(r"\s*\[([^\[\]]*)\]\s*")
 """A list as Python prints it."""
 _PATTERN = re.compile(r"[\\*+?|()^$\[\]{}]")
@@ -63,7 +65,8 @@ def joint_lists(text: str) -> tuple[Joints, ...]:
     elif os.path.isdir(text) or lower.endswith(_ROBOT_FILES) or _XML.match(_data(text)):
         found = tuple(_of_files(text))
     else:
-        found = (_distinct(_COMMENT.sub("", _data(text).decode("utf-8", "replace")), text),)
+        lines = _COMMENT.sub("", _data(text).decode("utf-8", "replace"))
+        found = (_distinct(_NUMBERED.sub("", lines), text),)
     if not found:
         raise _refusal("no list of joint names is in it", text, _HELP)
     return found

@@ -392,6 +392,7 @@ class LegCfg(LeggedRobotCfg):
     [
         ("", ",".join(NAMES), "the names of the 4 joints are from the list (--joints)", NAMES),
         ("j.txt", "# of the robot\nleft_hip, right_hip\nleft_knee\nright_knee\n", "from j.txt", NAMES),
+        ("n.txt", "0: left_hip\n1: right_hip\n- left_knee\n 3. right_knee\n", "from n.txt", NAMES),
         ("io.yaml", IO_DESCRIPTORS, "the names of the 5 joints are from io.yaml", [*NAMES, "head"]),
         ("io.json", json.dumps({"joint_names": NAMES}), "from io.json", NAMES),
         ("j.yaml", json.dumps(NAMES), "from j.yaml", NAMES),
@@ -405,7 +406,7 @@ class LegCfg(LeggedRobotCfg):
             NAMES,
         ),
     ],
-    ids=["list", "text", "IO_descriptors", "JSON", "bare list", "deploy file", "any ending", "printed", "URDF"],
+    ids=["list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "any ending", "printed", "URDF"],
 )  # fmt: skip
 def test_a_spec_that_compiles(
     folder: Path,
