@@ -406,7 +406,10 @@ class LegCfg(LeggedRobotCfg):
             NAMES,
         ),
     ],
-    ids=["list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "any ending", "printed", "URDF"],
+    ids=[
+        *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "any ending"),
+        *("printed", "URDF"),
+    ],
 )  # fmt: skip
 def test_a_spec_that_compiles(
     folder: Path,
