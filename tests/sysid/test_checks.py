@@ -125,6 +125,19 @@ def test_a_gap_is_no_speed(log: Log) -> None:
     assert any("0.402 s without rows" in one.message for one in found)
 
 
+@pytest.mark.parametrize("slope, told", [(0.0, True), (0.3, False)])
+def test_a_torque_with_noise_that_still_grows_is_not_clipped(log: Log, slope: float, told: bool) -> None:
+    """Up to 3 N*m it is 40 times the error, beyond that by `slope` of it: to 3.9 N*m, nine times the noise."""
+    t = log.time
+    wave = 0.5 * np.sin(2 * np.pi * t) + 0.2 * np.sin(2 * np.pi * 3.3 * t + 1.0)
+    position = 0.8 * np.roll(wave, 6)
+    asked = 40.0 * (wave - position)
+    torque = np.sign(asked) * np.where(abs(asked) < 3.0, abs(asked), 3.0 + slope * (abs(asked) - 3.0))
+    torque += 0.1 * np.random.default_rng(3).standard_normal(len(t))
+    columns = {"command": wave, "position": position, "velocity": np.gradient(position, t)}
+    assert ("SYS016" in {one.code for one in said(log, **columns, torque=torque)}) is told
+
+
 def test_a_drive_that_holds_is_not_clipped(log: Log) -> None:
     """A joint that stands against gravity has one torque for long; a limit has it while the error changes."""
     t = log.time
