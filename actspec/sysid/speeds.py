@@ -22,6 +22,7 @@ from actspec.sysid.recording import (
     without_velocity,
 )
 from actspec.sysid.spoilt import texture
+from actspec.sysid.stand import by_log
 from actspec.sysid.torques import EXPLAINED, LATEST, STANDS, rows_of
 from actspec.units import format_number
 
@@ -91,10 +92,10 @@ def check_speeds(
         recordings: Likewise of the joints that do not move too.
         out: Takes what is found.
     """
-    logs = {id(one.log): one.log for mine in found.values() for one in mine}
-    for log in logs.values():
-        here = [(mine, i) for mine in found.values() for i, one in enumerate(mine) if one.log is log]
-        compared = [(mine, i) for mine, i in here if len(mine[i].measured.get("velocity", ())) >= LEAST_ROWS]
+    parts = {name: [(one.log, i) for i, one in enumerate(mine)] for name, mine in found.items()}
+    for _, here in by_log(parts):
+        every = [(found[name], i) for name, i in here.items()]
+        compared = [(mine, i) for mine, i in every if len(mine[i].measured.get("velocity", ())) >= LEAST_ROWS]
         if not compared or _jumped([mine[i] for mine, i in compared], out):
             continue
         scales = [_scaled(mine[i]) for mine, i in compared]

@@ -120,10 +120,9 @@ def _isaac_default(version: str | None, group: Group) -> str | None:
     nowhere = "at 1e9 N*m, which no joint reaches"
     if clips:
         return f"Isaac Lab {version} then clips {nowhere}"
-    first, later = ("at its effort_limit_sim", "the lower of that and") if solver else (nowhere, "")
-    return f"{CLIPPING_AT_SOLVERS} then clip {first}; later versions at {later} the limit that the USD has".replace(
-        "  ", " "
-    )
+    first = "at its effort_limit_sim" if solver else nowhere
+    later = "the lower of that and the limit" if solver else "the limit"
+    return f"{CLIPPING_AT_SOLVERS} then clip {first}; later versions at {later} that the USD has"
 
 
 def _of_the_urdf(case: Case, group: Group) -> set[str]:
