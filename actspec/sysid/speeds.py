@@ -7,7 +7,7 @@ lag do little to what is slow. What all joints of a log share is the time's.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -56,6 +56,9 @@ command goes 0.94 of the way between two rows at 50 Hz, and rests by the second;
 LATE = 1.5e-3
 """Lag of a velocity from which on it counts as filtered [s]. Measured: a first-order low-pass of 40 Hz is 4 ms late
 and makes kp 2 to 4 %, viscous friction up to 100 % wrong."""
+CHANCE = 10.8
+"""What a lag must explain better, as twice the logarithm of a likelihood over independent values, one in each `WINDOW`.
+Chi-square of one degree of freedom, passed by chance once in a thousand."""
 FEWEST = 1.5
 """Rows by which a position must be behind. Chosen: a simulator's step puts its speed half a row before or behind."""
 FAR = 0.5
@@ -124,25 +127,11 @@ def unit_of(scale: float) -> str | None:
 def _scaled(recording: Recording) -> Scale | None:
     """The velocity's integral over the position; None where there is too little to compare."""
     import numpy as np
-    from scipy.interpolate import CubicSpline
 
-    position, velocity = recording.measured["position"], recording.measured["velocity"]
+    velocity = recording.measured["velocity"]
     if float(np.sqrt(np.nanmean(velocity**2))) < COUNTS * texture(velocity).count:
         return None
-    sums = []
-    for start in recording.starts:
-        rows = slice(start, start + recording.rows)
-        time, known = recording.time[rows], np.isfinite(position[rows]) & np.isfinite(velocity[rows])
-        if known.mean() < 0.5:
-            continue
-        # A spline, for the trapezoids of a fast motion in few rows are too small.
-        speed = CubicSpline(time, np.interp(time, time[known], velocity[rows][known]))
-        went = speed.antiderivative()(time)[known]
-        # A sensor's offset is a trend of the integral, and noise of both begins anew in each piece.
-        even = np.stack([np.ones_like(went), time[known] - time[0]], axis=1)
-        both = np.stack([position[rows][known], went], axis=1)
-        a, b = (both - even @ np.linalg.lstsq(even, both, rcond=None)[0]).T
-        sums.append((a @ a, a @ b, b @ b))
+    sums = [(a @ a, a @ b, b @ b) for a, b in _courses(recording)]
     if not sums:
         return None
     each = np.array(sums)
@@ -155,6 +144,38 @@ def _scaled(recording: Recording) -> Scale | None:
     # Noise of the position makes a slope smaller, that of the velocity makes the value larger.
     clear = min(low, xy / xx) > CLEAR or max(high, yy / xy) < 1.0 / CLEAR
     return Scale(value, sure, bool(clear) and 1.0 - sure**2 < EXPLAINED)
+
+
+def _courses(recording: Recording) -> Iterator[tuple[Array, Array]]:
+    """The position and the velocity's integral in each piece, without their trends [rad or m]."""
+    import numpy as np
+    from scipy.interpolate import CubicSpline
+
+    position, velocity = recording.measured["position"], recording.measured["velocity"]
+    for start in recording.starts:
+        rows = slice(start, start + recording.rows)
+        time, known = recording.time[rows], np.isfinite(position[rows]) & np.isfinite(velocity[rows])
+        if known.mean() < 0.5:
+            continue
+        # A spline, for the trapezoids of a fast motion in few rows are too small.
+        speed = CubicSpline(time, np.interp(time, time[known], velocity[rows][known]))
+        went = speed.antiderivative()(time)[known]
+        # A sensor's offset is a trend of the integral, and noise of both begins anew in each piece.
+        even = np.stack([np.ones_like(went), time[known] - time[0]], axis=1)
+        both = np.stack([position[rows][known], went], axis=1)
+        yield (both - even @ np.linalg.lstsq(even, both, rcond=None)[0]).T
+
+
+def _adds_up(recording: Recording) -> bool:
+    """Whether the velocity goes to where the joint is, but for a count of its encoder or the noise of a reading.
+
+    The derivative of so slow a motion, read so coarsely, says nothing against it.
+    """
+    import numpy as np
+
+    seen = texture(recording.measured["position"])
+    off = [a - b for a, b in _courses(recording)]
+    return bool(off) and float(np.std(np.concatenate(off))) < max(seen.noise, seen.count)
 
 
 def _clock(recordings: Sequence[Recording], scales: Sequence[Scale | None], out: Collector) -> bool:
@@ -281,6 +302,8 @@ def _velocity(
         return earlier(recording, behind)
     lag, at_lag = _lag(course, slopes, recording.step)
     if at_lag < SURE:
+        if _adds_up(recording):
+            return recording
         if whose := _derivative_of(recording, recordings, course, known):
             message = f"the velocity is the derivative of {whose}, not of its own position"
             help = "columns are exchanged"
@@ -291,7 +314,8 @@ def _velocity(
         message = f"the velocity is not the position's derivative (correlation {at_lag:.2f}): it is left out"
         out.warning("SYS012", message, where=name, span=place)
         return without_velocity(recording)
-    if lag > LATE:
+    better = (1.0 - correlated(course, slopes)[1] ** 2) / max(1.0 - at_lag**2, 1e-12)
+    if lag > LATE and len(course) * recording.step / WINDOW * math.log(better) > CHANCE:
         message = f"the velocity is {lag * 1e3:.2g} ms late, as behind a filter: it is left out"
         out.info("SYS012", message, where=name, span=place)
         return without_velocity(recording)

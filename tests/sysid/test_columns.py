@@ -90,6 +90,24 @@ def test_columns_of_two_joints_are_exchanged(log: Log, signal: str, hip: str) ->
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("count", [0.005, 0.02])
+def test_a_slow_joint_on_a_coarse_encoder(log: Log, count: float) -> None:
+    """Both follow one slow sine: the derivative of the coarse one is all steps, and its velocity like the other's.
+
+    0.3 rad at 0.1 Hz is at most 0.19 rad/s: a count of 0.005 rad comes every 13 rows, one of 0.02 every 53.
+    """
+    time = np.arange(ROWS) * PERIOD
+    w = 2.0 * np.pi * 0.1
+    went, speed = 0.3 * np.sin(w * time), 0.3 * w * np.cos(w * time)
+    noisy = speed + 0.01 * np.random.default_rng(3).standard_normal(ROWS)
+    fine = JointLog("knee", False, command=went, position=np.round(went / 1e-4) * 1e-4, velocity=noisy)
+    coarse = replace(fine, name="hip", position=np.round(went / count) * count)
+    assert checked(log, hip=coarse, knee=fine)[1] == []
+    other = replace(coarse, velocity=-noisy[::-1])
+    assert [one.where for one in checked(log, hip=other, knee=fine)[1]] == ["hip"]
+
+
+@pytest.mark.slow
 def test_command_and_position_are_exchanged(log: Log) -> None:
     """By the velocity; without one by the torque, which brakes as it should and pulls the wrong way."""
     hip = log.joints["hip"]
