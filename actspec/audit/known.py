@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -34,6 +35,10 @@ PART_SHARE = 0.95
 
 SAME = 0.02
 """Relative difference up to which a figure is a published one. Chosen: 23.5 and 23.7 N*m are one motor."""
+
+
+HANDLES = frozenset({"leader"})
+"""What an arm is called that a person moves by hand: it has the joints of the arm that follows, and other motors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,9 +155,11 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
         if FileKind.SPEC in case.kinds_by_artifact[index]:
             continue
         words = distinctive(artifact)
-        named = [
-            robot for robot in known_robots() if robot.words & words and not _is_derived(artifact, robot)
-        ]
+        called = [robot for robot in known_robots() if robot.words & words]
+        named = [robot for robot in called if not _is_derived(artifact, robot)]
+        # A mini_cheetah.urdf of the robot "a1_description" may be either.
+        if words & HANDLES or any(not robot.former for robot in called if robot not in named):
+            continue
         # Of two that its name has the joints tell which it is, if they do; legs alone are those of the newer G1.
         met = [(robot, rows) for robot in named if (rows := _rows(case, index, artifact, robot))]
         met = [each for each in met if not each[0].former] or met
@@ -225,6 +232,8 @@ def _rows(
                 if (name := joint.rpartition("/")[2]) in known
             ]
         pairs = tuple((row, tuple(known[name] for name in found)) for row, found in met if found)
+        if names is None and not _has_its_keys(artifact, [row for row, _ in pairs], tuple(known)):
+            continue
         count = len({joint for _, joints in pairs for joint in joints})
         of_own = len(pairs) / max(len(names or by_joint), 1)
         counted = names is None or _counts_alike(known, names)
@@ -234,6 +243,20 @@ def _rows(
         if counted and (whole or (count >= PART and of_own >= PART_SHARE)):
             best = max(best, pairs, key=len)
     return best
+
+
+def _has_its_keys(artifact: Artifact, rows: Sequence[LedgerRow], known: tuple[str, ...]) -> bool:
+    """Whether the pose of a configuration that selects all joints by one pattern has joints of the robot.
+
+    `.*` fits any robot, and a Z1 on a B1 has `arm_joint1` where a Z1 has `joint1`.
+    """
+    config = artifact.config
+    if config is None or any(not re.fullmatch(r"\W*", row.joint) for row in rows):
+        return True
+    setting = config.settings.get("default_position")
+    keys = setting.value if setting is not None and isinstance(setting.value, Mapping) else {}
+    telling_keys = [key for key in map(str, keys) if not re.fullmatch(r"\W*", key)]
+    return not telling_keys or any(matching(config.framework, key, known) for key in telling_keys)
 
 
 def _counts_alike(known: Iterable[str], names: Iterable[str]) -> bool:

@@ -207,6 +207,11 @@ class DriveReading:
         """Figure that it states to where."""
         said = _said_of_actuator(self.view.stated, self.is_torque)
         found = {figure: self.view.places.get(name, self.view.span) for figure, name in said}
+        if "effort_limit" in found and self.view.control_range and self.view.force_range:
+            force, control = self.force_bound.value, self.control_bound.value
+            if force is not None and control is not None and control < force:
+                # Of two clamps the one that binds.
+                found["effort_limit"] = self.view.places.get("ctrlrange", self.view.span)
         return found | {figure: self._place_of_gain(figure) for figure in ("kp", "kd") if figure in found}
 
     def _place_of_gain(self, name: str) -> Span:

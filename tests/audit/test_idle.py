@@ -40,20 +40,20 @@ def severities(*named: str) -> dict[str, Severity]:
 
 
 def write_go1(kind: str) -> None:
-    """A Go1 alone, with 33.5 N*m at every joint: an A1's, 1.41 times the 23.7 of its own hips and thighs."""
+    """A Go1 alone, with 55 N*m at every joint: 1.64 times the 33.5 that its maker once had at all."""
     for path in Path("r/models").iterdir():
         path.unlink()
     names = [f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")]
     if kind == "urdf":
         joints = "".join(
             f'<link name="{n}_link"/><joint name="{n}" type="revolute"><parent link="base"/><child link="{n}_link"/>'
-            '<limit lower="-1" upper="1" effort="33.5" velocity="20"/></joint>'
+            '<limit lower="-1" upper="1" effort="55" velocity="20"/></joint>'
             for n in names
         )
         text = f'<robot name="go1"><link name="base"/>{joints}</robot>'
     else:
         bodies = "".join(f'<body><joint name="{n}" range="-1 1"/><geom size="0.1"/></body>' for n in names)
-        drives = "".join(f'<position joint="{n}" kp="9" kv="50" forcerange="-33.5 33.5"/>' for n in names)
+        drives = "".join(f'<position joint="{n}" kp="9" kv="50" forcerange="-55 55"/>' for n in names)
         text = (
             f'<mujoco model="go1"><compiler angle="radian"/><worldbody>{bodies}</worldbody>'
             f"<actuator>{drives}</actuator></mujoco>"
@@ -599,10 +599,10 @@ def test_what_a_program_writes_over(program: str, severity: Severity) -> None:
     ],
 )
 def test_limits_that_a_comment_calls_raised(after: str, over: str, noted: set[str]) -> None:
-    """Who wrote them knows it; what stands over an element is of that one alone. 33.5 N*m is 1.41 times a Go1's."""
+    """Who wrote them knows it; what stands over an element is of that one alone. 55 N*m is 1.64 times a Go1's 33.5."""
     names = [f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")]
     bodies = "".join(f'<body><joint name="{name}"/><geom size="0.1"/></body>' for name in names)
-    limits = {"FL_hip_joint": 33.5, "FR_hip_joint": 33.6}
+    limits = {"FL_hip_joint": 55.0, "FR_hip_joint": 55.1}
     drives = "\n".join(
         f'<motor joint="{n}" forcerange="-{limits.get(n, 23.7)} {limits.get(n, 23.7)}"/>' for n in names
     )
@@ -634,7 +634,7 @@ def test_limits_that_a_comment_calls_raised(after: str, over: str, noted: set[st
     ],
 )
 def test_actuators_that_a_program_makes(program: str, severity: Severity) -> None:
-    """What puts actuators of its own into any configuration has their limits from elsewhere. 33.5 as above."""
+    """What puts actuators of its own into any configuration has their limits from elsewhere. 50 is 1.41 times 35.55."""
     for path in Path("r/models").iterdir():
         path.unlink()
     text = one_config("GO1_CFG")

@@ -208,6 +208,55 @@ def test_an_iiwa_of_a_configuration(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     )
 
 
+@pytest.mark.parametrize(
+    ("file", "inside", "said"),
+    [
+        pytest.param("ur5e.urdf", "ur5e", True, id="by both names"),
+        pytest.param("ur5e.urdf", "arm", True, id="inside it is called no robot"),
+        pytest.param("ur5e.urdf", "ur10e", False, id="by one name one known robot, by the other another"),
+        pytest.param("ur5e_leader.urdf", "ur5e", False, id="a person moves it, and its motors are others"),
+    ],
+)
+def test_two_names(
+    file: str, inside: str, said: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """400 N*m is more than a UR5e's 150 and a UR10e's 330."""
+    monkeypatch.chdir(tmp_path)
+    names = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    joints = "".join(
+        f'<link name="l{n}"/><joint name="{name}_joint" type="revolute"><parent link="l{n - 1}"/><child link="l{n}"/>'
+        '<limit lower="-1" upper="1" effort="400" velocity="2"/></joint>'
+        for n, name in enumerate(names, 1)
+    )
+    Path(file).write_text(f'<robot name="{inside}"><link name="l0"/>{joints}</robot>')
+    assert bool(audit([file], Settings(select=("KNW101",))).findings) == said
+
+
+@pytest.mark.parametrize(
+    ("pose", "said"),
+    [
+        ("", True),
+        ("'.*': 0.0", True),
+        ("'joint1': 0.0, 'base_wheel': 0.0", True),
+        # A Z1 on a quadruped, by names of its own.
+        ("'.*_hip_joint': 0.0, 'arm_joint1': 0.0", False),
+    ],
+)
+def test_one_pattern_for_all_joints(
+    pose: str, said: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What `.*` selects is told by the keys of the pose, where it has any. A Z1 has 30 N*m at joint1."""
+    monkeypatch.chdir(tmp_path)
+    Path("arms.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        "from isaaclab.assets import ArticulationCfg\n"
+        f"B1_Z1_CFG = ArticulationCfg(init_state=ArticulationCfg.InitialStateCfg(joint_pos={{{pose}}}),\n"
+        "    actuators={'all': ImplicitActuatorCfg(\n"
+        "    joint_names_expr=['.*'], effort_limit_sim=200.0, stiffness=80.0, damping=4.0)})\n"
+    )
+    assert bool(audit(["arms.py"], Settings(select=("KNW101",))).findings) == said
+
+
 def test_a_jaco_of_two_fingers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It has another count of joints than the one of three. 2000 / 2 is 1000, and no 1e+03."""
     monkeypatch.chdir(tmp_path)

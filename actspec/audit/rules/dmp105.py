@@ -67,7 +67,8 @@ class GainBesideModelDamping(RuleOver[_Subject]):
             # The row's ratio is that with the first MJCF of the robot, which this one need not be.
             alone = (
                 row.damping_ratio * kd / row.total_damping
-                if row.damping_ratio and row.total_damping
+                # A drive that the model has itself stays beside the configuration's, and stiffens the joint as well.
+                if row.damping_ratio and row.total_damping and model.control in ("motor", "none")
                 else None
             )
             text, absurd = "", False

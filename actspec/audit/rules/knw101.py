@@ -58,7 +58,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             if row.joint in zeros and not row.kp == row.kd == 0.0:
                 yield self._zero(subject, row, names)
             limit = finite(driving_limit(row)[1])
-            if limit is None or is_placeholder(limit):
+            if limit is None or is_placeholder(limit) or is_undriven(case, row):
                 continue
             # What an exporter writes where nobody stated any, and a list of a robot's own program, nobody simulates.
             kind = case.artifacts[row.artifact].kind
@@ -71,7 +71,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             found = self._beyond(subject, row, names, limit, times) or self._other_joint(
                 subject, row, names, limit, times
             )
-            if found is None and row.joint in lows and not is_undriven(case, row):
+            if found is None and row.joint in lows:
                 found, quiet = self._far_below(subject, row, names, limit), True
             if found is not None:
                 yield replace(found, noted_in_folders=quiet)
@@ -82,9 +82,14 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         most = {name: _most(subject, name) for name in names}
         worst = min(names, key=lambda name: most[name].effort)
         published = most[worst]
-        if limit < times * max((published.effort, *published.also)):
+        largest = max((published.effort, *published.also))
+        if limit < times * largest:
             return None
         found = self._times_off(subject, row, names, limit, worst, published)
+        if largest >= 2.0 * published.effort:
+            # Twice: less than that the first ratio tells well enough.
+            beyond = f"{format_number(limit / largest, 3)} times {shown(row, 'effort_limit', largest, 6)}"
+            found = replace(found, message=f"{found.message}, and {beyond}, which its maker states elsewhere")
         return replace(found, message=found.message + self._of_the_others(subject, row, limit, times))
 
     def _far_below(self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float) -> Finding:
