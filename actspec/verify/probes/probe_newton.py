@@ -41,19 +41,16 @@ class Rig:
     """Copies of a robot whose joints are put where they are wanted.
 
     Args:
-        stage: With the overlay.
+        robot: A builder that has the stage with the overlay.
         joints: Prims of the joints.
         commands: What each is commanded by.
         step: Physics step [s].
         count: How many copies.
     """
 
-    def __init__(self, stage: Any, joints: list[str], commands: list[str], step: float, count: int) -> None:
-        import newton
-
-        one, builder = newton.ModelBuilder(), newton.ModelBuilder()
-        one.add_usd(stage)
-        builder.replicate(one, count)
+    def __init__(self, robot: Any, joints: list[str], commands: list[str], step: float, count: int) -> None:
+        builder = type(robot)()
+        builder.replicate(robot, count)
         self.model = model = builder.finalize(device="cpu")
         self.commands, self.step = np.array(commands), step
         labels = list(getattr(model, "joint_label", None) or model.joint_key)
@@ -90,6 +87,17 @@ class Rig:
             actuator.step(self.state, self.control, now, then, dt=self.step)
             after.append((then, now))
         return self.control.joint_f.numpy()[self.dofs].astype(np.float64), after
+
+    def motion(self, command: Array, q: Array, qd: Array) -> Array:
+        """Torques of environments that each begin anew, (n_step, n_env, n_joint) all; as many at once as copies."""
+        found, (last, count) = np.empty(q.shape), (q.shape[1] - 1, len(self.dofs))
+        for first in range(0, last + 1, count):
+            # Copies that are left over do as the last environment.
+            envs = np.minimum(np.arange(first, first + count), last)
+            states = self.states()
+            for k in range(len(q)):
+                found[k, envs], states = self.torque(states, command[k, envs], q[k, envs], qd[k, envs])
+        return found
 
     def _put(self, command: Array, q: Array, qd: Array) -> None:
         _write(self.state.joint_q, self.coords, q)
@@ -133,20 +141,12 @@ def run(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, Any], 
     import warp
 
     warp.config.quiet = True
-    stage = composed(job["stage"], job["overlay"], job["networks"])
+    builder = newton.ModelBuilder()
+    builder.add_usd(composed(job["stage"], job["overlay"], job["networks"]))
     count = min(COPIES, max(arrays[f"{name}/q"].shape[1] for name in job["motions"]))
-    rig = Rig(stage, job["joints"], job["commands"], job["step"], count)
-    out = {}
-    for name in job["motions"]:
-        motion = [arrays[f"{name}/{part}"] for part in ("command", "q", "qd")]
-        n_step, n_env, _ = motion[0].shape
-        out[name] = np.empty(motion[0].shape)
-        for first in range(0, n_env, count):
-            # Copies that are left over do as the last environment.
-            envs = np.minimum(np.arange(first, first + count), n_env - 1)
-            states = rig.states()
-            for k in range(n_step):
-                out[name][k, envs], states = rig.torque(states, *(part[k, envs] for part in motion))
+    rig = Rig(builder, job["joints"], job["commands"], job["step"], count)
+    parts = ("command", "q", "qd")
+    out = {name: rig.motion(*(arrays[f"{name}/{part}"] for part in parts)) for name in job["motions"]}
     return {"version": newton.__version__, "figures": rig.figures()}, out
 
 
@@ -165,9 +165,11 @@ def respond(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, An
             late = prim.GetAttribute("newton:delaySteps")
             if late and late.HasAuthoredValue():
                 late.Set(late.Get() * parts)
+        builder = newton.ModelBuilder()
+        builder.add_usd(stage)
         step = job["step"] / parts
         # A copy for each course.
-        rig = Rig(stage, job["joints"], job["commands"], step, len(arrays["q"]))
+        rig = Rig(builder, job["joints"], job["commands"], step, len(arrays["q"]))
         armature = np.array([figures["armature"] for figures in rig.figures()])
         states = rig.states()
 
