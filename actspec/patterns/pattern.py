@@ -8,6 +8,7 @@ import sys
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from actspec.diagnostics import shortened
@@ -20,6 +21,8 @@ MAX_STEPS = 50_000_000
 """Most steps of `re` for one pattern over all names. Chosen: 0.2 s, at up to 4 ns a step as measured."""
 MAX_REPEAT = 1000
 """Largest stated number of repetitions. Chosen: above the longest name, so none is needed."""
+KEPT = 4096
+"""Patterns, and bounds of their work, that are kept: rules ask for the same ones again and again. Chosen."""
 _SIMPLER = "write a simpler pattern: one `.*` per gap, no repeat inside a repeat; or list the joints by name"
 
 
@@ -60,13 +63,14 @@ class Pattern:
         longest = max(map(len, names), default=0)
         if longest > MAX_NAME:
             raise PatternError(f"a joint's name has {longest} characters, at most {MAX_NAME} are matched")
-        if steps(self.tree, longest, MAX_STEPS // max(1, len(names))) is None:
+        if _hangs(self.text, longest, MAX_STEPS // max(1, len(names))):
             raise PatternError(
                 f"the pattern {quoted(self.text)} could take too long (catastrophic backtracking)", _SIMPLER
             )
         return tuple(name for name in names if self.compiled.fullmatch(name) is not None)
 
 
+@lru_cache(maxsize=KEPT)
 def compile_pattern(text: str) -> Pattern:
     """Parse a pattern and refuse what is wrong, unsupported or could hang.
 
@@ -99,6 +103,12 @@ def compile_pattern(text: str) -> Pattern:
         raise PatternError(f"{quoted(text)} is not a usable regular expression: {err}", _SIMPLER) from err
     _refuse(tree, text)
     return Pattern(text, compiled, tree)
+
+
+@lru_cache(maxsize=KEPT)
+def _hangs(text: str, length: int, most: int) -> bool:
+    """Whether a pattern that is not refused could take more steps than `most` on a name of a length."""
+    return steps(compile_pattern(text).tree, length, most) is None
 
 
 def match_names(pattern: str, names: Sequence[str]) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "actspec" / "verify" / "probes"))
 
-from probe_newton import Rig
+from probe_newton import COPIES, Rig
 
 MODEL = ("joint_armature", "joint_friction", "joint_damping", "joint_velocity_limit", "joint_effort_limit",
          "joint_target_ke", "joint_target_kd")  # fmt: skip
@@ -65,18 +65,14 @@ def run(
     stage = composed(name, job)
     builder = newton.ModelBuilder()
     result = builder.add_usd(stage)
-    model = builder.finalize(device="cpu")
-    rig = Rig(model, job["joints"], job["command"], job["step"])
-    found = {key: getattr(model, key).numpy()[rig.dofs].astype(np.float64) for key in MODEL}
+    rig = Rig(builder, job["joints"], job["command"], job["step"], COPIES if "q" in arrays else 1)
+    found = {key: getattr(rig.model, key).numpy()[rig.dofs[0]].astype(np.float64) for key in MODEL}
     said = {
         "actuators": int(result["actuator_count"]),
         "others": sorted(str(p.GetPath()) for p in stage.Traverse() if p.GetTypeName() == "MjcActuator"),
     }
     if "q" in arrays:
-        found["force"] = np.stack([
-            rig.torque(rig.states(), *(arrays[key][k] for key in ("command", "q", "qd")))[0]
-            for k in range(len(arrays["q"]))
-        ])  # fmt: skip
+        (found["force"],) = rig.motion(*(arrays[key][None] for key in ("command", "q", "qd")))
     if "sequence" in arrays:
         # The joint held at 0 unless its motion is given; then a second episode after a reset.
         still = np.zeros_like(arrays["sequence"])
@@ -89,8 +85,11 @@ def run(
                     now.reset()
             row = []
             for q, qd, command in zip(*motion, arrays["sequence"], strict=True):
-                torque, states = rig.torque(states, command, q, qd)
-                row.append(torque)
+                # The same in each copy.
+                torque, states = rig.torque(
+                    states, *(np.broadcast_to(x, rig.dofs.shape) for x in (command, q, qd))
+                )
+                row.append(torque[0])
             episodes.append(row)
         found["lagged"] = np.array(episodes)
     if job.get("solve"):
@@ -120,8 +119,8 @@ def solve(rig: Rig, job: dict[str, Any]) -> np.ndarray:
     rig.model.set_gravity((0.0, 0.0, 0.0))
     solver = newton.solvers.SolverSemiImplicit(rig.model)
     after, step = rig.model.state(), job["step"]
-    zeros = np.zeros(len(rig.dofs))
-    rig.torque(rig.states(), np.array(job["command"]), zeros, zeros)
+    zeros = np.zeros(rig.dofs.shape)
+    rig.torque(rig.states(), np.array([job["command"]]), zeros, zeros)
     newton.eval_fk(rig.model, rig.state.joint_q, rig.state.joint_qd, rig.state)
     solver.step(rig.state, after, rig.control, None, step)
     # Linear velocity first, then angular.

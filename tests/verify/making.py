@@ -16,11 +16,11 @@ MODEL = """<mujoco model="rich">
   <option timestep="0.002" integrator="implicitfast"/>
   <worldbody>
     <body name="a"><joint name="left_hip" range="-60 60" damping="0.3"/><geom size="0.1"/>
-      <body name="b" pos="0.3 0 0"><joint name="left_knee" range="-120 5" armature="0.02"/><geom size="0.1"/></body>
+      <body name="b" pos="0.02 0 0"><joint name="left_knee" range="-120 5" armature="0.02"/><geom size="0.1"/></body>
     </body>
     <body name="c" pos="0 2 0"><joint name="right_hip" range="-60 60"/><geom size="0.1"/>
-      <body name="d" pos="0.3 0 0"><joint name="right_knee" range="-120 5"/><geom size="0.1"/>
-        <body name="e" pos="0.3 0 0"><joint name="lift" type="slide" axis="1 0 0" range="-0.1 0.3"/>
+      <body name="d" pos="0.02 0 0"><joint name="right_knee" range="-120 5"/><geom size="0.1"/>
+        <body name="e" pos="0.02 0 0"><joint name="lift" type="slide" axis="1 0 0" range="-0.1 0.3"/>
           <geom size="0.1"/></body>
       </body>
     </body>
@@ -29,7 +29,7 @@ MODEL = """<mujoco model="rich">
   <actuator><motor name="own" joint="left_hip"/><motor name="kept" joint="gripper"/></actuator>
 </mujoco>
 """
-"""Hips, knees, a slide, and a joint that the spec leaves alone."""
+"""Hips, knees, a slide, and a joint that the spec leaves alone; on short arms, so that they answer soon."""
 
 SPEC = """actspec: 1
 robot:

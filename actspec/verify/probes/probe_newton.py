@@ -33,23 +33,32 @@ FIGURES = {
 }
 """Array of a model to what it is."""
 
+COPIES = 64
+"""Of the robot that are asked at once, at most: a pass takes as long for one as for many, and each is built."""
+
 
 class Rig:
-    """A model whose joints are put where they are wanted.
+    """Copies of a robot whose joints are put where they are wanted.
 
     Args:
-        model: With its actuators.
+        robot: A builder that has the stage with the overlay.
         joints: Prims of the joints.
         commands: What each is commanded by.
         step: Physics step [s].
+        count: How many copies.
     """
 
-    def __init__(self, model: Any, joints: list[str], commands: list[str], step: float) -> None:
-        self.model, self.commands, self.step = model, np.array(commands), step
+    def __init__(self, robot: Any, joints: list[str], commands: list[str], step: float, count: int) -> None:
+        builder = type(robot)()
+        builder.replicate(robot, count)
+        self.model = model = builder.finalize(device="cpu")
+        self.commands, self.step = np.array(commands), step
         labels = list(getattr(model, "joint_label", None) or model.joint_key)
+        # Of the first copy; the others lie behind it, one after the other.
         at = [labels.index(path) for path in joints]
-        self.dofs = np.array([int(model.joint_qd_start.numpy()[i]) for i in at])
-        self.coords = np.array([int(model.joint_q_start.numpy()[i]) for i in at])
+        copies = np.arange(count)[:, None]
+        self.dofs = model.joint_qd_start.numpy()[at] + copies * (model.joint_dof_count // count)
+        self.coords = model.joint_q_start.numpy()[at] + copies * (model.joint_coord_count // count)
         self.state, self.control = model.state(), model.control()
         first = model.actuators[0]
         self.names = {
@@ -60,8 +69,8 @@ class Rig:
 
     def figures(self) -> list[dict[str, float]]:
         """What the model has of each joint."""
-        found = {key: getattr(self.model, name).numpy()[self.dofs] for name, key in FIGURES.items()}
-        return [{key: float(values[i]) for key, values in found.items()} for i in range(len(self.dofs))]
+        found = {key: getattr(self.model, name).numpy()[self.dofs[0]] for name, key in FIGURES.items()}
+        return [{key: float(values[i]) for key, values in found.items()} for i in range(self.dofs.shape[1])]
 
     def states(self) -> list[tuple[Any, Any]]:
         """What each actuator remembers, before the first step."""
@@ -70,7 +79,7 @@ class Rig:
     def torque(
         self, states: list[tuple[Any, Any]], command: Array, q: Array, qd: Array
     ) -> tuple[Array, list[tuple[Any, Any]]]:
-        """One step of every actuator at a state; torques of the joints, and what they remember then."""
+        """One step of every actuator at states, (n_copy, n_joint); torques, and what the actuators remember then."""
         self._put(command, q, qd)
         self.control.joint_f.zero_()
         after = []
@@ -78,6 +87,17 @@ class Rig:
             actuator.step(self.state, self.control, now, then, dt=self.step)
             after.append((then, now))
         return self.control.joint_f.numpy()[self.dofs].astype(np.float64), after
+
+    def motion(self, command: Array, q: Array, qd: Array) -> Array:
+        """Torques of environments that each begin anew, (n_step, n_env, n_joint) all; as many at once as copies."""
+        found, (last, count) = np.empty(q.shape), (q.shape[1] - 1, len(self.dofs))
+        for first in range(0, last + 1, count):
+            # Copies that are left over do as the last environment.
+            envs = np.minimum(np.arange(first, first + count), last)
+            states = self.states()
+            for k in range(len(q)):
+                found[k, envs], states = self.torque(states, command[k, envs], q[k, envs], qd[k, envs])
+        return found
 
     def _put(self, command: Array, q: Array, qd: Array) -> None:
         _write(self.state.joint_q, self.coords, q)
@@ -89,7 +109,7 @@ class Rig:
             target = getattr(self.control, attribute)
             # A position target has a place for each coordinate, or in older releases for each degree of freedom.
             whole = len(target) == self.model.joint_coord_count and kind == "position"
-            _write(target, (self.coords if whole else self.dofs)[mine], command[mine])
+            _write(target, (self.coords if whole else self.dofs)[:, mine], command[:, mine])
 
 
 def _write(array: Any, places: Array, values: Array) -> None:
@@ -123,16 +143,10 @@ def run(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, Any], 
     warp.config.quiet = True
     builder = newton.ModelBuilder()
     builder.add_usd(composed(job["stage"], job["overlay"], job["networks"]))
-    rig = Rig(builder.finalize(device="cpu"), job["joints"], job["commands"], job["step"])
-    out = {}
-    for name in job["motions"]:
-        command, q, qd = (arrays[f"{name}/{part}"] for part in ("command", "q", "qd"))
-        out[name] = np.empty(q.shape)
-        for env in range(q.shape[1]):
-            states = rig.states()
-            for k in range(len(q)):
-                torque, states = rig.torque(states, command[k, env], q[k, env], qd[k, env])
-                out[name][k, env] = torque
+    count = min(COPIES, max(arrays[f"{name}/q"].shape[1] for name in job["motions"]))
+    rig = Rig(builder, job["joints"], job["commands"], job["step"], count)
+    parts = ("command", "q", "qd")
+    out = {name: rig.motion(*(arrays[f"{name}/{part}"] for part in parts)) for name in job["motions"]}
     return {"version": newton.__version__, "figures": rig.figures()}, out
 
 
@@ -154,17 +168,15 @@ def respond(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, An
         builder = newton.ModelBuilder()
         builder.add_usd(stage)
         step = job["step"] / parts
-        rig = Rig(builder.finalize(device="cpu"), job["joints"], job["commands"], step)
+        # A copy for each course.
+        rig = Rig(builder, job["joints"], job["commands"], step, len(arrays["q"]))
         armature = np.array([figures["armature"] for figures in rig.figures()])
-        states = [rig.states() for _ in arrays["q"]]
+        states = rig.states()
 
-        def drive(command: Array, q: Array, qd: Array, rig: Rig = rig, states: list[Any] = states) -> Array:
-            # One environment, so one course after the other, each with what its actuators remember.
-            torques = []
-            for course, now in enumerate(zip(command, q, qd, strict=True)):
-                torque, states[course] = rig.torque(states[course], *now)
-                torques.append(torque)
-            return np.stack(torques)
+        def drive(command: Array, q: Array, qd: Array, rig: Rig = rig) -> Array:
+            nonlocal states
+            torque, states = rig.torque(states, command, q, qd)
+            return torque
 
         body = Body(
             arrays["inertia"] + armature,
