@@ -1,6 +1,8 @@
-"""The reference of time responses, integrated once for what is the same: most of what `verify` takes in the tests.
+"""The reference of time responses, integrated once for what is the same: most of what `verify` takes in the tests, and
+of what `compare` and `report` do.
 
-Tests verify one spec again and again, each time with another mistake in a file, and against the same reference.
+Tests verify one spec again and again, each time with another mistake in a file, and against the same reference; they
+report one robot in every form.
 """
 
 from __future__ import annotations
@@ -12,10 +14,13 @@ from typing import Any
 import pytest
 
 from actspec.simulate.experiment import Experiment
-from actspec.simulate.reference import DrivenJoint, Trajectory
+from actspec.simulate.reference import DrivenJoint, Trajectory, integrate
 
 ORIGINAL = Experiment.reference
 _MOVED: dict[Any, Trajectory] = {}
+_COMPARED: dict[Any, Trajectory] = {}
+MOST = 16
+"""Comparisons that are kept, of some megabytes each: the last ones."""
 
 
 def reference(experiment: Experiment, driven: Sequence[tuple[int, DrivenJoint]]) -> list[Trajectory]:
@@ -37,9 +42,22 @@ def reference(experiment: Experiment, driven: Sequence[tuple[int, DrivenJoint]])
     return [_MOVED[key] for key in keys]
 
 
+def integrated(
+    joints: Sequence[DrivenJoint], command: Any, q: Any, qd: Any, step: float, *, substeps: int
+) -> Trajectory:
+    """As `integrate`, for `compare`."""
+    key = (tuple(joints), step, substeps, command.shape, *(part.tobytes() for part in (command, q, qd)))
+    if key not in _COMPARED:
+        _COMPARED[key] = integrate(joints, command, q, qd, step, substeps=substeps)
+        for old in list(_COMPARED)[:-MOST]:
+            del _COMPARED[old]
+    return _COMPARED[key]
+
+
 @contextmanager
 def remembering() -> Iterator[None]:
     """Remember what was integrated."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Experiment, "reference", reference)
+        patch.setattr("actspec.study.compare.integrate", integrated)
         yield

@@ -21,9 +21,9 @@ from actspec.spec.remedy import remedy
 from actspec.spec.results import JointResult, Results, value_of
 from actspec.spec.validate import Spec
 from actspec.spec.variants import named
-from actspec.sysid.descent import WIDE
 from actspec.sysid.identified import FIELDS, METHODS
 from actspec.sysid.replay import SPEC, Replay
+from actspec.sysid.system import WIDE
 from actspec.units import format_number
 
 NAMES = tuple(field for field, _ in FIELDS.values())

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
 from actspec.fields import units_of
-from actspec.sysid.descent import System, simulated
+from actspec.sysid.descent import simulated
 from actspec.sysid.drift import judge_drift
 from actspec.sysid.identified import Indicator, JointFit, State
 from actspec.sysid.judge import UNLIKE
+from actspec.sysid.system import System
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
 

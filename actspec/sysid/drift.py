@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span
-from actspec.sysid.descent import Fit, Piecewise, System, block_rows
+from actspec.sysid.descent import Fit, Piecewise, block_rows
+from actspec.sysid.system import System
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
 

@@ -19,7 +19,7 @@ from actspec.robot.view import RobotView
 from actspec.sysid.checks import check
 from actspec.sysid.coupling import Path, course_of, dense, fitted, links_of, read
 from actspec.sysid.course import Course
-from actspec.sysid.descent import System, simulated
+from actspec.sysid.descent import simulated
 from actspec.sysid.doubts import doubted, judge_torques
 from actspec.sysid.figures import Bounds
 from actspec.sysid.gains import extended, gains_of, joined
@@ -32,6 +32,7 @@ from actspec.sysid.released import release
 from actspec.sysid.single import COUPLED, fit_joint
 from actspec.sysid.sparse import judge_rows
 from actspec.sysid.stand import Stand, by_log, idle
+from actspec.sysid.system import System
 from actspec.sysid.torques import prompt
 from actspec.sysid.unseen import held_out, judge_validation, tested, told_apart
 from actspec.sysid.work import FitOptions, JointInWork, piecewise

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Span
 from actspec.ir import JointActuator
-from actspec.sysid.descent import WIDE
 from actspec.sysid.identified import Indicator, JointFit, Parameter, State, bounded
 from actspec.sysid.judge import LATE, VAGUE
 from actspec.sysid.recording import SMOOTH, Recording, longest_step, smooth
 from actspec.sysid.step import second_order
+from actspec.sysid.system import WIDE
 from actspec.units import format_number
 
 if TYPE_CHECKING:

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import Collector, Span
 from actspec.fields import unit_of_kind
 from actspec.sysid.course import Course
-from actspec.sysid.descent import WIDE
 from actspec.sysid.identified import FIELDS, Indicator, JointFit, Parameter, State, bounded
 from actspec.sysid.judge import VAGUE
 from actspec.sysid.recording import Recording, longest_step
+from actspec.sysid.system import WIDE
 from actspec.sysid.work import JointInWork
 from actspec.units import format_number
 

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed
 from actspec.fields import unit_of_kind, units_of
-from actspec.sysid.descent import WIDE, Fit, Piecewise, System, seen, simulated
+from actspec.sysid.descent import Fit, Piecewise, seen, simulated
 from actspec.sysid.figures import time_constant
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State, bounded
 from actspec.sysid.profile import Values, profiled, weak
 from actspec.sysid.recording import reading_noise
+from actspec.sysid.system import WIDE, System
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
 from actspec.units import format_number
 

@@ -63,12 +63,12 @@ def links_along(
     posed = _Posed(robot, joints, orientation)
     n = len(q)
     load = np.empty((n, len(joints)))
-    flat = np.empty((n, len(posed.data.M)))
+    flat = np.empty((n, len(posed.mass)))
     rows = sorted({*range(0, n, every), n - 1})
     slopes: list[list[float]] = []
     for row in range(n):
         load[row] = posed.load(q[row], qd[row])
-        flat[row] = posed.data.M
+        flat[row] = posed.mass
         if len(slopes) < len(rows) and row == rows[len(slopes)]:
             slopes.append([_slope(posed, q[row], qd[row], j) for j in range(len(joints))])
     slope = np.stack([np.interp(np.arange(n), rows, column) for column in zip(*slopes, strict=True)], axis=1)
@@ -83,13 +83,13 @@ def links_at(
 
     posed = _Posed(robot, joints, orientation)
     # Where each pair of joints stands in MuJoCo's rows; behind them a 0, for pairs of which neither carries the other.
-    numbers = np.arange(1, len(posed.data.M) + 1, dtype=float)
+    numbers = np.arange(1, len(posed.mass) + 1, dtype=float)
     entries = posed.dense(numbers[None])[0].astype(int) - 1
     flat = np.zeros(len(numbers) + 1)
 
     def at(q: Array, qd: Array) -> tuple[Array, Array]:
         load = posed.load(q, qd)
-        flat[:-1] = posed.data.M
+        flat[:-1] = posed.mass
         return flat[entries], load
 
     return at
@@ -139,19 +139,22 @@ class _Posed:
         self.at, self.dof = self.model.jnt_qposadr[ids], self.model.jnt_dofadr[ids]
         self.data.qpos[:], self.data.qvel[:] = pose, 0.0
         self.force = np.zeros(self.model.nv)
+        # Asked for once: each time MuJoCo makes an array of it.
+        self.qpos, self.qvel, self.passive = self.data.qpos, self.data.qvel, self.data.qfrc_passive
+        self.mass = self.data.M
 
     def load(self, q: Array, qd: Array) -> Array:
-        """What holds the joints, with the mass matrix in `data.M`."""
+        """What holds the joints, with the mass matrix in `mass`."""
         import mujoco
 
         model, data = self.model, self.data
-        data.qpos[self.at], data.qvel[self.dof] = q, qd
+        self.qpos[self.at], self.qvel[self.dof] = q, qd
         for step in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_tendon, mujoco.mj_makeM):
             step(model, data)
         for step in (mujoco.mj_comVel, mujoco.mj_passive):
             step(model, data)
         mujoco.mj_rne(model, data, 0, self.force)
-        found: Array = self.force[self.dof] - data.qfrc_passive[self.dof]
+        found: Array = self.force[self.dof] - self.passive[self.dof]
         return found
 
     def dense(self, flat: Array) -> Array:

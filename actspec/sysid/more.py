@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, listed
 from actspec.fields import units_of
-from actspec.sysid.descent import Piecewise, System, block_rows, seen, simulated
+from actspec.sysid.descent import Piecewise, block_rows, seen, simulated
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.recording import reading_noise
+from actspec.sysid.system import System
 from actspec.sysid.unseen import unseen
 from actspec.sysid.work import FitOptions, JointInWork, ended, piecewise
 from actspec.units import format_number

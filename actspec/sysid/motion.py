@@ -67,6 +67,7 @@ def move(
     qd: Array,
     reading: float | None = None,
     finer: int = 1,
+    moved: tuple[Array, Array] | None = None,
 ) -> Moved:
     """Let the joint follow its commands from several rows on.
 
@@ -81,9 +82,15 @@ def move(
         reading: Delay by which the command in a row's torque is told; None: each set's own. That torque jumps where
             a command arrives, so a fit searches over this, and descends over the other.
         finer: Into how many each step is divided.
+        moved: Its position and speed where another reading of the same is known: then only torques are told.
     """
-    found = _rolled(_table(course, figures, starts, rows, reading), bounds, q, qd, finer)
-    return found
+    import numpy as np
+
+    table = _table(course, figures, starts, rows, reading)
+    joint = _joint(table, bounds)
+    if moved is None:
+        return _read(table, joint, *_rolled(table, joint, q, qd, finer))
+    return _read(table, joint, *(np.swapaxes(values, 1, 2) for values in moved))
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +120,9 @@ def move_each(runs: Sequence[Run], bounds: Bounds, rows: int) -> list[Moved]:
 
     tables = [_table(run.course, run.figures, run.starts, rows, run.reading) for run in runs]
     q, qd = (np.concatenate([getattr(run, name) for run in runs]) for name in ("q", "qd"))
-    whole = _rolled(_Table.beside(tables), bounds, q, qd, 1)
+    table = _Table.beside(tables)
+    joint = _joint(table, bounds)
+    whole = _read(table, joint, *_rolled(table, joint, q, qd, 1))
     ends = np.cumsum([len(run.starts) for run in runs])[:-1]
     split = [np.split(getattr(whole, field.name), ends, axis=1) for field in fields(Moved)]
     return [Moved(*parts) for parts in zip(*split, strict=True)]
@@ -245,8 +254,16 @@ def _table(
     )
 
 
-def _rolled(table: _Table, bounds: Bounds, q: Array, qd: Array, finer: int) -> Moved:
-    """The motion, row by row.
+def _joint(table: _Table, bounds: Bounds) -> Joint:
+    import numpy as np
+
+    figures = table.joint
+    slipping = bool(np.any((figures["static"] > figures["coulomb"]) & (figures["per_stribeck"] > 0)))
+    return Joint(**figures, slipping=slipping, bounds=bounds)
+
+
+def _rolled(table: _Table, joint: Joint, q: Array, qd: Array, finer: int) -> tuple[Array, Array]:
+    """Position and speed, row by row; shape (rows, n_set, n_piece).
 
     Within, lanes are (n_set, n_piece), and all arrays are whole: what stands by piece or by delay is copied to every
     set, because an operation on arrays of unlike shapes takes five times as long. What does not depend on where a joint
@@ -254,9 +271,6 @@ def _rolled(table: _Table, bounds: Bounds, q: Array, qd: Array, finer: int) -> M
     """
     import numpy as np
 
-    figures = table.joint
-    slipping = bool(np.any((figures["static"] > figures["coulomb"]) & (figures["per_stribeck"] > 0)))
-    joint = Joint(**figures, slipping=slipping, bounds=bounds)
     rows, fine = len(table.length), table.fine * finer
     now_q, now_qd = np.array(q.T, dtype=float, order="C"), np.array(qd.T, dtype=float, order="C")
     at, speed = np.empty((rows, *now_q.shape)), np.empty((rows, *now_q.shape))
@@ -270,6 +284,13 @@ def _rolled(table: _Table, bounds: Bounds, q: Array, qd: Array, finer: int) -> M
                 if step.acts[k]:
                     now_q, now_qd = advance(joint, step, k, now_q, now_qd)
             at[first + k + 1], speed[first + k + 1] = now_q, now_qd
+    return at, speed
+
+
+def _read(table: _Table, joint: Joint, at: Array, speed: Array) -> Moved:
+    """Such a motion with its torques."""
+    import numpy as np
+
     torque = joint.drive(table.seen.take(table.seen_of, 1), table.vd, at, speed)
     load, slope, path = table.at_row
     breakaway = joint.breakaway()

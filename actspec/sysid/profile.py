@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from actspec.sysid.descent import WIDE, Fit, Search, System, descend, linearised
+from actspec.sysid.descent import Fit, Search, descend, linearised
+from actspec.sysid.system import WIDE, System
 from actspec.sysid.work import JointInWork, piecewise
 
 Values = Mapping[str, float]

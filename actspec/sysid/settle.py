@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
-from actspec.sysid.descent import FASTER, FURTHER, Piecewise, System, first_states, shown
+from actspec.sysid.descent import FASTER, FURTHER, Piecewise, first_states, shown
 from actspec.sysid.figures import Bounds
 from actspec.sysid.motion import Moved, Run, move_each
+from actspec.sysid.system import System
 
 if TYPE_CHECKING:
     import numpy as np

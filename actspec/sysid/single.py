@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector
 from actspec.sysid.begin import begin
 from actspec.sysid.course import told
-from actspec.sysid.descent import ROUNDS, WIDE, Fit, Piecewise, Search, descend
+from actspec.sysid.descent import ROUNDS, Fit, Piecewise, Search, descend, descend_each
 from actspec.sysid.figures import figures_of
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, FIGURE
 from actspec.sysid.more import LAGS
 from actspec.sysid.recording import unevenness
+from actspec.sysid.system import WIDE
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
 
 if TYPE_CHECKING:
@@ -103,14 +104,21 @@ def fit_joint(joint: JointInWork, options: FitOptions, out: Collector) -> None:
     if late:
         # A low-pass does nearly what a delay does, and a search that begins with one need not find the other.
         rest = tuple(name for name in free if name != "lag")
-        joint.fit = without = _searched(joint, pieces, rest, scale, joint.low, values)
-        best = without
-        for rows in LAGS:
-            values = dict(without.values)
+        if not (
+            joint.fit and joint.fit.arrived and joint.fit.free == rest and joint.fitted_to is joint.courses
+        ):
+            joint.fit = _searched(joint, pieces, rest, scale, joint.low, values)
+        without = joint.fit
+        starts = [dict(without.values) for _ in LAGS]
+        for values, rows in zip(starts, LAGS, strict=True):
             _set_out(joint, values, free, rows)
-            # Nothing is given up early: far from a slow low-pass the cost does not promise how far it falls.
-            found = _searched(joint, pieces, free, scale, joint.low, values)
-            best = min(best, found, key=lambda fit: fit.cost)
+        # Nothing is given up early: far from a slow low-pass the cost does not promise how far it falls.
+        search = Search(pieces, joint.bounds, free, scale, joint.low)
+        found = [
+            replace(one, reading=values["delay"] if joint.torque else None)
+            for one, values in zip(descend_each(search, starts, without), starts, strict=True)
+        ]
+        best = min([without, *found], key=lambda fit: fit.cost)
         if best is not without:
             # Along the valley of low-pass and delay a descent stops early.
             joint.fit = best
@@ -119,6 +127,7 @@ def fit_joint(joint: JointInWork, options: FitOptions, out: Collector) -> None:
     else:
         _set_out(joint, values, free)
         joint.fit = _searched(joint, pieces, free, scale, joint.low, values)
+    joint.fitted_to = joint.courses
     if not joint.fit.arrived:
         out.warning(
             "SYS030", "the fit did not come to rest: its figures are uncertain", where=joint.actuator.joint

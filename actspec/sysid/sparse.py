@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span
 from actspec.fields import units_of
 from actspec.sysid.course import Course
-from actspec.sysid.descent import WIDE
 from actspec.sysid.recording import Recording
+from actspec.sysid.system import WIDE
 from actspec.sysid.work import FitOptions, JointInWork
 from actspec.units import format_number
 

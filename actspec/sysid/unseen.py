@@ -7,10 +7,11 @@ from dataclasses import replace
 
 from actspec.diagnostics import Collector, Span, listed
 from actspec.sysid.course import Course
-from actspec.sysid.descent import Fit, Search, System, descend
+from actspec.sysid.descent import Fit, Search, descend
 from actspec.sysid.gains import GainSets
 from actspec.sysid.identified import JointFit
 from actspec.sysid.recording import Recording
+from actspec.sysid.system import System
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
 

@@ -67,53 +67,99 @@ class Flaws:
     torque_constant: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class _Joint:
+    """Figures of one joint, as plain numbers: numpy takes ten times as long for a few joints."""
+
+    kp: float
+    kd: float
+    armature: float
+    coulomb: float
+    static: float
+    per_stribeck: float
+    viscous: float
+    delay: float
+    bias: float
+    lag: float
+    sag: float
+    bounds: Bounds
+    per_speed: float
+
+    @classmethod
+    def of(cls, actuator: JointActuator, sag: float) -> _Joint:
+        values, bounds = figures_of(actuator), Bounds.of(actuator)
+        coulomb, stribeck = values["coulomb"], values["stribeck_velocity"]
+        return cls(
+            kp=values["kp"],
+            kd=values["kd"],
+            armature=values["armature"],
+            coulomb=coulomb,
+            static=max(values["static"], coulomb) if stribeck > 0 else coulomb,
+            per_stribeck=1.0 / stribeck if stribeck > 0 else 1.0,
+            viscous=values["viscous"],
+            delay=values["delay"],
+            bias=values["bias"],
+            lag=values["lag"],
+            sag=sag,
+            bounds=bounds,
+            per_speed=bounds.stall / bounds.no_load if math.isfinite(bounds.stall) else 0.0,
+        )
+
+    def drive(self, command: float, speed_command: float, q: float, qd: float) -> float:
+        """Its torque while it is on."""
+        wanted = self.kp * (command - q - self.bias) + self.kd * (speed_command - qd)
+        bounds = self.bounds
+        if bounds.curve is not None:
+            return float(bounds.clip(wanted, qd))  # type: ignore[arg-type]
+        stall, line = bounds.stall, self.per_speed * qd
+        if self.sag:
+            stall *= 1.0 - self.sag * min(abs(wanted) / bounds.limit, 1.0)
+        low, high = max(-bounds.limit, -stall - line), min(bounds.limit, stall - line)
+        return min(max(wanted, low), high)
+
+    def dry(self, qd: float) -> float:
+        """Size of the dry friction."""
+        if self.static == self.coulomb:
+            return self.coulomb
+        return self.coulomb + (self.static - self.coulomb) * math.exp(-((qd * self.per_stribeck) ** 2))
+
+
 @dataclass(slots=True)
 class _Plant:
-    """Figures of the joints, an array each, and the links."""
+    """The joints, and the links. Figures of all joints are lists, in their order."""
 
-    kp: Array
-    kd: Array
-    armature: Array
-    coulomb: Array
-    static: Array
-    per_stribeck: Array
-    even: bool
-    viscous: Array
-    delay: Array
-    bias: Array
-    limit: Array
-    stall: Array
-    per_speed: Array
-    curves: Sequence[tuple[int, Bounds]]
-    rate: Array
-    sag: float
-    on: Array
+    joints: Sequence[_Joint]
     links: Callable[[Array, Array], tuple[Array, Array]] = field(repr=False)
 
-    def drive(self, command: Array, speed_command: Array, q: Array, qd: Array) -> Array:
+    def at(self, q: list[float], qd: list[float]) -> tuple[Array, list[float]]:
+        """The mass matrix with armature, and the links' loads."""
         import numpy as np
 
-        wanted = self.kp * (command - q - self.bias) + self.kd * (speed_command - qd)
-        stall, line = self.stall, self.per_speed * qd
-        if self.sag:
-            stall = stall * (1.0 - self.sag * np.minimum(np.abs(wanted) / self.limit, 1.0))
-        high, low = np.minimum(self.limit, stall - line), np.maximum(-self.limit, -stall - line)
-        found: Array = np.minimum(np.maximum(wanted, low), high)
-        for i, curved in self.curves:
-            found[i] = curved.clip(wanted[i], qd[i])
-        return found * self.on
+        mass, load = self.links(np.array(q), np.array(qd))
+        for i, joint in enumerate(self.joints):
+            mass[i, i] += joint.armature
+        return mass, load.tolist()
 
-    def dry(self, qd: Array) -> Array:
-        import numpy as np
+    def drive(
+        self,
+        on: list[float],
+        command: list[float],
+        speed_command: list[float],
+        q: list[float],
+        qd: list[float],
+    ) -> list[float]:
+        """Torques of the drives, of which some may be off."""
+        parts = zip(self.joints, on, command, speed_command, q, qd, strict=True)
+        return [there * joint.drive(a, v, at, speed) for joint, there, a, v, at, speed in parts]
 
-        if self.even:
-            return self.coulomb
-        found: Array = self.coulomb + (self.static - self.coulomb) * np.exp(-((qd * self.per_stribeck) ** 2))
-        return found
+    def rubbed(self, net: list[float], qd: list[float], way: list[float]) -> list[float]:
+        """All torques, dry friction among them."""
+        parts = zip(self.joints, net, qd, way, strict=True)
+        return [pull - sign * joint.dry(speed) for joint, pull, speed, sign in parts]
 
     def acceleration(
-        self, mass: Array, net: Array, qd: Array, way: Array, held: NDArray[np.bool_]
-    ) -> tuple[Array, NDArray[np.bool_]]:
+        self, mass: Array, net: list[float], qd: list[float], way: list[float], held: list[bool]
+    ) -> tuple[list[float], list[bool]]:
         """Accelerations, and which joints dry friction holds.
 
         Args:
@@ -125,32 +171,44 @@ class _Plant:
         """
         import numpy as np
 
-        if not held.any():
-            return _solved(mass, net - way * self.dry(qd)), held
-        found = np.zeros_like(net)
+        if not any(held):
+            return _solved(mass, self.rubbed(net, qd, way)), held
+        found = [0.0] * len(net)
         for _ in range(ROUNDS):
-            moves = ~held
-            found = np.zeros_like(net)
-            if moves.any():
-                force = net - way * self.dry(qd)
-                found[moves] = _solved(mass[np.ix_(moves, moves)], force[moves])
+            found = [0.0] * len(net)
+            moves = [i for i, one in enumerate(held) if not one]
+            if moves:
+                force = self.rubbed(net, qd, way)
+                parts = _solved(mass[np.ix_(moves, moves)], [force[i] for i in moves])
+                for i, part in zip(moves, parts, strict=True):
+                    found[i] = part
             # What friction must give so that a held joint stays.
-            needed = net - mass @ found
-            slips = held & (np.abs(needed) > self.static)
-            if not slips.any():
+            pulls = (mass @ found).tolist() if moves else found
+            needed = [pull - other for pull, other in zip(net, pulls, strict=True)]
+            slips = [
+                one and abs(pull) > joint.static
+                for joint, one, pull in zip(self.joints, held, needed, strict=True)
+            ]
+            if not any(slips):
                 break
-            held = held & ~slips
-            way = np.where(slips, np.sign(needed), way)
+            held = [one and not slip for one, slip in zip(held, slips, strict=True)]
+            way = [_sign(pull) if slip else sign for slip, pull, sign in zip(slips, needed, way, strict=True)]
         return found, held
 
 
-def _solved(mass: Array, force: Array) -> Array:
+def _sign(value: float) -> float:
+    return math.copysign(1.0, value) if value else 0.0
+
+
+def _solved(mass: Array, force: list[float]) -> list[float]:
     """Acceleration of joints by their mass matrix."""
     import numpy as np
 
     # Ten times as fast as a call of the library, for the joint that is alone.
-    found = force / mass[0, 0] if len(force) == 1 else np.linalg.solve(mass, force)
-    return np.asarray(found, dtype=float)
+    if len(force) == 1:
+        return [force[0] / float(mass[0, 0])]
+    found: list[float] = np.linalg.solve(mass, force).tolist()
+    return found
 
 
 def follow(
@@ -189,7 +247,7 @@ def follow(
         raise LogError.of("SYS022", message, Span(commands.path))
     base = commands.sidecar.base
     links = links_at(robot, names, None if base is None else base.orientation)
-    plant = _plant(actuators, flaws.sag, links)
+    plant = _Plant([_Joint.of(actuator, flaws.sag) for actuator in actuators], links)
     command = np.stack([np.asarray(commands.joints[name].command) for name in names], axis=1)
     speeds = [commands.joints[name].velocity_command for name in names]
     speed_command = np.stack([np.zeros(len(command)) if s is None else s for s in speeds], axis=1)
@@ -230,49 +288,15 @@ def expected(
 
     from actspec.sysid.links import links_at
 
-    plant = _plant(actuators, 0.0, links_at(robot, [a.joint for a in actuators], orientation))
-    mass, _ = plant.links(command[0], 0.0 * command[0])
-    inertia = np.diag(mass) + plant.armature
-    rate = float(np.maximum(np.sqrt(plant.kp / inertia), (plant.kd + plant.viscous) / inertia).max())
+    links = links_at(robot, [a.joint for a in actuators], orientation)
+    plant = _Plant([_Joint.of(actuator, 0.0) for actuator in actuators], links)
+    mass, _ = plant.at(command[0].tolist(), [0.0] * len(actuators))
+    rate = max(
+        max(math.sqrt(joint.kp / inertia), (joint.kd + joint.viscous) / inertia)
+        for joint, inertia in zip(plant.joints, np.diag(mass).tolist(), strict=True)
+    )
     step = max(STEP, min(COARSE, FINE / rate)) if rate > 0 else COARSE
     return _moved(plant, time, command, 0.0 * command, np.ones_like(command), step, None)
-
-
-def _plant(
-    actuators: Sequence[JointActuator], sag: float, links: Callable[[Array, Array], tuple[Array, Array]]
-) -> _Plant:
-    import numpy as np
-
-    figures = [figures_of(actuator) for actuator in actuators]
-    bounds = [Bounds.of(actuator) for actuator in actuators]
-
-    def of(name: str) -> Array:
-        return np.array([values[name] for values in figures])
-
-    coulomb, stribeck, lag = of("coulomb"), of("stribeck_velocity"), of("lag")
-    static = np.where(stribeck > 0, np.maximum(of("static"), coulomb), coulomb)
-    return _Plant(
-        kp=of("kp"),
-        kd=of("kd"),
-        armature=of("armature"),
-        coulomb=coulomb,
-        static=static,
-        even=bool((static == coulomb).all()),
-        per_stribeck=1.0 / np.where(stribeck > 0, stribeck, 1.0),
-        viscous=of("viscous"),
-        delay=of("delay"),
-        bias=of("bias"),
-        limit=np.array([bound.limit for bound in bounds]),
-        stall=np.array([bound.stall for bound in bounds]),
-        per_speed=np.array(
-            [bound.stall / bound.no_load if math.isfinite(bound.stall) else 0.0 for bound in bounds]
-        ),
-        curves=[(i, bound) for i, bound in enumerate(bounds) if bound.curve is not None],
-        rate=1.0 / np.where(lag > 0, lag, 1.0) + np.where(lag > 0, 0.0, math.inf),
-        sag=sag,
-        on=np.ones(len(figures)),
-        links=links,
-    )
 
 
 def _moved(
@@ -288,85 +312,132 @@ def _moved(
     import numpy as np
 
     n, width = command.shape
-    out = [np.empty((n, width)) for _ in range(3)]
-    q, qd, rate = command[0] - plant.bias, np.zeros(width), np.zeros(width)
-    arrival = time[:, None] + plant.delay
-    columns = np.arange(width)
-    sent = np.zeros(width, dtype=int)
-    filtered = command[0].astype(float)
-    slow = np.isfinite(plant.rate)
+    out = np.empty((3, n, width))
+    clock: list[float] = time.tolist()
+    sent: list[list[float]] = command.astype(float).tolist()
+    wires = [_Wire(joint, clock, [row[j] for row in sent]) for j, joint in enumerate(plant.joints)]
+    q, qd, rate = [wire.filtered - wire.joint.bias for wire in wires], [0.0] * width, [0.0] * width
     for row in range(n):
         if progress is not None and row % 100 == 0:
             progress(row, n)
-        out[0][row], out[1][row] = q, qd
-        plant.on = enabled[row]
-        out[2][row] = plant.drive(filtered, speed_command[row], q, qd)
+        on, speeds = enabled[row].tolist(), speed_command[row].tolist()
+        out[:, row] = q, qd, plant.drive(on, [wire.filtered for wire in wires], speeds, q, qd)
         if row == n - 1:
             break
-        parts = max(1, round((time[row + 1] - time[row]) / usual))
-        step = (time[row + 1] - time[row]) / parts
-        edges = time[row] + step * np.arange(1, parts + 1)
-        arrived = np.stack(
-            [np.maximum(np.searchsorted(arrival[:, j], edges - 1e-12) - 1, 0) for j in columns], axis=1
-        )
-        keep = np.where(slow, np.exp(-np.where(slow, plant.rate, 0.0) * step), 0.0)
-        for i in range(parts):
-            then = arrived[i]
-            late = target = command[then, columns]
-            if (then > sent).any():
-                # A command that arrives within the step counts for the rest of it.
-                share = np.where(
-                    then > sent, np.clip((edges[i] - arrival[then, columns]) / step, 0.0, 1.0), 1.0
-                )
-                target = command[sent, columns] + share * (late - command[sent, columns])
-                sent = then
-            middle, after = target, late
-            if slow.any():
-                middle = np.where(slow, target + (filtered - target) * np.sqrt(keep), target)
-                after = np.where(slow, target + (filtered - target) * keep, late)
-            q, qd, rate = _stepped(plant, middle, speed_command[row], q, qd, rate, step)
-            filtered = after
+        parts = max(1, round((clock[row + 1] - clock[row]) / usual))
+        step = (clock[row + 1] - clock[row]) / parts
+        for i in range(1, parts + 1):
+            middle = [wire.advance(clock[row] + step * i, step) for wire in wires]
+            q, qd, rate = _stepped(plant, on, middle, speeds, q, qd, rate, step)
     return out[0], out[1], out[2]
 
 
+@dataclass(slots=True)
+class _Wire:
+    """What a joint's drive has been told.
+
+    Attributes:
+        joint: Its figures.
+        clock: When commands are sent [s].
+        commands: These.
+        row: Of the last that has arrived.
+        filtered: What the drive follows now.
+    """
+
+    joint: _Joint
+    clock: Sequence[float]
+    commands: Sequence[float]
+    row: int = 0
+    filtered: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.filtered = self.commands[0]
+
+    def advance(self, end: float, step: float) -> float:
+        """What the drive follows in the middle of a step that ends then; it takes in what arrives."""
+        clock, delay, before = self.clock, self.joint.delay, self.row
+        while self.row + 1 < len(clock) and clock[self.row + 1] + delay < end - 1e-12:
+            self.row += 1
+        late = target = self.commands[self.row]
+        if self.row > before:
+            # A command that arrives within the step counts for the rest of it.
+            share = min(max((end - (clock[self.row] + delay)) / step, 0.0), 1.0)
+            target = self.commands[before] + share * (late - self.commands[before])
+        if self.joint.lag <= 0:
+            self.filtered = late
+            return target
+        keep, off = math.exp(-step / self.joint.lag), self.filtered - target
+        self.filtered = target + off * keep
+        return target + off * math.sqrt(keep)
+
+
 def _stepped(
-    plant: _Plant, command: Array, speed_command: Array, q: Array, qd: Array, rate: Array, step: float
-) -> tuple[Array, Array, Array]:
+    plant: _Plant,
+    on: list[float],
+    command: list[float],
+    speed_command: list[float],
+    q: list[float],
+    qd: list[float],
+    rate: list[float],
+    step: float,
+) -> tuple[list[float], list[float], list[float]]:
     """One step of the midpoint rule; the links are taken at the middle, which the acceleration before leads to.
 
     A joint that comes to a stand within the step ends a part of the step there, and friction is asked anew.
     """
-    import numpy as np
+    left, turned = step, [False] * len(q)
+    rubs = [joint.static > 0.0 for joint in plant.joints]
 
-    left, columns = step, np.arange(len(q))
+    def on_by(by: float, what: list[float], change: list[float]) -> list[float]:
+        return [one + by * more for one, more in zip(what, change, strict=True)]
+
+    def but(held: list[bool], values: list[float]) -> list[float]:
+        return [0.0 if one else value for one, value in zip(held, values, strict=True)]
+
+    def pulls(q: list[float], qd: list[float], load: list[float]) -> list[float]:
+        torque = plant.drive(on, command, speed_command, q, qd)
+        parts = zip(plant.joints, torque, qd, load, strict=True)
+        return [drive - joint.viscous * speed - weight for joint, drive, speed, weight in parts]
+
     for _ in range(TURNS):
-        stands = (qd == 0.0) & (plant.static > 0.0)
-        way = np.sign(qd)
-        half_q = q + 0.5 * left * qd
-        mass, load = plant.links(half_q, qd + 0.5 * left * rate)
-        mass[columns, columns] += plant.armature
-        net = plant.drive(command, speed_command, q, qd) - plant.viscous * qd - load
-        first, held = plant.acceleration(mass, net, qd, way, stands)
-        way = np.where(stands & ~held, np.sign(first), way)
-        half_qd = np.where(held, 0.0, qd + 0.5 * left * first)
-        net = plant.drive(command, speed_command, half_q, half_qd) - plant.viscous * half_qd - load
-        second, _ = plant.acceleration(mass, net, half_qd, way, held)
-        rate = np.where(held, 0.0, second)
-        new_qd = qd + left * rate
-        turned = (way * new_qd < 0.0) & ~held & (plant.static > 0.0)
-        # What another joint pulls back within the step it broke away in has not broken away.
-        stays = turned & stands
-        half_qd, new_qd = np.where(stays, 0.0, half_qd), np.where(stays, 0.0, new_qd)
-        held, turned, rate = held | stays, turned & ~stands, np.where(stays, 0.0, rate)
-        if not turned.any():
-            return q + left * half_qd, new_qd, rate
-        share = np.where(turned, qd / np.where(qd == new_qd, 1.0, qd - new_qd), 1.0)
-        until = float(share.min()) * left
+        half = 0.5 * left
+        stands = [speed == 0.0 and one for speed, one in zip(qd, rubs, strict=True)]
+        way = [_sign(speed) for speed in qd]
+        half_q = on_by(half, q, qd)
+        mass, load = plant.at(half_q, on_by(half, qd, rate))
+        first, held = plant.acceleration(mass, pulls(q, qd, load), qd, way, stands)
+        parts = zip(stands, held, first, way, strict=True)
+        way = [_sign(more) if stood and not one else sign for stood, one, more, sign in parts]
+        half_qd = but(held, on_by(half, qd, first))
+        second, _ = plant.acceleration(mass, pulls(half_q, half_qd, load), half_qd, way, held)
+        rate = but(held, second)
+        new_qd = on_by(left, qd, rate)
+        turned = [
+            sign * speed < 0.0 and not one and rub
+            for sign, speed, one, rub in zip(way, new_qd, held, rubs, strict=True)
+        ]
+        if any(turned):
+            # What another joint pulls back within the step it broke away in has not broken away.
+            stays = [turn and stood for turn, stood in zip(turned, stands, strict=True)]
+            half_qd, new_qd, rate = but(stays, half_qd), but(stays, new_qd), but(stays, rate)
+            held = [one or stay for one, stay in zip(held, stays, strict=True)]
+            turned = [turn and not stood for turn, stood in zip(turned, stands, strict=True)]
+        if not any(turned):
+            return on_by(left, q, half_qd), new_qd, rate
+        shares = [
+            speed / (speed - new) if turn else 1.0
+            for turn, speed, new in zip(turned, qd, new_qd, strict=True)
+        ]
+        share = min(shares)
+        until = share * left
         # To the first of them; its speed is 0 there to the square of the step.
-        q = q + until * np.where(held, 0.0, qd + 0.5 * until * first)
-        qd = np.where(held | (turned & (share == share.min())), 0.0, qd + until * second)
+        q = on_by(until, q, but(held, on_by(0.5 * until, qd, first)))
+        stopped = [
+            one or (turn and own == share) for one, turn, own in zip(held, turned, shares, strict=True)
+        ]
+        qd = but(stopped, on_by(until, qd, second))
         left -= until
-    return q, np.where(turned, 0.0, qd), rate
+    return q, but(turned, qd), rate
 
 
 def sensed(

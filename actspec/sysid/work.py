@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 from actspec.ir import JointActuator
 from actspec.joints import JointKind
 from actspec.sysid.course import Course
-from actspec.sysid.descent import Fit, Piecewise, Search, System, linearised
+from actspec.sysid.descent import Fit, Piecewise, Search, linearised
 from actspec.sysid.figures import Bounds
 from actspec.sysid.gains import GainSets
 from actspec.sysid.recording import Recording
+from actspec.sysid.system import System
 
 if TYPE_CHECKING:
     import numpy as np
@@ -59,6 +60,7 @@ class JointInWork:
         gains: Of each.
         torque: Whether a torque is fitted.
         fit: The last one.
+        fitted_to: The courses that it is of.
         scale: Sizes of the values.
         low: Least ones.
         added: Figures that are free unasked.
@@ -78,6 +80,7 @@ class JointInWork:
     added: frozenset[str] = frozenset()
     swings: Sequence[Swings] = ()
     otherwise: Sequence[Course] = ()
+    fitted_to: Sequence[Course] | None = None
 
     @property
     def kind(self) -> JointKind:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 
 _GIVEN = 6
 """Digits up to which a number is taken as written. Chosen: robot files that people write have three to five."""
@@ -94,6 +95,7 @@ def format_quantity(value: float | None, unit: str, digits: int = 6) -> str:
     return number if unit in ("", "1") else f"{number} {unit}"
 
 
+@lru_cache(maxsize=4096)
 def format_number(value: float, digits: int = 6) -> str:
     """Write a number with the digits that it was given with.
 

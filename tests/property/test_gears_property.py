@@ -47,7 +47,7 @@ def trains(draw: st.DrawFn) -> tuple[list[str], list[float], bool]:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     train=trains(),
     split=st.integers(0, 4),
@@ -118,7 +118,7 @@ def linked(
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     data=st.data(),
     size=st.integers(1, 3),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, replace
+from itertools import combinations
 from typing import Any
 
 import pytest
@@ -64,7 +65,7 @@ def text_of(groups: list[list[str]], robot: list[str] | tuple[str, ...] = NAMES)
 
 @pytest.mark.slow
 @given(data=st.data(), groups=partitions())
-@settings(deadline=None)
+@settings(deadline=None, max_examples=40)
 def test_the_order_of_the_spec_does_not_matter(data: st.DataObject, groups: list[list[str]]) -> None:
     """Groups and joints in another order give the same actuators, in the robot's order."""
     first = fit(text_of(groups))
@@ -77,7 +78,7 @@ def test_the_order_of_the_spec_does_not_matter(data: st.DataObject, groups: list
 
 @pytest.mark.slow
 @given(robot=st.permutations(NAMES), groups=partitions())
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 def test_the_order_of_the_robot_orders_the_actuators(robot: list[str], groups: list[list[str]]) -> None:
     """Joints in another order in the robot give the same actuators in that order."""
     first, second = fit(text_of(groups)), fit(text_of(groups, robot))
@@ -93,12 +94,20 @@ MODEL = """<mujoco><worldbody><body><joint name="hip" axis="0 1 0" %s/><geom siz
 RANKS = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED, Origin.MODEL)
 
 
-@pytest.mark.slow
-@given(present=st.sets(st.sampled_from(RANKS)), unknown=st.booleans(), numbers=st.tuples(*[POSITIVE] * 4))
-@settings(deadline=None)
-def test_precedence(present: set[Origin], unknown: bool, numbers: tuple[float, ...]) -> None:
-    """Of any set of sources of an armature the strongest wins, the others are kept in order; `unknown` stops it."""
-    number = dict(zip(RANKS, numbers, strict=True))
+NUMBERS = dict(zip(RANKS, (0.02, 0.7, 3.0, 0.5), strict=True))
+"""In no order, so that none wins by its size."""
+CASES = [
+    (set(some), unknown)
+    for count in range(len(RANKS) + 1)
+    for some in combinations(RANKS, count)
+    for unknown in sorted({False, Origin.AUTHORED in some})
+]
+
+
+@pytest.mark.parametrize(("present", "unknown"), CASES)
+def test_precedence(present: set[Origin], unknown: bool) -> None:
+    """Of every set of sources of an armature the strongest wins, the others are kept in order; `unknown` stops it."""
+    number = NUMBERS
     fields = ""
     derived = f"reflected_inertia: {number[Origin.DERIVED]!r}" if Origin.DERIVED in present else ""
     motors = f"{{m: {{{derived}}}}}"
@@ -119,7 +128,7 @@ def test_precedence(present: set[Origin], unknown: bool, numbers: tuple[float, .
     told = [(origin, number[origin]) for origin in RANKS if origin in present]
     if Origin.MODEL not in present:
         told.append((Origin.DEFAULT, 0.0))
-    if unknown and Origin.AUTHORED in present:
+    if unknown:
         told[0] = (Origin.UNKNOWN, None)  # type: ignore[assignment]
     assert [(q.origin, q.value) for q in (found, *found.lost)] == [
         (origin, value if value is None else pytest.approx(value, rel=1e-5)) for origin, value in told
@@ -152,7 +161,7 @@ def figures(actuator: JointActuator) -> dict[str, float | None]:
     current=POSITIVE,
     inertia=POSITIVE,
 )
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=16)
 def test_sides(
     gear: float,
     efficiency: float,

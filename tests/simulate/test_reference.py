@@ -175,7 +175,7 @@ def test_a_filter_breaks_a_joint_away_between_the_steps() -> None:
     """It reaches 0.5 N*m after tau ln 2 = 22.06 ms, no multiple of a step, and only then moves."""
     tau = 1.0 / (2.0 * math.pi * 5.0)
     found = moved(
-        law(filter_cutoff=5.0), PassiveFriction(0.5, 0.0), 0.1, np.r_[0.0, np.ones(20)], substeps=1600
+        law(filter_cutoff=5.0), PassiveFriction(0.5, 0.0), 0.1, np.r_[0.0, np.ones(8)], substeps=1600
     )
     start = STEP + tau * math.log(2.0)
     end = 8 * STEP

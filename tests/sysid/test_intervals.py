@@ -12,10 +12,10 @@ import pytest
 from actspec import api
 from actspec.diagnostics import Collector
 from actspec.logs import Log, Sidecar
-from actspec.sysid.descent import System
 from actspec.sysid.fit import prepared, roll
 from actspec.sysid.profile import profiled, weak
 from actspec.sysid.stand import Stand
+from actspec.sysid.system import System
 from actspec.sysid.work import FitOptions, JointInWork, ended
 from tests.sysid import test_fit
 from tests.sysid.test_fit import LINK, TRUE, fitted, logged
