@@ -22,11 +22,11 @@ ORDER = (
 )
 """Rules about a figure, the nearest to its cause first: of two groups that have a joint one gives it the wrong
 figures; degrees in the place of radians are why a joint diverges, is out of its range, or differs; a gear says by
-what a limit or a gain is off, a file that contradicts itself which side is wrong, a limit that nobody stated why files differ, two files that differ why one is
-not the published one; a servo that lost its gains, or damping that is counted twice, in two files or in one, why a
-joint is slow; friction that no motor overcomes why another file has less; a
-position that the joint cannot take why two files differ. Chosen: from the findings of docs/survey.md
-that were true and told a second time."""
+what a limit or a gain is off, a file that contradicts itself which side is wrong, a limit that nobody stated why
+files differ, two files that differ why one is not the published one; a servo that lost its gains, or damping that is
+counted twice, in two files or in one, why a joint is slow; friction that no motor overcomes why another file has less;
+a position that the joint cannot take why two files differ. Chosen: from the findings of docs/survey.md that were true
+and told a second time."""
 
 _ALONE_BY = {
     "SRC103": frozenset({"ORD103", "UNT103"}),

@@ -235,7 +235,7 @@ def test_the_rest_of_a_sentence_goes_with_most_of_it() -> None:
 
 
 def test_degrees_tell_what_two_files_differ_in() -> None:
-    """A deploy file has 23 for the configuration's 0.4 rad: degrees, not another pose. A kd per degree is no other gain,
+    """A deploy file has 23 for the configuration's 0.4 rad: degrees, no other pose. A kd per degree is no other gain,
     and what diverges by it is explained too.
     """
     pose = {"path": "deploy.yaml", "held": "cfg.py", "fields": ("default_position",)}
@@ -273,7 +273,10 @@ def test_a_pose_in_degrees_is_told_once(tmp_path: Path, monkeypatch: pytest.Monk
         "joint_names: [hip, knee]\nkps: [60, 60]\nkds: [2, 2]\ndefault_angles: [23, -46]\n"
     )
     found = audit(["."], Settings(as_named=True, select=("UNT103", "SRC106"))).at_or_above(WARNING)
-    assert [(item.finding.code, item.finding.joint) for item in found] == [("UNT103", "hip"), ("UNT103", "knee")]
+    assert [(item.finding.code, item.finding.joint) for item in found] == [
+        ("UNT103", "hip"),
+        ("UNT103", "knee"),
+    ]
 
 
 BIPED = """<robot name="biped"><link name="base"/><link name="a"/><link name="b"/>

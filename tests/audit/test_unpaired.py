@@ -155,7 +155,10 @@ def test_two_models_that_nothing_shows_to_be_one(tmp_path: Path, monkeypatch: py
 def test_files_of_one_name_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two robots have a scene.xml: which one has the joints is told by its path; one name alone needs none."""
     monkeypatch.chdir(tmp_path)
-    for folder, model in (("biped", MODEL), ("crane", MODEL.replace("biped", "crane").replace("hip", "boom"))):
+    for folder, model in (
+        ("biped", MODEL),
+        ("crane", MODEL.replace("biped", "crane").replace("hip", "boom")),
+    ):
         Path(folder).mkdir()
         Path(folder, "scene.xml").write_text(model)
     Path("walk.yaml").write_text(DEPLOY.format("hip, knee"))
