@@ -156,8 +156,8 @@ def counts(groups: Iterable[FindingGroup]) -> Counts:
         for item in (*group.members, *group.alike):
             joints.update((item.finding.joint,) if item.finding.joint else item.finding.joints)
     patterns = sum(bool(_OF_PATTERNS.search(joint)) for joint in joints)
-    of_each = (severities[severity] for severity in reversed(SEVERITIES))
-    return Counts(*of_each, len(joints) - patterns, patterns)
+    errors, warnings, notes = (severities[severity] for severity in reversed(SEVERITIES))
+    return Counts(errors, warnings, notes, len(joints) - patterns, patterns)
 
 
 def for_people(found: Iterable[Reported]) -> tuple[FindingGroup, ...]:
