@@ -185,9 +185,21 @@ class Collector:
         """What is reported of one place goes here."""
         return Place(self, where, span)
 
-    def forget(self, codes: Container[str]) -> None:
-        """Take back what was reported under these codes, where more is known now and it is judged again."""
-        self.items = [item for item in self.items if item.code not in codes]
+    def forget(self, codes: Container[str], where: Container[str] | None = None, path: str = "") -> None:
+        """Take back what was reported under these codes, where more is known now and it is judged again.
+
+        Args:
+            codes: Of what.
+            where: Only of these parts or joints; None: of all.
+            path: Only of this file; "": of all.
+        """
+        self.items = [
+            item
+            for item in self.items
+            if item.code not in codes
+            or (where is not None and item.where not in where)
+            or (path and (item.span is None or item.span.path != path))
+        ]
         self._known = set(self.items)
         self._errors = sum(item.severity is Severity.ERROR for item in self.items)
 

@@ -14,28 +14,30 @@ from actspec.diagnostics import SEVERITIES, Severity, Span
 from actspec.fields import LIMITS
 
 ORDER = (
-    *("ORD103", "GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101"),
+    *("ORD103", "UNT103"),
+    *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101"),
     *("VER106", "DMP105", "DMP101", "DMP103"),
     *("FRC101", "SRC105"),
     *("LIM111", "SRC103", "SRC104", "SRC106"),
 )
 """Rules about a figure, the nearest to its cause first: of two groups that have a joint one gives it the wrong
-figures; a gear says by what a limit or a gain is off, a file that
-contradicts itself which side is wrong, a limit that nobody stated why files differ, two files that differ why one is
-not the published one; a servo that lost its gains, or damping that is counted twice, in two files or in one, why a
-joint is slow; friction that no motor overcomes why another file has less; a
-position that the joint cannot take why two files differ. Chosen: from the findings of docs/survey.md
-that were true and told a second time."""
+figures; degrees in the place of radians are why a joint diverges, is out of its range, or differs; a gear says by
+what a limit or a gain is off, a file that contradicts itself which side is wrong, a limit that nobody stated why
+files differ, two files that differ why one is not the published one; a servo that lost its gains, or damping that is
+counted twice, in two files or in one, why a joint is slow; friction that no motor overcomes why another file has less;
+a position that the joint cannot take why two files differ. Chosen: from the findings of docs/survey.md that were true
+and told a second time."""
 
 _ALONE_BY = {
-    "SRC103": frozenset({"ORD103"}),
+    "SRC103": frozenset({"ORD103", "UNT103"}),
     "SRC104": frozenset({"ORD103"}),
-    "SRC106": frozenset({"ORD103", "LIM111"}),
+    "SRC106": frozenset({"ORD103", "UNT103", "LIM111"}),
 }
 """What alone explains that gains, armatures or poses differ: others that have the figure say nothing of the
 other file."""
 
 _GEAR, _SIDES, _FRICTION, _LOST_GAINS, _PUBLISHED = "GEA101", "SYM101", "FRC101", "VER106", "KNW101"
+_DEGREES = "UNT103"
 
 PUBLISHED = 1.2
 """How many times the published figure another one is that still is that figure. Chosen: KNW101's `times`."""
@@ -148,6 +150,9 @@ class _Findings:
         if one.code == _LOST_GAINS:
             # The damping is too much for the gain that is left.
             return one.joint == other.joint and other.code == "DMP101"
+        if one.code == _DEGREES and one.span not in (other.span, *other.related):
+            # The figure in the other file is the right one.
+            return False
         figures = set(one.fields)
         if "effort_limit" in figures and one.code != _SIDES:
             # A motor's torque and speed come from one line of a datasheet.

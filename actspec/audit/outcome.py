@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -263,6 +264,7 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
             deploy = member.kind is FileKind.DEPLOY
             what = "this" if deploy else f"`{member.name}`"
             yield _not_compared(
+                case,
                 what,
                 near,
                 "several robots are called so" if by_number else "no name shows that it is the same robot",
@@ -286,6 +288,7 @@ def _beside_a_model(case: Case, mine: int, others: Sequence[int]) -> Iterator[Di
     ]
     if near:
         yield _not_compared(
+            case,
             "this",
             near,
             "names, ranges and masses do not show that it is the same robot",
@@ -310,6 +313,7 @@ def _of_other_joints(case: Case, mine: int, others: Sequence[int]) -> Iterator[D
     near = [case.artifacts[other].path for other in alike if own and ranges(case.artifacts[other]) == own]
     if near:
         yield _not_compared(
+            case,
             "this",
             near,
             "it calls them otherwise",
@@ -318,7 +322,9 @@ def _of_other_joints(case: Case, mine: int, others: Sequence[int]) -> Iterator[D
         )
 
 
-def _not_compared(what: str, near: Sequence[str], why: str, place: Span, help: str) -> Diagnostic:
+def _not_compared(case: Case, what: str, near: Sequence[str], why: str, place: Span, help: str) -> Diagnostic:
+    files = Counter(basename(file.path) for file in case.files)
+    names = [path if files[basename(path)] > 1 else basename(path) for path in near]
     with_it = "it" if len(near) == 1 else "them"
-    message = f"{what} has the joints of {listed(map(basename, near), 2)}, and is not compared with {with_it}: {why}"
+    message = f"{what} has the joints of {listed(names, 2)}, and is not compared with {with_it}: {why}"
     return Diagnostic("AUD015", Severity.INFO, message, "", place, help)

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import argparse
 import os
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from actspec.cli.options import Lines, add_force, add_format, describe
 from actspec.cli.recordings import add_logs, read_all, seconds_of, warned
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Span, listed, one_line, shortened
 from actspec.report.terminal import Progress, print_diagnostics, print_json, print_lines
 from actspec.units import format_number
+
+if TYPE_CHECKING:
+    from actspec.ir import JointActuator
 
 MOST_HIDDEN = 4096
 """Largest hidden layer. Chosen: an actuator network runs for thousands of joints in each physics step."""
@@ -119,7 +123,9 @@ def _add_evaluate(command: argparse.ArgumentParser) -> None:
     )
     add_logs(command)
     command.add_argument("--network", required=True, metavar="MANIFEST", help="NAME.json")
-    command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
+    command.add_argument(
+        "--group", metavar="GROUP", help="of the spec; default: that of the manifest's joints"
+    )
     command.add_argument("--policy", action="append", default=[], metavar="LOG", help="log of a policy")
     _add_base(command)
     command.add_argument("--html", metavar="PAGE", help="write it as a page too")
@@ -435,7 +441,8 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     law, manifest = network_of(arguments.network, actuators.joints, step)
     logs, policies = logs[: len(arguments.log)], logs[len(arguments.log) :]
     out = Collector()
-    options: dict[str, Any] = {"group": arguments.group, "taps": law.taps, "period": law.tap_period}
+    group = arguments.group or _only_group(manifest.joints, actuators.joints)
+    options: dict[str, Any] = {"group": group, "taps": law.taps, "period": law.tap_period}
     if law.layers.recurrent:
         from actspec.learn.recurrent import TAPS
 
@@ -479,6 +486,12 @@ def _evaluate(arguments: argparse.Namespace) -> int:
         print_diagnostics(out.sorted())
         print_lines(evaluate_lines(found))
     return EXIT_FINDINGS if found.grade == "poor" or any(worse_in_motion(found)) else EXIT_CLEAN
+
+
+def _only_group(of: Sequence[str], joints: Sequence[JointActuator]) -> str | None:
+    """The group of the joints that a manifest names, where it is one: a network is of one group."""
+    groups = {joint.group for joint in joints if joint.joint in of}
+    return next(iter(groups)) if len(groups) == 1 else None
 
 
 def _check_kind(manifest: Any, logs: list[Any], out: Collector) -> None:

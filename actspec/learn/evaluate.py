@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -123,6 +123,18 @@ def graded(errors: Errors, limit: float | None) -> str:
     return "poor"
 
 
+def limit_of(actuator: JointActuator) -> float | None:
+    """What its torque is graded by [N*m or N]; None where it has no limit."""
+    limit = Bounds.of(actuator).limit
+    return None if math.isinf(limit) else limit
+
+
+def worst(grades: Iterable[str]) -> str:
+    """The worst of some grades."""
+    found = set(grades)
+    return next(grade for grade in ("poor", "fair", "good") if grade in found)
+
+
 def predicted(law: NetworkLaw, tracks: Sequence[Track], bounds: Bounds) -> list[Array]:
     """The network's torque, clamped, at the rows of a joint's tracks [N*m or N], one array a track."""
     if law.layers.recurrent:
@@ -176,7 +188,7 @@ def evaluate(
                 base.torque(t.in_force[t.rows], t.position[t.rows] - bias, t.velocity[t.rows]) for t in tracks
             ]
             found[name] = np.concatenate(parts)
-        limit = None if math.isinf(bounds.limit) else bounds.limit
+        limit = limit_of(actuator)
         errors = {name: errors_of(part, torque) for name, part in found.items()}
         network = errors.pop("network")
         joints.append(JointErrors(actuator.joint, network, limit, graded(network, limit), errors))
@@ -187,7 +199,6 @@ def evaluate(
         errors_of(np.concatenate([found[name] for _, found in everything]), torque)
         for name in ("network", *names)
     )
-    grades = [joint.grade for joint in joints]
     closed, why = None, None
     growth: Mapping[str, Array] = {}
     try:
@@ -199,7 +210,7 @@ def evaluate(
         why = str(err)
     return Evaluation(
         overall,
-        next(grade for grade in ("poor", "fair", "good") if grade in grades),
+        worst(joint.grade for joint in joints),
         tuple(joints),
         dict(zip(names, rest, strict=True)),
         closed,

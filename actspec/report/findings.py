@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from actspec.audit.outcome import Reported
 from actspec.diagnostics import SEVERITIES, Severity, Span, listed
@@ -83,7 +85,15 @@ class FindingGroup:
         joints = listed(self.joints, most)
         message = self.first.finding.message
         text = f"{joints}: {message}" if joints else message
-        return text + self.others(most) + self.elsewhere(most) + self.because()
+        return text + self.besides(most)
+
+    def besides(self, most: int) -> str:
+        """What else belongs to the message: whom it concerns too, where else it is so, what explains it.
+
+        Args:
+            most: Joints and files that are named.
+        """
+        return self.others(most) + self.elsewhere(most) + self.because()
 
     def others(self, most: int) -> str:
         """Whom else it concerns with other figures, in brackets; "" where nobody.
@@ -111,6 +121,43 @@ class FindingGroup:
         own = {span.path for span in self.spans}
         paths = [path for path in dict.fromkeys(span.path for span in self.copies) if path not in own]
         return f" ({self.how} in {listed(paths, most)})" if paths else ""
+
+
+class Counts(NamedTuple):
+    """How much a report shows: the one count of every format.
+
+    Attributes:
+        errors, warnings, notes: Groups of the severity.
+        joints: That they are about, each once.
+        patterns: Of joints that nobody names, in a configuration.
+    """
+
+    errors: int
+    warnings: int
+    notes: int
+    joints: int
+    patterns: int
+
+
+_OF_PATTERNS = re.compile(r"[*+?\[({|\\^$]")
+"""What no joint's name has, and a pattern in its place does."""
+
+
+def counts(groups: Iterable[FindingGroup]) -> Counts:
+    """How much is shown.
+
+    Args:
+        groups: Of `for_people`: what is equal for many joints or files counts once.
+    """
+    severities: Counter[Severity] = Counter()
+    joints: set[str] = set()
+    for group in groups:
+        severities[group.first.severity] += 1
+        for item in (*group.members, *group.alike):
+            joints.update((item.finding.joint,) if item.finding.joint else item.finding.joints)
+    patterns = sum(bool(_OF_PATTERNS.search(joint)) for joint in joints)
+    errors, warnings, notes = (severities[severity] for severity in reversed(SEVERITIES))
+    return Counts(errors, warnings, notes, len(joints) - patterns, patterns)
 
 
 def for_people(found: Iterable[Reported]) -> tuple[FindingGroup, ...]:

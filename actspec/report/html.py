@@ -14,7 +14,7 @@ from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Severity, Span, listed, many
 from actspec.readings.artifact import FileReading
 from actspec.report import ReportOptions
-from actspec.report.findings import FindingGroup, grouped
+from actspec.report.findings import FindingGroup, for_people
 from actspec.report.ledger import comparisons, ledger_sheets, sheet_table
 from actspec.report.page import fold, plain, whole
 from actspec.report.sources import Sources
@@ -26,27 +26,26 @@ _MOST_OPEN = 8
 
 def render(report: Report, options: ReportOptions) -> str:
     """The report as one page."""
+    groups = worst_first(for_people(report.at_or_above(options.least)))
     body = (
-        *_head(report, options),
-        *_findings(report, options),
+        *_head(report, options, groups),
+        *_findings(report, groups),
         *_comparisons(report),
         *_ledger(report),
         *_files(report),
         *_rules(report, options),
         f'<p class="faint">actspec {escape(actspec.__version__)}</p>',
     )
-    return whole(f"actspec audit: {counted(grouped(report.at_or_above(options.least)))}", body)
+    return whole(f"actspec audit: {counted(groups)}", body)
 
 
-def _head(report: Report, options: ReportOptions) -> Iterator[str]:
-    yield f"<h1>actspec audit: {plain(counted(grouped(report.at_or_above(options.least))))}</h1>"
+def _head(report: Report, options: ReportOptions, groups: Sequence[FindingGroup]) -> Iterator[str]:
+    yield f"<h1>actspec audit: {plain(counted(groups))}</h1>"
     problems = report.for_people(options.least)
     if problems:
         lines = "".join(f"<li>{plain(str(item).partition(chr(10))[0])}</li>" for item in problems)
         yield f"<ul>{lines}</ul>"
-    counts = Counter(
-        (item.severity, item.finding.code, item.name) for item in report.at_or_above(options.least)
-    )
+    counts = Counter((item.severity, item.finding.code, item.name) for item in (g.first for g in groups))
     if counts:
         heads = "<th>rule</th><th>severity</th><th>findings</th>"
         yield f'<div class="wide"><table><tr>{heads}</tr>'
@@ -95,9 +94,8 @@ def _file_table(files: Sequence[FileReading]) -> Iterator[str]:
     yield "</table></div>"
 
 
-def _findings(report: Report, options: ReportOptions) -> Iterator[str]:
+def _findings(report: Report, groups: Sequence[FindingGroup]) -> Iterator[str]:
     sources = Sources(report.case.files)
-    groups = worst_first(grouped(report.at_or_above(options.least)))
     if groups:
         yield "<h2>Findings</h2>"
     for group in groups:
@@ -112,11 +110,13 @@ def _finding(group: FindingGroup, sources: Sources) -> Iterator[str]:
     yield f'<p class="place">{plain(str(finding.span))}</p>'
     yield f'<p><span class="severity">{severity}</span> {rule}, {item.confidence.value} confidence</p>'
     joints = f"<strong>{plain(listed(group.joints, 12))}</strong>: " if group.joints else ""
-    yield f"<p>{joints}{plain(finding.message)}</p>"
+    yield f"<p>{joints}{plain(finding.message + group.besides(4))}</p>"
     yield from _excerpt(finding.span, sources)
     also_on = group.also_on(12)
     if also_on:
         yield f'<p class="faint">{also_on}</p>'
+    if len(group.copies) > 2:
+        yield f'<p class="place">{group.how} in {plain(listed([str(span) for span in group.copies], 12))}</p>'
     if finding.help:
         yield f"<p>Help: {plain(finding.help)}</p>"
     for span in group.related()[:4]:

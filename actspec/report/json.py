@@ -9,6 +9,7 @@ from actspec.diagnostics import Severity, one_line
 from actspec.readings.artifact import FileReading
 from actspec.readings.ledger import LedgerRow
 from actspec.report import ReportOptions
+from actspec.report.findings import counts, for_people
 from actspec.report.ledger import JSON_FIELDS, JSON_FLAGS
 from actspec.report.terminal import diagnostic_record, json_number, json_text
 
@@ -32,6 +33,7 @@ def record(report: Report, least: Severity = Severity.INFO) -> dict[str, Any]:
         "files": [_file(file) for file in report.case.files],
         "ledger": [_row(row) for row in report.case.rows],
         "findings": [_finding(item) for item in report.at_or_above(least)],
+        "shown_as": counts(for_people(report.at_or_above(least)))._asdict(),
         "skipped": [{"code": item.code, "reason": item.reason} for item in report.skipped],
         "diagnostics": [diagnostic_record(item) for item in report.diagnostics()],
     }

@@ -62,7 +62,7 @@ def _findings(groups: Sequence[FindingGroup]) -> Iterator[str]:
     rows: list[list[str]] = [["", "rule", "place", "joints", "finding"]]
     for group in groups:
         item, finding = group.first, group.first.finding
-        text = escaped(finding.message + group.others(4) + group.elsewhere(4))
+        text = escaped(finding.message + group.besides(4))
         if finding.help:
             text += f"<br>*{escaped(finding.help)}*"
         rule, joints = f"{finding.code}<br>{escaped(item.name)}", escaped(listed(group.joints, 4))

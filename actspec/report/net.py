@@ -10,7 +10,7 @@ from actspec.diagnostics import Diagnostic, many, one_line
 from actspec.fields import units_of
 from actspec.laws.network import NetworkLaw
 from actspec.learn.closed_loop import HORIZON
-from actspec.learn.evaluate import Errors, Evaluation, errors_of
+from actspec.learn.evaluate import Errors, Evaluation, errors_of, graded, limit_of, worst
 from actspec.learn.inspect import Inspection
 from actspec.learn.recurrent import along
 from actspec.learn.survey import JointData
@@ -137,7 +137,9 @@ def train_lines(
     """Errors on held-out rows, and the spread over seeds."""
     unit, (_, overall) = _unit(data), judged[0]
     seen = sum(map(len, parts.train))
-    what = "whole recordings" if parts.whole else "the last fifth of each recording"
+    share = overall.rows / (seen + overall.rows)
+    what = f"whole recordings, {share:.0%}" if parts.whole else "the last fifth of each recording"
+    grades = _grades(data, judged)
     layers = trained.layers
     middle = ["LSTM", *(layer.hidden.shape[1] for layer in layers.recurrent)] if layers.recurrent else []
     sizes = "-".join(str(n) for n in (layers.inputs, *middle, *(len(d.bias) for d in layers.dense)))
@@ -145,7 +147,7 @@ def train_lines(
         f"group {one_line(data.group)}: {sizes}, {seen} rows to train on, {overall.rows} held out ({what}); "
         f"torque: {data.kind}"
     )
-    rows = [["joint", f"RMSE [{unit}]", "relative", "worst", "R2"]]
+    rows = [["joint", f"RMSE [{unit}]", "relative", "worst", "R2", "grade"]]
     rows += [
         [
             one_line(name) or "all",
@@ -153,6 +155,7 @@ def train_lines(
             _share(e.relative_error),
             _number(e.worst),
             _number(e.r2, 4),
+            grades[name],
         ]
         for name, e in (*judged[1:], judged[0])
     ]
@@ -163,6 +166,13 @@ def train_lines(
     run = trained.run
     seconds = sum(item.seconds for item in trained.runs)
     yield f"seed {run.seed}, {many(run.epochs, 'epoch')}, best after {run.best}, {seconds:.1f} s"
+
+
+def _grades(data: Dataset, judged: Sequence[tuple[str, Errors]]) -> dict[str, str]:
+    """What `net evaluate` would call such errors, by joint; "" for all: the worst of them."""
+    limits = {actuator.joint: limit_of(actuator) for actuator in data.actuators}
+    found = {name: graded(errors, limits[name]) for name, errors in judged if name}
+    return {**found, "": worst(found.values())}
 
 
 def _errors(errors: Errors) -> dict[str, Any]:
@@ -181,14 +191,20 @@ def train_record(
     import numpy as np
 
     rmse = [run.rmse for run in trained.runs]
+    grades = _grades(data, judged)
     return {
         "format": TRAIN,
         "group": data.group,
         "files": dict(paths),
         "torque": data.kind,
         "rows": sum(map(len, parts.train)),
-        "validation": {**_errors(judged[0][1]), "logs": list(parts.logs), "whole_recordings": parts.whole},
-        "joints": [{"joint": name, **_errors(errors)} for name, errors in judged[1:]],
+        "validation": {
+            **_errors(judged[0][1]),
+            "grade": grades[""],
+            "logs": list(parts.logs),
+            "whole_recordings": parts.whole,
+        },
+        "joints": [{"joint": name, **_errors(errors), "grade": grades[name]} for name, errors in judged[1:]],
         "seed": trained.run.seed,
         "epochs": trained.run.epochs,
         "seeds": [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -11,7 +10,7 @@ from actspec.audit.outcome import Means, Report
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed, many, one_line
 from actspec.readings.read import counted_not_read
 from actspec.report import ReportOptions
-from actspec.report.findings import MOST_ALIKE, FindingGroup, for_people
+from actspec.report.findings import MOST_ALIKE, FindingGroup, counts, for_people
 from actspec.report.ledger import ledger_lines
 from actspec.report.sources import Sources
 from actspec.report.tables import Style, table
@@ -55,7 +54,7 @@ def _whole(report: Report, options: ReportOptions, sources: Sources | None) -> s
     groups = worst_first(for_people(report.at_or_above(options.least)))
     if options.statistics:
         groups = for_people(report.findings)
-        lines += statistics(report)
+        lines += statistics(groups)
     else:
         for group in groups:
             lines.append(headline(group, style))
@@ -141,11 +140,17 @@ def _excerpt(sources: Sources, span: Span, style: Style) -> Iterator[str]:
         yield "  " + style.faint(margin + bar) + (style.bold(text) if text.strip() == "^" else text)
 
 
-def statistics(report: Report) -> list[str]:
-    """Counts by rule, the worst first, of those the most frequent."""
-    counts = Counter((item.finding.code, item.name, item.severity.value) for item in report.findings)
+def statistics(groups: Iterable[FindingGroup]) -> list[str]:
+    """Counts by rule, the worst first, of those the most frequent.
+
+    Args:
+        groups: The findings as they would be shown.
+    """
+    found = Counter(
+        (group.first.finding.code, group.first.name, group.first.severity.value) for group in groups
+    )
     severities = [severity.value for severity in reversed(SEVERITIES)]
-    rows = sorted(counts.items(), key=lambda entry: (severities.index(entry[0][2]), -entry[1], entry[0]))
+    rows = sorted(found.items(), key=lambda entry: (severities.index(entry[0][2]), -entry[1], entry[0]))
     return table([(str(count), *key) for key, count in rows], "", headings=0)
 
 
@@ -215,28 +220,18 @@ def files_counted(report: Report) -> str:
     return f"{text}, none of which could be read" if unread > 1 else f"{text}, which could not be read"
 
 
-_OF_PATTERNS = re.compile(r"[*+?\[({|\\^$]")
-"""What no joint's name has, and a pattern in its place does."""
-
-
 def counted(groups: Iterable[FindingGroup]) -> str:
     """`2 errors, 1 warning affecting 13 joints`; of a configuration whose joints nobody names, `2 patterns of joints`.
 
     Args:
         groups: The findings as they are shown: what is equal for many joints counts once.
     """
-    counts: Counter[Severity] = Counter()
-    joints: set[str] = set()
-    for group in groups:
-        counts[group.first.severity] += 1
-        for item in (*group.members, *group.alike):
-            joints.update((item.finding.joint,) if item.finding.joint else item.finding.joints)
-    parts = [many(counts[severity], NOUNS[severity]) for severity in reversed(SEVERITIES) if counts[severity]]
-    patterns = sum(bool(_OF_PATTERNS.search(joint)) for joint in joints)
-    counts_of = [many(len(joints) - patterns, "joint")] if len(joints) > patterns else []
-    counts_of += [f"{many(patterns, 'pattern')} of joints"] if patterns else []
-    affected = f" affecting {' and '.join(counts_of)}" if joints else ""
-    return ", ".join(parts) + affected if parts else "no findings"
+    found = counts(groups)
+    of_each = zip((found.errors, found.warnings, found.notes), reversed(SEVERITIES), strict=True)
+    parts = [many(count, NOUNS[severity]) for count, severity in of_each if count]
+    affected = [many(found.joints, "joint")] if found.joints else []
+    affected += [f"{many(found.patterns, 'pattern')} of joints"] if found.patterns else []
+    return ", ".join(parts) + (f" affecting {' and '.join(affected)}" if affected else "") or "no findings"
 
 
 def joined(items: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

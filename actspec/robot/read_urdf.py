@@ -184,6 +184,7 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
     if balls:
         message = f"spherical joints, which not every reader of URDF knows: {listed(balls, 3)}"
         out.info("ROBOT113", message, span=document.span(document.root))
+    _zero_limits(found, out)
     found = _with_parents(found, document)
     for joint in found:
         if joint.mimic is not None and joint.mimic not in names:
@@ -307,20 +308,39 @@ def _joint(element: Element, name: str, kind: str, document: XmlDocument, out: C
 def _judge_limit(
     effort: float | None, velocity: float | None, kind: JointKind, name: str, span: Span, out: Collector
 ) -> None:
-    torque, speed = _UNITS[kind]
-    zero_effort = "MuJoCo reads it as no limit, other importers as a dead joint"
-    zero_speed = "importers disagree whether that is no limit or a locked joint"
-    limits = (
-        ("effort", effort, torque, zero_effort, "state the actuator's limit, or leave the attribute out"),
-        ("velocity", velocity, speed, zero_speed, "state the joint's limit, or leave the attribute out"),
-    )
-    for what, value, unit, _, _ in limits:
+    for what, value, unit in zip(("effort", "velocity"), (effort, velocity), _UNITS[kind], strict=True):
         if value is not None and value < 0:
             message = f"limit {what} must be >= 0 {unit}, got {format_number(value)}; taken as no limit"
             out.warning("ROBOT123", message, where=name, span=span)
-    for what, value, unit, why, help in limits:
-        if value == 0:
-            out.warning("ROBOT125", f"limit {what} is 0 {unit}: {why}", where=name, span=span, help=help)
+
+
+def _zero_limits(joints: Sequence[JointView], out: Collector) -> None:
+    """Warn of limits of 0, once for all joints that have them: a hand has one figure on each."""
+    for at, (what, why, help) in enumerate(_ZERO):
+        alike: dict[str, list[JointView]] = {}
+        for joint in joints:
+            if (joint.effort_range == (0.0, 0.0), joint.velocity_limit == 0.0)[at]:
+                alike.setdefault(_UNITS[joint.kind][at], []).append(joint)
+        for unit, having in alike.items():
+            count = f" at {len(having)} joints" if len(having) > 1 else ""
+            message = f"limit {what} is 0 {unit}{count}: {why}"
+            where = listed((joint.name for joint in having), 3)
+            out.warning("ROBOT125", message, where=where, span=having[0].places[what], help=help)
+
+
+_ZERO = (
+    (
+        "effort",
+        "MuJoCo reads it as no limit, other importers as a dead joint",
+        "state the actuator's limit, or leave the attribute out",
+    ),
+    (
+        "velocity",
+        "importers disagree whether that is no limit or a locked joint",
+        "state the joint's limit, or leave the attribute out",
+    ),
+)
+"""Limits of a URDF, what it makes of 0, and what to write."""
 
 
 def _effort_range(effort: float | None) -> tuple[float, float] | None:

@@ -118,6 +118,8 @@ def _judge_log(stand: Stand, here: Mapping[str, Recording], out: Collector) -> s
         for k, name in enumerate(seen.names)
         if as_read[k] > OFF and tells(np.where(which == k, -one, one), 0.0 * one)[k]
     }
+    # That a position is out of its range asks for what is told now.
+    out.forget(("SYS047",), turned.values(), log.path)
     for k, name in turned.items():
         message = (
             "its sign is the other way than the model's: gravity fits the torque with the joint mirrored, and leaves "
@@ -144,6 +146,10 @@ def _tell_shift(stand: Stand, seen: Read, first: Recording, shift: Array, out: C
         ahead = 0.0 if command is None else float(np.nanmedian(command) - np.median(q))
         # Command and position are alike, or one of them is the model's already.
         (alone if abs(ahead - add) < abs(ahead) else both).append(shown)
+    # That a position is out of its range asks for what is told now.
+    out.forget(
+        ("SYS047",), [name for name, add in zip(seen.names, shift, strict=True) if add], first.log.path
+    )
     what = "positions and commands are" if both else "positions are"
     help = "add it: " + " and ".join(
         f"to {which} of {listed(some)}"

@@ -234,6 +234,51 @@ def test_the_rest_of_a_sentence_goes_with_most_of_it() -> None:
     assert [cause for *_, cause in _after(*zeros, sides[0])] == ["SYM101", "", "", ""]
 
 
+def test_degrees_tell_what_two_files_differ_in() -> None:
+    """A deploy file has 23 for the configuration's 0.4 rad: degrees, no other pose. A kd per degree is no other gain,
+    and what diverges by it is explained too.
+    """
+    pose = {"path": "deploy.yaml", "held": "cfg.py", "fields": ("default_position",)}
+    degrees, off, out = (_of(code, **pose) for code in ("UNT103", "SRC106", "LIM111"))
+    assert _after(off, out, degrees) == [
+        ("SRC106", "info", "UNT103"),
+        ("LIM111", "info", "UNT103"),
+        ("UNT103", "warning", ""),
+    ]
+    gain = {"fields": ("kd",), "held": "cfg.py"}
+    of_gain, other, rings = (_of(code, **gain) for code in ("UNT103", "SRC103", "STB101"))
+    assert _after(of_gain, other, (rings, ERROR)) == [
+        ("UNT103", "error", ""),
+        ("SRC103", "info", "UNT103"),
+        ("STB101", "info", "UNT103"),
+    ]
+    # Another joint, another figure, and what is wrong with the pose that is in radians.
+    assert _after(degrees, replace(off, joint="hip"))[1][2] == ""
+    assert _after(degrees, replace(off, fields=("action_scale",)))[1][2] == ""
+    assert _after(degrees, _of("LIM111", path="cfg.py", fields=("default_position",)))[1][2] == ""
+
+
+def test_a_pose_in_degrees_is_told_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`[23, -46]` for 0.4 and -0.8 rad: 57.5 times both, within 0.5 % of 57.3."""
+    monkeypatch.chdir(tmp_path)
+    Path("hopper_cfg.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        "from isaaclab.assets import ArticulationCfg\n"
+        "HOPPER_CFG = ArticulationCfg(\n"
+        '    init_state=ArticulationCfg.InitialStateCfg(joint_pos={"hip": 0.4, "knee": -0.8}),\n'
+        '    actuators={"all": ImplicitActuatorCfg(joint_names_expr=["hip", "knee"], stiffness=60.0, damping=2.0)},\n'
+        ")\n"
+    )
+    Path("hopper_deploy.yaml").write_text(
+        "joint_names: [hip, knee]\nkps: [60, 60]\nkds: [2, 2]\ndefault_angles: [23, -46]\n"
+    )
+    found = audit(["."], Settings(as_named=True, select=("UNT103", "SRC106"))).at_or_above(WARNING)
+    assert [(item.finding.code, item.finding.joint) for item in found] == [
+        ("UNT103", "hip"),
+        ("UNT103", "knee"),
+    ]
+
+
 BIPED = """<robot name="biped"><link name="base"/><link name="a"/><link name="b"/>
 <joint name="left_knee" type="revolute"><parent link="base"/><child link="a"/><limit effort="20" velocity="9"/></joint>
 <joint name="right_knee" type="revolute"><parent link="base"/><child link="b"/><limit effort="0" velocity="9"/></joint>

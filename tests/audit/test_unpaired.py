@@ -152,6 +152,27 @@ def test_two_models_that_nothing_shows_to_be_one(tmp_path: Path, monkeypatch: py
     assert audit(["."], Settings(select=("SRC101",))).diagnostics() == ()
 
 
+def test_files_of_one_name_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two robots have a scene.xml: which one has the joints is told by its path; one name alone needs none."""
+    monkeypatch.chdir(tmp_path)
+    for folder, model in (
+        ("biped", MODEL),
+        ("crane", MODEL.replace("biped", "crane").replace("hip", "boom")),
+    ):
+        Path(folder).mkdir()
+        Path(folder, "scene.xml").write_text(model)
+    Path("walk.yaml").write_text(DEPLOY.format("hip, knee"))
+    files = ["biped/scene.xml", "crane/scene.xml", "walk.yaml"]
+
+    def told(*names: str) -> str:
+        (said,) = [one for one in audit(names, Settings()).diagnostics() if one.code == "AUD015"]
+        return said.message.partition(",")[0]
+
+    assert told(*files) == "this has the joints of biped/scene.xml"
+    Path("crane/scene.xml").rename("crane/floor.xml")
+    assert told(files[0], "crane/floor.xml", files[2]) == "this has the joints of scene.xml"
+
+
 def test_one_of_two_configurations_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the other one is compared, it is told which is not, by its name and line."""
     monkeypatch.chdir(tmp_path)

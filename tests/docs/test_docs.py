@@ -514,6 +514,14 @@ def test_hooks_of_a_page_are_there(block: Block, folder: Path) -> None:
     (folder / block.title).write_text(block.text)
     clientlib = pytest.importorskip("pre_commit.clientlib")
     assert clientlib.load_config(block.title)
+    # pre-commit warns of a branch; and who pastes a commit finds it in the clone.
+    (rev,) = (repo["rev"] for repo in yaml.safe_load(block.text)["repos"])
+    assert re.fullmatch("[0-9a-f]{40}", rev)
+    history = subprocess.run(
+        ["git", "rev-list", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    shallow = (ROOT / ".git" / "shallow").exists()
+    assert history.returncode or shallow or rev in history.stdout.split()
     known = {hook["id"]: hook for hook in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())}
     for hook in (hook for repo in yaml.safe_load(block.text)["repos"] for hook in repo["hooks"]):
         called = {**known[hook["id"]], **hook}

@@ -284,6 +284,47 @@ def test_other_files_are_passed_over(
         capsys.readouterr()
 
 
+def _pasted(hook: str) -> dict[str, object]:
+    """Settings of a hook in the example of docs/audit.md."""
+    text = (ROOT / "docs" / "audit.md").read_text(encoding="utf-8")
+    block = text.split('title=".pre-commit-config.yaml"\n')[1].split("```")[0]
+    hooks: list[dict[str, object]] = yaml.safe_load(block)["repos"][0]["hooks"]
+    (found,) = (each for each in hooks if each["id"] == hook)
+    return {key: value for key, value in found.items() if key != "id"}
+
+
+def test_a_commit_that_only_deletes(project: Project) -> None:
+    """pre-commit gives a hook no deleted files: as pasted it is skipped, with `always_run` what was lost is told."""
+    pasted = _pasted("actspec-audit")
+    for stem in ("leg", "arm"):
+        project.write(f"robots/{stem}.xml", BARE.replace("leg", stem))
+    project.write("actspec.toml", '[audit]\nbaseline = "known.json"\n')
+    argument = ["audit", "robots", "--as-named", "--write-baseline", "known.json"]
+    done = _call(sys.executable, "-m", "actspec", *argument, cwd=project.folder, env=project.hooks.env)
+    assert done.returncode == 0, done.stdout
+    project.use("actspec-audit", **pasted)
+    assert project.commit().returncode == 0
+    _git(project.folder, project.hooks.env, "commit", "--quiet", "--message", "all")
+    (project.folder / "robots" / "arm.xml").unlink()
+    skipped = project.commit()
+    assert skipped.returncode == 0 and "(no files to check)" in skipped.stdout
+    project.use("actspec-audit", **pasted, always_run=True)
+    failed = project.commit()
+    assert failed.returncode == 1 and "AUD021" in failed.stdout, failed.stdout
+
+
+def test_a_broken_spec_is_told_once(project: Project) -> None:
+    """As pasted, the first hook tells it, and the audit, which would call it unreadable, is not run."""
+    project.use("actspec-validate", **_pasted("actspec-validate"))
+    config = yaml.safe_load((project.folder / ".pre-commit-config.yaml").read_text())
+    config["repos"][0]["hooks"].append({"id": "actspec-audit", **_pasted("actspec-audit")})
+    project.write(".pre-commit-config.yaml", yaml.safe_dump(config))
+    project.write("robots/leg.yaml", BAD)
+    done = project.commit()
+    assert done.returncode == 1 and "SPEC" in done.stdout
+    assert "AUD008" not in done.stdout, done.stdout
+
+
 def test_the_audit_hook_is_calm(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -176,6 +176,20 @@ def test_zero_limits_are_stated_and_warned_of() -> None:
     ]
 
 
+def test_zero_limits_of_many_joints_are_one_warning() -> None:
+    """Five joints with effort 0, four of them hinges: one warning a unit, at the first of them, with the count."""
+    limit = '<limit effort="0" velocity="3"/>'
+    chain = "".join(joint(limit, name=f"k{i}", parent=f"l{i}", child=f"l{i + 1}") for i in range(3))
+    rail = joint(limit, name="rail", parent="l3", child="l4").replace("revolute", "prismatic")
+    links = "".join(f'<link name="l{i}"/>' for i in range(5))
+    text = robot(joint(limit, child="l0") + chain + rail, links)
+    said = [line.partition("] ")[2].partition(": MuJoCo")[0] for line in messages(text) if "ROBOT125" in line]
+    assert said == [
+        "j, k0, k1 and 1 more: limit effort is 0 N*m at 4 joints",
+        "rail: limit effort is 0 N",
+    ]
+
+
 def test_nonsense_limits_are_no_limits() -> None:
     """Negative limits and a lower above the upper are warned of, in the joint's own units."""
     text = robot(joint('<limit lower="2" upper="1" effort="-5" velocity="-3"/>', "prismatic"))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from actspec.diagnostics import Collector
+from actspec.diagnostics import Collector, Span
 from actspec.ir import JointKind
 from actspec.logs import Log
 from actspec.sysid.fit import carried, prepared
@@ -80,6 +80,18 @@ def test_relative_to_the_default_pose(command: float, what: str, tmp_path: Path)
     assert askew == set(POSE) and "relative to the default pose" in message
     assert message.startswith("positions and commands are") == (command == 1.0)
     assert message.endswith(f"add it: to {what} of hip -0.4 rad, knee 0.9 rad")
+
+
+def test_what_asks_for_the_zero_goes_where_it_is_told(tmp_path: Path) -> None:
+    """The hip is out of its range by its pose, and that is told once; the tail's pose is 0, and another log another."""
+    mine = stand(tmp_path, "hip: -0.4 rad, knee: 0.9 rad", LEG)
+    log, out = moved(mine, away=1.0, command=1.0), Collector()
+    for joint, path in (("hip", log.path), ("tail", log.path), ("hip", "other.csv")):
+        out.warning("SYS047", "the joint's range is 0 to 1 rad", where=joint, span=Span(path, 2, 3))
+    judge_zeros(mine, prepared(mine, [log], list(POSE), FitOptions(), Collector()), out)
+    left = [(item.where, item.span.path) for item in out if item.span is not None and item.where]
+    assert left == [("tail", log.path), ("hip", "other.csv")]
+    assert len(out.items) == 3
 
 
 def test_some_of_the_default_pose_is_not_it(tmp_path: Path) -> None:

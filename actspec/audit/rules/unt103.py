@@ -112,6 +112,8 @@ class Factor57(RuleInParts):
             "1 rad is 57.3 degrees: convert the figure, or correct the other file",
             (other.place(pair.place),),
             severity=severity,
+            # An end of a range is no figure of the joint by itself.
+            fields=() if pair.place == "position_range" else (pair.place,),
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from typing import Any
 
@@ -270,3 +271,27 @@ def test_a_file_is_not_another_one() -> None:
     ]
     (group,) = _groups(*held)
     assert group.copies and group.headline() == "ankle: 57.3 times that in a.urdf"
+
+
+def test_every_format_counts_the_same() -> None:
+    """Five joints of a.xml, two of which b.xml has too, and a note of a sixth joint.
+
+    One a joint there are 8, one a message 4 (three figures in a.xml, a copy, the note) less what is folded: people read
+    one warning and one note, of 5 + 1 joints.
+    """
+    figures = (3.0, 9.0, 4.0, 4.0, 4.0)
+    alike = [_one(i, f"gets {value:g} N*m", f"j{i}", value=value) for i, value in enumerate(figures)]
+    copies = [replace(one, span=Span("b.xml", 1, 1)) for one in alike[:2]]
+    made = _report(*alike, *copies, finding("SRC901", joint="toe", severity=Severity.INFO))
+    words = "1 warning, 1 note affecting 6 joints"
+    assert render(made, "concise", ReportOptions()).endswith(f"\n{words} in 0 files\n")
+    assert render(made, "markdown", ReportOptions()).startswith(f"### actspec audit: {words} in 0 files\n")
+    page = render(made, "html", ReportOptions())
+    assert f"<title>actspec audit: {words}</title>" in page
+    assert page.count("<article") == 2 and page.count('<td class="n">1</td>') == 2
+    assert "gets 9 N*m (similar: j0, j2, j3, j4) (the same in b.xml)" in page
+    shown = json.loads(render(made, "json", ReportOptions()))
+    assert len(shown["findings"]) == 8
+    assert shown["shown_as"] == {"errors": 0, "warnings": 1, "notes": 1, "joints": 6, "patterns": 0}
+    said = render(made, "concise", ReportOptions(statistics=True)).splitlines()
+    assert [line.split()[:2] for line in said[:2]] == [["1", "LIM901"], ["1", "SRC901"]]

@@ -189,7 +189,7 @@ def test_json(made: Report) -> None:
     """It has the form of its schema, one finding a joint, null for unknown, Infinity for no limit."""
     data = json.loads(render(made, "json", ReportOptions()), parse_constant=pytest.fail)
     fits("report", data)
-    assert list(data) == ["format", "files", "ledger", "findings", "skipped", "diagnostics"]
+    assert list(data) == ["format", "files", "ledger", "findings", "shown_as", "skipped", "diagnostics"]
     assert data["findings"][0] == {
         "code": "LIM901",
         "name": "first-rule",

@@ -74,7 +74,8 @@ def test_html(made: Report) -> None:
     assert "default-src 'none'" in text
     assert 'name="viewport"' in text
     # Counts by rule and severity, then the findings.
-    assert page.links == ["#rule-LIM901", "#rule-AUD008", "#rule-SRC901", "#rule-SRC901"] * 2
+    rest = ["#rule-SRC901", "#rule-SRC901"]
+    assert page.links == ["#rule-AUD008", "#rule-LIM901", *rest, "#rule-LIM901", "#rule-AUD008", *rest]
     assert page.ids == {"rule-LIM901", "rule-SRC901", "rule-AUD008"}
     for words in (
         "hip, ankle, knee: no limit",

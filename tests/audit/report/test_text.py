@@ -104,8 +104,8 @@ MARKED = """a.xml (leg)
   damping: c clamped by the effort limit, u not clamped by the effort limit, i integrated implicitly, \
 e integrated explicitly"""
 
-STATISTICS = """3  LIM901  first-rule       error
-1  AUD008  unreadable-file  error
+STATISTICS = """1  AUD008  unreadable-file  error
+1  LIM901  first-rule       error
 1  SRC901  second-rule      warning
 1  SRC901  second-rule      info
 """
