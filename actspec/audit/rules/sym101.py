@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence, Set
 from functools import lru_cache
 from itertools import combinations
 from operator import attrgetter, eq
@@ -311,7 +311,7 @@ def _each_pair(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[Ledge
         else:
             single.append(artifact)
     # Most of them have no such names at all.
-    sided = {artifact for artifact in single if any(map(_mirrors, joints[artifact]))}
+    sided = {artifact for artifact in single if any(map(mirrors, joints[artifact]))}
     for one, other in combinations(single, 2):
         if one not in sided and other not in sided:
             continue
@@ -344,7 +344,7 @@ def _without_side(word: re.Match[str]) -> str:
 def _mirrored(left: _Rows, right: _Rows) -> list[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
     found = []
     for name, rows in left.items():
-        other = next((text for text in _mirrors(name) if text in right), None)
+        other = next((text for text in mirrors(name) if text in right), None)
         if other is not None and not _are_axes(name, other, left):
             found.append((rows, right[other]))
     return found
@@ -368,8 +368,14 @@ def _are_axes(one: str, other: str, names: Iterable[str]) -> bool:
     return len(letters) >= _AXES
 
 
+def other_side(name: str, names: Collection[str]) -> str | None:
+    """Which of the names is the other side's of a joint, if one is."""
+    right = (other for other in mirrors(name) if other in names)
+    return next(right, next((other for other in names if name in mirrors(other)), None))
+
+
 @lru_cache(maxsize=4096)
-def _mirrors(name: str) -> tuple[str, ...]:
+def mirrors(name: str) -> tuple[str, ...]:
     """What a left joint's name may be on the right: one of its words changed, or all of them."""
     words = _WORD.findall(name)
     at = [index for index, word in enumerate(words) if word in _RIGHT]
