@@ -8,7 +8,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import is_whole_robot, names_model, posed
 from actspec.audit.rules.misnamed import is_misspelt, misnamed
-from actspec.audit.rules.sym101 import other_side
+from actspec.audit.rules.sided import other_side
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.dict_keys import selects_nothing
@@ -99,7 +99,8 @@ class JointNotCovered(RuleOver[_Subject]):
             # ORD104 tells of the pattern that was meant for it.
             side = None if own or case.is_met_at(config.span) else other_side(joint.name, covered)
             sure = own or ((joint.name in stated or side is not None) and not lost)
-            why = "this configuration sets its position" if side is None else f"{side} is in a group"
+            placed = joint.name in stated
+            why = "this configuration sets its position" if placed else f"{side} is in a group"
             yield Finding(
                 self.code,
                 f"this joint of {file} is in no actuator group, and nothing else moves it: it swings freely"
