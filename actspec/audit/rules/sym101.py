@@ -9,6 +9,7 @@ from operator import attrgetter, eq
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.crowded import crowded
 from actspec.audit.rules.joints import is_held, is_nobodys, is_undriven, partner_rows, shown
 from actspec.audit.rules.sided import SIDE_WORDS, WORD, mirrors
 from actspec.fields import PLACEHOLDER_SPEED
@@ -82,7 +83,10 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         left, right = subject
         if (left[0].control == "none") != (right[0].control == "none"):
             return
-        finding = self._figures(case, left, right)
+        # ORD103 tells of the actuator that is another joint's.
+        crowd = {(found.artifact, found.joint) for found in case.once(crowded)}
+        own = {(row.artifact, row.joint) for row in (left[0], right[0])}
+        finding = None if crowd & own else self._figures(case, left, right)
         if finding is not None:
             yield finding
         finding = self._range(case, left[0], right[0])
