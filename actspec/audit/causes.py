@@ -14,24 +14,24 @@ from actspec.diagnostics import SEVERITIES, Severity, Span
 from actspec.fields import LIMITS
 
 ORDER = (
-    *("ORD103", "UNT103"),
+    *("ORD103", "ORD102", "UNT103"),
     *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101"),
     *("VER106", "DMP105", "DMP101", "DMP103"),
     *("FRC101", "SRC105"),
     *("LIM111", "SRC103", "SRC104", "SRC106"),
 )
 """Rules about a figure, the nearest to its cause first: of two groups that have a joint one gives it the wrong
-figures; degrees in the place of radians are why a joint diverges, is out of its range, or differs; a gear says by
-what a limit or a gain is off, a file that contradicts itself which side is wrong, a limit that nobody stated why
-files differ, two files that differ why one is not the published one; a servo that lost its gains, or damping that is
-counted twice, in two files or in one, why a joint is slow; friction that no motor overcomes why another file has less;
-a position that the joint cannot take why two files differ. Chosen: from the findings of docs/survey.md that were true
-and told a second time."""
+figures, and a list in another order gives many; degrees in the place of radians are why a joint diverges, is out of
+its range, or differs; a gear says by what a limit or a gain is off, a file that contradicts itself which side is
+wrong, a limit that nobody stated why files differ, two files that differ why one is not the published one; a servo
+that lost its gains, or damping that is counted twice, in two files or in one, why a joint is slow; friction that no
+motor overcomes why another file has less; a position that the joint cannot take why two files differ. Chosen: from the
+findings of docs/survey.md that were true and told a second time."""
 
 _ALONE_BY = {
-    "SRC103": frozenset({"ORD103", "UNT103"}),
+    "SRC103": frozenset({"ORD102", "ORD103", "UNT103"}),
     "SRC104": frozenset({"ORD103"}),
-    "SRC106": frozenset({"ORD103", "UNT103", "LIM111"}),
+    "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "LIM111"}),
 }
 """What alone explains that gains, armatures or poses differ: others that have the figure say nothing of the
 other file."""

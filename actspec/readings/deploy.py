@@ -326,7 +326,9 @@ class _Reader:
         if count is not None:
             settings["joint_count"] = count
         if joints is not None and names is not None:
-            settings["joint_order"] = Setting(joints, next(iter(names.values()), self._span(node)))
+            settings["joint_order"] = Setting(
+                joints, next(iter(names.values()), self._span(node)), places=names
+            )
         if ours:
             settings["sdk_order"] = self._sdk_order(block)
         nameless = {} if joints is not None else self._nameless(scopes, fields)

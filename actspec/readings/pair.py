@@ -109,6 +109,10 @@ def pair(
             artifacts[one].path, artifacts[other].path, words[one] & words[other]
         )
 
+    def overlap(one: int, other: int) -> bool:
+        mine, its = sets[one], sets[other]
+        return _overlap(mine, its) or ({one, other} <= set(by_hand) and _is_but_one(mine, its))
+
     held = next((names[i] for i, a in enumerate(artifacts) if a.spec is not None and a.path == spec), None)
     bound = {
         i for i, own in enumerate(names) if held and own is not None and _overlap(sets[i], frozenset(held))
@@ -121,9 +125,7 @@ def pair(
             (
                 group
                 for group in groups
-                if all(
-                    (_overlap(sets[index], sets[i]) and agree(index, i)) or {index, i} <= bound for i in group
-                )
+                if all((overlap(index, i) and agree(index, i)) or {index, i} <= bound for i in group)
                 and any(
                     {index, i} <= bound
                     or _may_be_one(artifacts, figures, index, i, 3 if words[index] == words[i] else 2)
@@ -540,6 +542,14 @@ def figures_of(robot: RobotView | None) -> _Figures:
 def _overlap(one: frozenset[str], other: frozenset[str]) -> bool:
     least = min(len(one), len(other))
     return least > 0 and len(one & other) >= SHARE * least
+
+
+def _is_but_one(one: frozenset[str], other: frozenset[str]) -> bool:
+    """Whether all joints but one of the smaller artifact are the other's: a name that is wrong in one of the two parts
+    no files of a robot with few joints. Of two joints one says nothing.
+    """
+    least = min(len(one), len(other))
+    return least > 2 and len(one & other) >= least - 1
 
 
 def fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:

@@ -1,20 +1,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.configs import names_model, posed
+from actspec.audit.rules.configs import is_whole_robot, names_model, posed
+from actspec.audit.rules.misnamed import is_misspelt, misnamed
+from actspec.audit.rules.sided import other_side
 from actspec.ir import JointKind
-from actspec.patterns import is_slip
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.dict_keys import selects_nothing
 from actspec.readings.pair import joint_names
-from actspec.robot.view import RobotView
+from actspec.robot.view import JointView, ModelFormat, RobotView
 
-_Subject = tuple[RobotConfig, set[str], int, RobotView, bool]
+_Subject = tuple[int, RobotConfig, int, RobotView]
 
 
 class JointNotCovered(RuleOver[_Subject]):
@@ -23,7 +24,7 @@ class JointNotCovered(RuleOver[_Subject]):
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
-    needs = "no whole configuration of Isaac Lab or mjlab beside an MJCF of its robot"
+    needs = "no whole configuration of Isaac Lab or mjlab beside an MJCF of its robot, or a URDF and a deploy file"
     options: ClassVar[dict[str, float]] = {"share": 0.6}
 
     def subjects(self, case: Case) -> Iterator[_Subject]:
@@ -31,33 +32,53 @@ class JointNotCovered(RuleOver[_Subject]):
             config = artifact.config
             if config is None or config.framework not in (Framework.MJLAB, Framework.ISAACLAB):
                 continue
-            if not _whole(config):
+            if not is_whole_robot(config):
                 continue
-            covered = {row.joint for row in case.rows_of(index)}
             for other in case.robot_of(index).artifacts:
                 model = case.artifacts[other]
-                if model.kind is not FileKind.MJCF or model.robot is None:
+                if model.robot is None:
                     continue
                 own = config.framework is Framework.MJLAB
-                if own and not names_model(case, config, model):
+                if model.kind is FileKind.URDF and not _driven_by_deploy(case, index, model.robot):
                     continue
-                yield config, covered, other, model.robot, own
+                if own and (model.kind is not FileKind.MJCF or not names_model(case, config, model)):
+                    continue
+                yield index, config, other, model.robot
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Find joints that are in no group."""
-        config, covered, other, robot, own = subject
-        driven = {row.joint for row in case.rows_of(other) if row.joint and row.control != "none"}
-        loose = _loose(robot) - driven if own else driven
-        if len(loose & covered) >= self.option(case, "share") * len(loose):
-            yield from self._uncovered(case, config, other, loose - covered, own)
+        index, config, other, robot = subject
+        covered = {row.joint for row in case.rows_of(index)}
+        called = {} if case.is_met_at(config.span) else _called(case, index, other)
+        yield from (self._otherwise(config, *found) for found in called.values())
+        own = config.framework is Framework.MJLAB
+        driven = {row.joint: other for row in case.rows_of(other) if row.joint and row.control != "none"}
+        if not own and robot.format is ModelFormat.URDF:
+            driven = _driven_by_deploy(case, index, robot)
+        wanted = _loose(robot) - driven.keys() if own else driven.keys()
+        if len(wanted & covered) >= self.option(case, "share") * len(wanted):
+            missing = {joint: driven.get(joint, other) for joint in wanted - covered - called.keys()}
+            yield from self._uncovered(case, config, other, missing, covered)
+
+    def _otherwise(self, config: RobotConfig, joint: JointView, name: str, path: str) -> Finding:
+        """A joint that the model calls otherwise than the groups and another file of the robot do."""
+        return Finding(
+            self.code,
+            f"this joint is called {name} in {basename(path)}, and no actuator group selects it by the "
+            "name that it has here",
+            joint.span,
+            joint.name,
+            help=f"did you mean '{name}'?",
+            related=(config.span,),
+        )
 
     def _uncovered(
-        self, case: Case, config: RobotConfig, other: int, joints: set[str], own: bool
+        self, case: Case, config: RobotConfig, other: int, joints: Mapping[str, int], covered: Collection[str]
     ) -> Iterator[Finding]:
+        """Joints that no group selects, each with the artifact that drives it."""
         robot = case.artifacts[other].robot
         assert robot is not None
-        file = basename(robot.path)
-        loose = [joint for joint in robot.joints if joint.name in joints]
+        own = config.framework is Framework.MJLAB
         names = joint_names(case.artifacts[other]) or ()
         # Another robot's USD, and a model of another variant, are of whoever has put them into one folder.
         stated = () if own or case.is_met_at(config.span) else posed(config, names)
@@ -66,71 +87,75 @@ class JointNotCovered(RuleOver[_Subject]):
             for group in config.groups
             for pattern in group.joints or ()
         )
-        for joint in loose:
-            near = None if own or case.is_met_at(joint.span) else _called(case, other, joint.name, names)
-            if near is not None:
-                yield Finding(
-                    self.code,
-                    f"this joint is called {near[0]} in {basename(near[1])}, and no actuator group selects it by the "
-                    "name that it has here",
-                    joint.span,
-                    joint.name,
-                    help=f"did you mean '{near[0]}'?",
-                    related=(config.span,),
-                )
+        for joint in robot.joints:
+            if joint.name not in joints:
                 continue
+            by = joints[joint.name]
+            near = None if own or case.is_met_at(joint.span) else _misspelt(case, other, joint.name, names)
+            if near is not None:
+                yield self._otherwise(config, joint, *near)
+                continue
+            file = basename(case.artifacts[by].path)
             # ORD104 tells of the pattern that was meant for it.
-            sure = own or (joint.name in stated and not lost)
+            side = None if own or case.is_met_at(config.span) else other_side(joint.name, covered)
+            sure = own or ((joint.name in stated or side is not None) and not lost)
+            placed = joint.name in stated
+            why = "this configuration sets its position" if placed else f"{side} is in a group"
             yield Finding(
                 self.code,
                 f"this joint of {file} is in no actuator group, and nothing else moves it: it swings freely"
                 if own
-                else f"{file} drives this joint, this configuration sets its position, and no actuator group selects "
-                "it: it swings freely"
+                else f"{file} drives this joint, {why}, and no actuator group selects it: it swings freely"
                 if sure
                 else f"{file} drives this joint, and no actuator group selects it: where the USD has it, it swings "
                 "freely",
                 config.span,
                 joint.name,
                 help="add it to a group",
-                related=(joint.span,),
+                related=(joint.span,) if by == other else (case.joints[by, joint.name][0].span, joint.span),
                 severity=None if sure else Severity.INFO,
             )
 
 
-def _called(case: Case, index: int, joint: str, names: Sequence[str]) -> tuple[str, str] | None:
+def _driven_by_deploy(case: Case, index: int, robot: RobotView) -> dict[str, int]:
+    """Joints of a URDF that a deploy file beside a configuration has a gain for, each with that file.
+
+    What an MJCF of the robot drives is told with that; a joint that follows another one has no drive.
+    """
+    members = case.robot_of(index).artifacts
+    if any(case.artifacts[other].kind is FileKind.MJCF for other in members):
+        return {}
+    alone = {joint.name for joint in robot.joints if joint.mimic is None}
+    return {
+        row.joint: other
+        for other in members
+        if case.artifacts[other].kind is FileKind.DEPLOY
+        for row in case.rows_of(other)
+        if row.joint in alone and (row.kp or row.kd)
+    }
+
+
+def _called(case: Case, index: int, model: int) -> dict[str, tuple[JointView, str, str]]:
+    """Joints of a model that lists of joints and a configuration's groups call otherwise: each with that name, and the
+    file with the list.
+    """
+    return {
+        one.joint.name: (one.joint, one.name, case.artifacts[one.list].path)
+        for one in case.once(misnamed)
+        if one.model == model and one.patterns is case.artifacts[index]
+    }
+
+
+def _misspelt(case: Case, index: int, joint: str, names: Sequence[str]) -> tuple[str, str] | None:
     """How another file of the robot calls a joint of a model, where it is misspelt in one of the two; and that file."""
     for other in case.robot_of(index).artifacts:
         theirs = joint_names(case.artifacts[other]) or ()
         if joint in theirs:
             continue
-        near = next((name for name in theirs if name not in names and _is_misspelt(joint, name)), None)
+        near = next((name for name in theirs if name not in names and is_misspelt(joint, name)), None)
         if near is not None:
             return near, case.artifacts[other].path
     return None
-
-
-def _is_misspelt(one: str, other: str) -> bool:
-    """Whether two names differ by a letter inside a word. Sides, axes and numbers tell joints from each other, and are
-    shorter than the four letters of a word here, or differ in the first one.
-    """
-    words = re.findall(r"[^\W\d_]+|\d+", one), re.findall(r"[^\W\d_]+|\d+", other)
-    if len(words[0]) != len(words[1]):
-        return False
-    differing = [pair for pair in zip(*words, strict=True) if pair[0] != pair[1]]
-    if len(differing) != 1 or not is_slip(one, [other]):
-        return False
-    mine, its = differing[0]
-    return max(len(mine), len(its)) >= 4 and mine[0] == its[0]
-
-
-def _whole(config: RobotConfig) -> bool:
-    """Whether the groups are a robot's, and all of them are known."""
-    if not config.groups or any(group.joints is None for group in config.groups):
-        return False
-    if any(note.where.startswith("actuators") for note in config.notes):
-        return False
-    return len(config.groups) > 1 or config.groups[0].name != config.name
 
 
 def _loose(robot: RobotView) -> set[str]:

@@ -74,6 +74,15 @@ class Group:
         return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
+def is_whole_robot(config: RobotConfig) -> bool:
+    """Whether the groups are a robot's, and all of them are known."""
+    if not config.groups or any(group.joints is None for group in config.groups):
+        return False
+    if any(note.where.startswith("actuators") for note in config.notes):
+        return False
+    return len(config.groups) > 1 or config.groups[0].name != config.name
+
+
 def posed(config: RobotConfig, names: Sequence[str]) -> tuple[str, ...]:
     """Joints whose position a configuration sets by a key that not every joint has: its own robot has them, then."""
     setting = config.settings.get("default_position")

@@ -214,7 +214,12 @@ def is_called_undriven(row: LedgerRow) -> bool:
     A drone's rotors are driven by their thrust, the links of a gripper by one of its fingers, and a motor's place in an
     order that nothing has is not used.
     """
-    return _UNDRIVEN.search(row.joint) is not None
+    return names_undriven(row.joint)
+
+
+def names_undriven(name: str) -> bool:
+    """The same of a name."""
+    return _UNDRIVEN.search(name) is not None
 
 
 _HELD = 0.01

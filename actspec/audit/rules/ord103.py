@@ -4,12 +4,15 @@ from collections.abc import Iterator, Sequence
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS
+from actspec.audit.rules.crowded import crowded
 from actspec.readings.artifact import FileKind, RobotConfig
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.overlap import has_last
 
+_Subject = tuple[int, RobotConfig | None]
 
-class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
+
+class JointInTwoGroups(RuleOver[_Subject]):
     code = "ORD103"
     name = "joint-in-two-groups"
     severity = Severity.ERROR
@@ -17,16 +20,21 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
     paired = True
     needs = "no configuration with several actuator groups among the files"
 
-    def subjects(self, case: Case) -> Iterator[tuple[int, RobotConfig]]:
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             if config is None or config.framework not in FRAMEWORKS or len(config.groups) < 2:
                 continue
             yield index, config
+        for index in {found.artifact: None for found in case.once(crowded)}:
+            yield index, None
 
-    def judge(self, case: Case, subject: tuple[int, RobotConfig]) -> Iterator[Finding]:
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Count the groups of each joint."""
         index, config = subject
+        if config is None:
+            yield from self._crowded(case, index)
+            return
         seen: dict[str, LedgerRow] = {}
         # The ledger is in the joints' order; what counts is the order of the groups.
         order = {group.span: place for place, group in enumerate(config.groups)}
@@ -69,6 +77,27 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
                 about=" ".join((*groups, *before)),
                 # What another file says against the group that has the joint is no fault of a group that replaces it.
                 fields=() if replaces else _apart(first, row),
+            )
+
+    def _crowded(self, case: Case, index: int) -> Iterator[Finding]:
+        """Actuators of an MJCF on a joint that has one already, while the one that they are meant for has none."""
+        for found in case.once(crowded):
+            if found.artifact != index:
+                continue
+            side = f", while {found.side} has one" if found.side else ""
+            yield Finding(
+                self.code,
+                f"a second {found.actuator.tag or 'actuator'} drives this joint, and none drives {found.lone}{side}",
+                found.actuator.span,
+                found.joint,
+                help=f'did you mean joint="{found.lone}"?',
+                related=(found.first.span,),
+                severity=Severity.WARNING,
+                confidence=Confidence.MEDIUM,
+                noted_in_folders=True,
+                about=found.lone,
+                # Both together give the joint's figures.
+                fields=_FIELDS,
             )
 
 

@@ -7,9 +7,11 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS, posed
+from actspec.audit.rules.misnamed import misnamed
 from actspec.diagnostics import Span, listed, nearest, shortened
+from actspec.patterns import match_names
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.dict_keys import dead_keys, may_match, meant_for, selects_nothing
+from actspec.readings.dict_keys import PLAIN, dead_keys, may_match, meant_for, selects_nothing
 from actspec.readings.pair import joint_names, matching
 
 _SURE = (Severity.ERROR, Confidence.HIGH)
@@ -32,17 +34,23 @@ class PatternMatchesNothing(RuleOver[_Subject]):
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
     def subjects(self, case: Case) -> Iterator[_Subject]:
-        for index, artifact in case.of_kind(FileKind.CFG):
+        for index, artifact in case.of_kind(FileKind.CFG, FileKind.DEPLOY):
             config = artifact.config
-            if config is None or config.framework not in FRAMEWORKS:
+            if config is None:
                 continue
             model = _model(case, index)
-            if model is not None or any(_keys(s) for g in config.groups for s in g.settings.values()):
+            if config.framework not in FRAMEWORKS:
+                if model is not None:
+                    yield index, config, model
+            elif model is not None or any(_keys(s) for g in config.groups for s in g.settings.values()):
                 yield index, config, model
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Match every pattern that has joints to be held against, and every key that has patterns."""
         index, config, model = subject
+        yield from self._names(case, index)
+        if config.framework not in FRAMEWORKS:
+            return
         members = (case.artifacts[other] for other in case.robot_of(index).artifacts)
         # A pattern that one variant of the robot has a joint for is right.
         names = tuple(dict.fromkeys(name for member in members for name in joint_names(member) or ()))
@@ -52,6 +60,26 @@ class PatternMatchesNothing(RuleOver[_Subject]):
             yield from self._keys(case, index, config.framework, group, model, told)
         if model is not None:
             yield from self._patterns(case, config, model, names, meant)
+
+    def _names(self, case: Case, index: int) -> Iterator[Finding]:
+        """Names of a list that no file of the robot has; where it is a model that departs, CFG102 tells of it."""
+        for found in case.once(misnamed):
+            if found.list != index or found.patterns is not None:
+                continue
+            file = basename(case.artifacts[found.model].path)
+            yield Finding(
+                self.code,
+                f"no file of the robot has a joint '{shortened(found.name)}': {file} "
+                f"has '{shortened(found.joint.name)}', which this list leaves out",
+                found.place,
+                found.name,
+                help=f"did you mean '{shortened(found.joint.name)}'?",
+                related=(found.joint.span,),
+                severity=Severity.WARNING,
+                confidence=Confidence.MEDIUM,
+                noted_in_folders=True,
+                about=f"{found.name} {found.joint.name}",
+            )
 
     def _keys(
         self,
@@ -117,7 +145,7 @@ class PatternMatchesNothing(RuleOver[_Subject]):
             key = meant[group.span].get(pattern)
             if not (fitting or key):
                 continue
-            near = key or meant_for(pattern, names)
+            near = key or _joint_meant(pattern, names)
             # Several names that are nearly those of a model that nobody named with the file are another robot's.
             other = near and len(missing) > 1 and case.is_met_at(group.span)
             # The robot of the configuration has those joints, and so not others in their place.
@@ -138,6 +166,13 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                 confidence=confidence,
                 about=f"{pattern} {group.name}",
             )
+
+
+def _joint_meant(pattern: str, names: Sequence[str]) -> str | None:
+    """`meant_for`, and by the joint's own name what is no pattern."""
+    near = meant_for(pattern, names)
+    found = match_names(near, names) if near is not None and PLAIN.fullmatch(pattern) else ()
+    return found[0] if len(found) == 1 else near
 
 
 def _model(case: Case, index: int) -> Artifact | None:

@@ -1,14 +1,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rules.source_pairs import Disagreement
-from actspec.audit.rules.source_rule import SourceRule, is_of_one_training
+from actspec.audit.rules.source_rule import SourceRule, is_of_one_training, shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.units import format_number
+
+_CREEPS = 2.0
+"""kd over kp, the time in which a joint that is damped so follows its command [s], from which on the two are exchanged.
+Chosen: the other way round it is half a second, and 0.2 s is the most in Isaac Lab's robots (Franka: 400 and 80)."""
 
 
 class Gain(SourceRule):
@@ -18,6 +24,40 @@ class Gain(SourceRule):
     # As the others of two files: which of a stranger's deploy files runs the policy is not seen.
     noted_in_folders = True
     needs = "a gain of one joint"
+
+    def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
+        """One for both gains of a joint that one file has in each other's place."""
+        found = []
+        gains = {_pair(one): one for one in disagreements}
+        for one in disagreements:
+            other = gains.get((*_pair(one)[:2], "kd" if one.field == "kp" else "kp"))
+            if other is None or not _are_exchanged(one, other, self.option(case, "tolerance")):
+                found.append(self.finding(case, one))
+            elif one.field == "kp":
+                same = one.rows[0].artifact == other.rows[0].artifact
+                found.append(self._exchanged(case, one, other if same else other.turned))
+        return found
+
+    def _exchanged(self, case: Case, kp: Disagreement, kd: Disagreement) -> Finding:
+        """The finding at the file with the odd gains, where they tell which it is."""
+        times = [gain.value / by.value for gain, by in ((kd.mine, kp.mine), (kd.theirs, kp.theirs))]  # type: ignore[operator]
+        if times[1] >= _CREEPS:
+            kp, kd, times = kp.turned, kd.turned, times[::-1]
+        here, there = (
+            f"{shown(stiffness.value, stiffness.unit)} and {shown(damping.value, damping.unit)}"
+            for stiffness, damping in ((kp.mine, kd.mine), (kp.theirs, kd.theirs))
+        )
+        found = self.finding(case, kp)
+        odd = times[0] >= _CREEPS
+        then = f": with these a joint takes {times[0]:.3g} s to follow its command" if odd else ""
+        return replace(
+            found,
+            message=f"kp and kd are exchanged: {here} here, {there} in {kp.others[0].file}{then}",
+            help=f"write {there}" if odd else found.help,
+            related=(kd.mine.place, kp.theirs.place, kd.theirs.place),
+            fields=("kp", "kd"),
+            about="exchanged",
+        )
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """What the joint does then."""
@@ -37,3 +77,15 @@ class Gain(SourceRule):
         if kinds == {FileKind.CFG, FileKind.DEPLOY} and is_of_one_training(case, found):
             return Severity.WARNING, Confidence.HIGH
         return Severity.INFO, Confidence.MEDIUM
+
+
+def _pair(found: Disagreement) -> tuple[frozenset[int], str, str]:
+    """Which two files differ in a gain, at which joint, and the gain."""
+    return frozenset({found.rows[0].artifact, found.others[0].artifact}), found.rows[0].joint, found.field
+
+
+def _are_exchanged(one: Disagreement, other: Disagreement, tolerance: float) -> bool:
+    """Whether each of a joint's gains in one file is the other one of the other file."""
+    mine, its = (one, other) if one.rows[0].artifact == other.rows[0].artifact else (one, other.turned)
+    crossed = ((mine.mine.value, its.theirs.value), (mine.theirs.value, its.mine.value))
+    return all(a and b and a > 0.0 and math.isclose(a, b, rel_tol=tolerance) for a, b in crossed)

@@ -4,33 +4,20 @@ import math
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from functools import lru_cache
 from itertools import combinations
 from operator import attrgetter, eq
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.crowded import crowded
 from actspec.audit.rules.joints import is_held, is_nobodys, is_undriven, partner_rows, shown
+from actspec.audit.rules.sided import SIDE_WORDS, WORD, mirrors
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import telling
 from actspec.units import format_quantity
-
-_SIDES = (
-    ("left", "right"), ("l", "r"), ("fl", "fr"), ("rl", "rr"), ("hl", "hr"), ("bl", "br"), ("ml", "mr"),
-    ("lf", "rf"), ("lh", "rh"), ("lb", "rb"), ("lm", "rm"),
-)  # fmt: skip
-"""Words for the sides, in lower case. Chosen: from the joint names in the surveyed repositories."""
-
-_RIGHT = {
-    form(left): form(right) for left, right in _SIDES for form in (str.lower, str.upper, str.capitalize)
-}
-
-_SIDE_WORDS = frozenset(word for sides in _SIDES for word in sides)
-
-_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^A-Za-z0-9]+")
 
 _DRIVE = (
     "kp",
@@ -96,7 +83,10 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         left, right = subject
         if (left[0].control == "none") != (right[0].control == "none"):
             return
-        finding = self._figures(case, left, right)
+        # ORD103 tells of the actuator that is another joint's.
+        crowd = {(found.artifact, found.joint) for found in case.once(crowded)}
+        own = {(row.artifact, row.joint) for row in (left[0], right[0])}
+        finding = None if crowd & own else self._figures(case, left, right)
         if finding is not None:
             yield finding
         finding = self._range(case, left[0], right[0])
@@ -311,7 +301,7 @@ def _each_pair(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[Ledge
         else:
             single.append(artifact)
     # Most of them have no such names at all.
-    sided = {artifact for artifact in single if any(map(_mirrors, joints[artifact]))}
+    sided = {artifact for artifact in single if any(map(mirrors, joints[artifact]))}
     for one, other in combinations(single, 2):
         if one not in sided and other not in sided:
             continue
@@ -331,20 +321,19 @@ def _are_two_sides(one: str, other: str) -> bool:
     What is left of the files' names without their sides has a word in common, or nothing of one is left.
     """
     mine, its = (
-        telling(_WORD.sub(_without_side, os.path.splitext(os.path.basename(path))[0]))
-        for path in (one, other)
+        telling(WORD.sub(_without_side, os.path.splitext(os.path.basename(path))[0])) for path in (one, other)
     )
     return not mine or not its or bool(mine & its)
 
 
 def _without_side(word: re.Match[str]) -> str:
-    return "-" if word[0].lower() in _SIDE_WORDS else word[0]
+    return "-" if word[0].lower() in SIDE_WORDS else word[0]
 
 
 def _mirrored(left: _Rows, right: _Rows) -> list[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
     found = []
     for name, rows in left.items():
-        other = next((text for text in _mirrors(name) if text in right), None)
+        other = next((text for text in mirrors(name) if text in right), None)
         if other is not None and not _are_axes(name, other, left):
             found.append((rows, right[other]))
     return found
@@ -352,32 +341,20 @@ def _mirrored(left: _Rows, right: _Rows) -> list[tuple[Sequence[LedgerRow], Sequ
 
 def _are_axes(one: str, other: str, names: Iterable[str]) -> bool:
     """Whether two names are those of axes that are called by letters: S, L, U, R, B and T of an arm."""
-    words, its = _WORD.findall(one), _WORD.findall(other)
+    words, its = WORD.findall(one), WORD.findall(other)
     at = [i for i, (a, b) in enumerate(zip(words, its, strict=True)) if a != b]
     if any(len(words[i]) > 1 for i in at):
         return False
     letters = {
         tuple(found[i] for i in at)
         for name in names
-        if len(found := _WORD.findall(name)) == len(words)
+        if len(found := WORD.findall(name)) == len(words)
         and all(
             found[i] == words[i] or (i in at and len(found[i]) == 1 and found[i].isalpha())
             for i in range(len(words))
         )
     }
     return len(letters) >= _AXES
-
-
-@lru_cache(maxsize=4096)
-def _mirrors(name: str) -> tuple[str, ...]:
-    """What a left joint's name may be on the right: one of its words changed, or all of them."""
-    words = _WORD.findall(name)
-    at = [index for index, word in enumerate(words) if word in _RIGHT]
-    return tuple(
-        "".join(_RIGHT[word] if index in chosen else word for index, word in enumerate(words))
-        for chosen in (*([index] for index in at), at)
-        if chosen
-    )
 
 
 def _without_limits(case: Case) -> frozenset[int]:

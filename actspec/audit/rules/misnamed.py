@@ -1,0 +1,156 @@
+"""Joints that a deploy file, or a configuration's list of joints, calls otherwise than the robot's models do."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from actspec.audit.case import Case
+from actspec.audit.rules.configs import FRAMEWORKS, is_whole_robot
+from actspec.audit.rules.joints import names_undriven
+from actspec.audit.rules.ord101 import scalar_joints, stated_order
+from actspec.diagnostics import Span, nearest
+from actspec.patterns import is_slip
+from actspec.readings.artifact import Artifact, Framework
+from actspec.readings.pair import matching
+from actspec.robot.view import JointView
+
+_FEW = 2
+"""Names that a list and a model must share. Chosen: as ORD102 asks for, to hold an order to a model."""
+
+
+@dataclass(frozen=True, slots=True)
+class Misnamed:
+    """One name.
+
+    Attributes:
+        list: Index of the artifact that has it.
+        name: As the list has it.
+        place: Where.
+        joint: The joint of the model that stands for it, which the list leaves out.
+        model: Index of that model.
+        patterns: The configuration that selects the name and not the joint: the model departs then; None: there is
+            none.
+    """
+
+    list: int
+    name: str
+    place: Span
+    joint: JointView
+    model: int
+    patterns: Artifact | None
+
+
+def misnamed(case: Case) -> tuple[Misnamed, ...]:
+    """Names in lists of joints that stand nowhere in the robot's files, each with the joint that it stands for.
+
+    A name without such a joint is that of a part which the model lacks, a hand or an arm, and none is said to be wrong.
+    """
+    return tuple(found for index in range(len(case.artifacts)) for found in _of_list(case, index))
+
+
+def _of_list(case: Case, index: int) -> Iterator[Misnamed]:
+    names = _names(case.artifacts[index])
+    others = [other for other in case.robot_of(index).artifacts if other != index]
+    joints = {
+        other: frozenset(scalar_joints(robot))
+        for other in others
+        if (robot := case.artifacts[other].robot) is not None
+    }
+    if len(names) <= _FEW or not joints:
+        return
+    model = max(joints, key=lambda other: len(names.keys() & joints[other]))
+    robot = case.artifacts[model].robot
+    assert robot is not None
+    if len(names.keys() & joints[model]) < _FEW:
+        return
+    members = [case.artifacts[other] for other in others]
+    # Where no list names the joints a key may be a part of their names, as in legged_gym.
+    keys = stated_order(case.artifacts[index]) is None
+    lost = [
+        name
+        for name in names
+        if not any(_has(member, name) for member in members)
+        and not (keys and any(name in joint for joint in joints[model]))
+    ]
+    # What follows another joint, or is called a part without a drive, is left out of lists.
+    free = {
+        joint.name: joint
+        for joint in robot.joints
+        if joint.name in joints[model] - names.keys()
+        and joint.mimic is None
+        and joint.name not in robot.coupled
+        and not names_undriven(joint.name)
+    }
+    for name, meant in _meant(lost, tuple(free)).items():
+        patterns = next((one for one in members if _selects(one, name) and not _selects(one, meant)), None)
+        yield Misnamed(index, name, names[name], free[meant], model, patterns)
+
+
+def _names(artifact: Artifact) -> Mapping[str, Span]:
+    """The joints that an artifact's list names, or the keys of its values by joint; each with its place."""
+    order = stated_order(artifact)
+    config = artifact.config
+    found: dict[str, Span] = {}
+    if order is not None:
+        found = {name: order[1].place(name) for name in order[0] if name}
+    elif config is not None and config.framework is Framework.DEPLOY:
+        found = {name: group.span for group in config.groups for name in group.joints or ()}
+    return {name: place for name, place in found.items() if not names_undriven(name)}
+
+
+def _has(member: Artifact, name: str) -> bool:
+    """Whether a file has a joint with a name, or anything else that is called so: a fixed joint, or an actuator."""
+    if member.spec is not None:
+        return any(joint.joint == name for joint in member.spec.joints)
+    robot = member.robot
+    if robot is None:
+        return False
+    quoted = (mark + name.encode() + mark for mark in (b'"', b"'"))
+    return any(joint.name == name for joint in robot.joints) or any(map(member.states, quoted))
+
+
+def _selects(member: Artifact, name: str) -> bool:
+    """Whether a configuration of a whole robot has a group for a joint."""
+    config = member.config
+    if config is None or config.framework not in FRAMEWORKS or not is_whole_robot(config):
+        return False
+    patterns = (pattern for group in config.groups for pattern in group.joints or ())
+    return any(matching(config.framework, pattern, (name,)) for pattern in patterns)
+
+
+def _meant(lost: Sequence[str], free: Sequence[str]) -> dict[str, str]:
+    """Names that no joint has, each to the one joint without a name that it stands for.
+
+    Where one of both is left over, they are each other's if they are near at all. Of several a joint is one's whose
+    name has its words, or is misspelt.
+    """
+    if len(lost) == 1 == len(free):
+        near = nearest(lost[0], free)
+        return {lost[0]: near} if near is not None else {}
+    near_ones = {name: [other for other in free if _is_alike(name, other)] for name in lost}
+    meant = {name: near[0] for name, near in near_ones.items() if len(near) == 1}
+    taken = list(meant.values())
+    return {name: joint for name, joint in meant.items() if taken.count(joint) == 1}
+
+
+def _is_alike(one: str, other: str) -> bool:
+    """Whether two names differ in what is left out at the end, or is misspelt."""
+    mine, its = (re.findall(r"[a-z]+|\d+", name.lower()) for name in (one, other))
+    least = min(len(mine), len(its))
+    return mine[:least] == its[:least] or is_misspelt(one, other)
+
+
+def is_misspelt(one: str, other: str) -> bool:
+    """Whether two names differ by a letter inside a word. Sides, axes and numbers tell joints from each other, and are
+    shorter than the four letters of a word here, or differ in the first one.
+    """
+    words = re.findall(r"[^\W\d_]+|\d+", one), re.findall(r"[^\W\d_]+|\d+", other)
+    if len(words[0]) != len(words[1]):
+        return False
+    differing = [pair for pair in zip(*words, strict=True) if pair[0] != pair[1]]
+    if len(differing) != 1 or not is_slip(one, [other]):
+        return False
+    mine, its = differing[0]
+    return max(len(mine), len(its)) >= 4 and mine[0] == its[0]
