@@ -49,13 +49,13 @@ class _Place(NamedTuple):
     """A pattern of a group."""
 
     group: str
-    index: int
+    number: int
     pattern: str
 
     @property
     def path(self) -> Path:
         """Where it is written."""
-        return ("actuators", self.group, "joints", self.index)
+        return ("actuators", self.group, "joints", self.number)
 
 
 def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:

@@ -345,10 +345,10 @@ def _fallen_out(lines: list[str], number: int, own: int) -> str | None:
     pair = KEY.match(lines[number].strip())
     if pair is None or lines[number].strip()[len(pair[0]) :][:1] in ("", "{", "&", "*", "#"):
         return None
+    name: str | None = None
     if before is None or indent(lines[before]) < own:
         return None
-    name: str | None = None
-    while (before := line_above(lines, before)) is not None and indent(lines[before]) > 0:
+    while indent(lines[before]) > 0:
         if name is None and indent(lines[before]) <= its:
             header = KEY.match(lines[before].strip())
             if header is None or indent(lines[before]) < its:
@@ -356,7 +356,10 @@ def _fallen_out(lines: list[str], number: int, own: int) -> str | None:
             name = header[1]
         elif indent(lines[before]) < its:
             return None
-    section = None if before is None else KEY.match(lines[before])
+        before = line_above(lines, before)
+        if before is None:
+            return None
+    section = KEY.match(lines[before])
     return name if section is not None and section[1] in _NAMED_ITEMS else None
 
 

@@ -157,7 +157,7 @@ def transposed(value: SpecValue) -> Iterator[float]:
     amount, unit = amount_of(value)
     text = value.written.partition(" ")[0] if unit else value.written
     for index in range(len(text) - 1):
-        one, two = text[index : index + 2]
+        one, two = text[index], text[index + 1]
         if one.isdigit() and two.isdigit() and one != two and amount and value.value:
             yield value.value * float(text[:index] + two + one + text[index + 2 :]) / amount
 
