@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, ResolveError, listed
 from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source, whole_steps
 from actspec.readings.joint import read_joints
+from actspec.resolution.binding import bind
 from actspec.resolution.identified import check_gains, drawn_apart, results_sources
 from actspec.resolution.joint import actuator_of, armature_of
 from actspec.resolution.motor import own_motors
 from actspec.resolution.quantities import Reports, model_values, written
 from actspec.resolution.simplified import simplifications
-from actspec.resolution.stated import bind, joint_inputs, stated_of
+from actspec.resolution.stated import joint_inputs, stated_of
 from actspec.robot.view import RobotView
 from actspec.spec.document import Breaches
 from actspec.spec.plausible.joints import check_joints

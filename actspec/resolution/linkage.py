@@ -13,9 +13,10 @@ from dataclasses import dataclass, replace
 from actspec.diagnostics import Path, listed
 from actspec.fields import unit_of_kind
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity, tidy, unknown
+from actspec.resolution.binding import Bindings
 from actspec.resolution.gearbox import Train, gear_train, unfit
 from actspec.resolution.motor import Drivetrain, JointMotor, check_motor, joint_motor
-from actspec.resolution.stated import Bindings, Stated
+from actspec.resolution.stated import Stated
 from actspec.spec.document import Breaches
 from actspec.spec.gears import Linkage
 from actspec.spec.rules.motors import number

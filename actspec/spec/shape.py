@@ -18,6 +18,7 @@ from actspec.spec.document import Document
 from actspec.spec.gears import Linkage
 from actspec.spec.models import Actuators, Motor, Robot, Source, SpecModel, Target, Timing, Tunable
 from actspec.spec.values import VALUE_KEYS, short
+from actspec.units.explain import of_comma
 
 _NAMED: dict[str, tuple[type[BaseModel], str]] = {
     "actuators": (Actuators, "group"),
@@ -562,6 +563,4 @@ def _is_whole(value: Any) -> bool:
 def _comma(given: str, path: Path) -> Misplaced:
     message = f"{short(given)}: a comma inside a number, which ends it in [ ] and {{ }}"
     meant = re.sub(r",(?! )", ".", given)
-    return Misplaced(
-        message, path, f"decimals have a point (`{short(meant)}`), thousands no mark", False, "SPEC110"
-    )
+    return Misplaced(message, path, of_comma(given, meant), False, "SPEC110")

@@ -311,6 +311,10 @@ def _below_a_value(lines: list[str], number: int) -> Problem | None:
         return None
     if _ONE_WORD.fullmatch(COMMENT.sub("", lines[above].strip())):
         return lacks_colon(lines[above], above, ALONE)
+    group = _fallen_out(lines, above, own)
+    if group is not None:
+        message = f"this line is indented by {many(its, 'space')}, and those above and below it, of `{group}`, by {own}"
+        return Problem(message, f"indent it by {many(own, 'space')}", Mark(above, its))
     section = _section_below(lines, number) if its == 0 else None
     if section is not None:
         message = f"what begins here belongs to `{section}`: the line `{section}:` is missing above"
@@ -321,6 +325,42 @@ def _below_a_value(lines: list[str], number: int) -> Problem | None:
         f"by {own}",
         Mark(number, own),
     )
+
+
+_NAMED_ITEMS = frozenset(("motors", "actuators", "sources", "linkages"))
+"""Sections whose items are mappings: beside their names no other value stands."""
+
+
+def _fallen_out(lines: list[str], number: int, own: int) -> str | None:
+    """The name of the group or motor that a line belongs to, whose keys around it are further in.
+
+    It stands among names, and has a value that no name has. None: the line may be right.
+
+    Args:
+        lines: The file.
+        number: The line.
+        own: Indentation of the line below it.
+    """
+    its, before = indent(lines[number]), line_above(lines, number)
+    pair = KEY.match(lines[number].strip())
+    if pair is None or lines[number].strip()[len(pair[0]) :][:1] in ("", "{", "&", "*", "#"):
+        return None
+    name: str | None = None
+    if before is None or indent(lines[before]) < own:
+        return None
+    while indent(lines[before]) > 0:
+        if name is None and indent(lines[before]) <= its:
+            header = KEY.match(lines[before].strip())
+            if header is None or indent(lines[before]) < its:
+                return None
+            name = header[1]
+        elif indent(lines[before]) < its:
+            return None
+        before = line_above(lines, before)
+        if before is None:
+            return None
+    section = KEY.match(lines[before])
+    return name if section is not None and section[1] in _NAMED_ITEMS else None
 
 
 def _section_below(lines: list[str], number: int) -> str | None:
@@ -369,6 +409,20 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
         found = _nameless(lines, outer, own)
         if found is not None:
             return found
+    if outer is not None and (above := line_above(lines, outer)) is not None:
+        one, header = indent(lines[outer]), KEY.match(COMMENT.sub("", lines[above]).rstrip())
+        key = KEY.match(COMMENT.sub("", lines[outer].strip()))
+        # A section of names without one: the first of them stands beside it.
+        if (
+            one == indent(lines[above]) == 0
+            and header is not None
+            and header[1] in _NAMED_ITEMS
+            and COMMENT.sub("", lines[above]).rstrip().endswith(":")
+            and key is not None
+            and key[1] not in _NAMED_ITEMS
+        ):
+            message = f"`{key[1]}` stands beside `{header[1]}`, which is empty, and what follows is indented by {own}"
+            return Problem(message, f"indent it by {many(own, 'space')}", Mark(outer, one))
     if outer is not None and (odd := _odd_first(lines, outer, mark.line)) is not None:
         one = indent(lines[odd])
         return Problem(

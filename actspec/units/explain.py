@@ -216,7 +216,7 @@ def not_a_number(given: str, kind: Kind) -> UnitError:
     )
 
 
-_THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}(?:,[0-9]{3})+(?![0-9])")
+_THOUSANDS = re.compile(r"(?<![0-9.,])[1-9][0-9]{0,2}(?:,[0-9]{3})+(?![0-9])")
 
 
 _POINTS = re.compile(r"[-+]?[1-9][0-9]{0,2}(?:\.[0-9]{3})+,[0-9]+(?![^ ]*\.)")
@@ -229,6 +229,17 @@ def decimal_comma(given: str, kind: Kind) -> UnitError:
     point = (text.replace(".", "") if _POINTS.match(text) else text).replace(",", ".", 1)
     return UnitError(
         f"{shortened(text)} is not {an(kind.noun)}: a comma inside a number",
-        f"decimals have a point (`{shortened(point)}`), thousands no mark"
-        + (f" (`{shortened(text.replace(',', ''))}`)" if _THOUSANDS.match(text) else ""),
+        of_comma(text, point),
     )
+
+
+def of_comma(text: str, point: str) -> str:
+    """What commas inside numbers may mean: decimals, and thousands where each has three digits behind it.
+
+    Args:
+        text: What was written.
+        point: The same with points for the commas.
+    """
+    whole = _THOUSANDS.sub(lambda match: match[0].replace(",", ""), text)
+    thousands = "" if re.search(",(?! )", whole) else f" (`{shortened(whole)}`)"
+    return f"decimals have a point (`{shortened(point)}`), thousands no mark{thousands}"

@@ -50,15 +50,57 @@ def test_several_joints_in_two_groups_are_one_error() -> None:
     """One pattern takes them all, and the joint that is in no group is its doing too."""
     text = spec_of(f'a: {{joints: [hip, calf], {PD}}}, b: {{joints: ["hip|calf"], {PD}}}')
     assert refused(text) == [
-        "BIND002 actuators.b.joints[0]: the joint 'hip' is in two groups: 'b' by 'hip|calf' and 'a' by 'hip' "
-        "(s.yaml:4:26)",
-        "BIND002 actuators.b.joints[0]: the joint 'calf' is in two groups: 'b' by 'hip|calf' and 'a' by 'calf' "
-        "(s.yaml:4:31)",
+        "BIND002 actuators.b.joints[0]: the joints hip, calf are in two groups: 'b' by 'hip|calf' and 'a' by "
+        "'hip', 'calf' (s.yaml:4:26)"
     ]
     assert refused(text.replace("[hip, calf]", '["hip|c.*"]')) == [
         "BIND002 actuators.b.joints[0]: the joints hip, calf are in two groups: 'b' by 'hip|calf' and 'a' by "
         "'hip|c.*' (s.yaml:4:26)"
     ]
+
+
+def test_a_greedy_pattern_is_one_error() -> None:
+    """It is told, wherever it stands, with the joint that is unmanaged; the units of its slide follow from it."""
+    greedy, narrow = (
+        f'b: {{joints: [".*"], {PD} N*m*s/rad}}'.replace("25", "25 N*m/rad"),
+        f"a: {{joints: [hip], {PD}}}",
+    )
+    told = "BIND002 actuators.b.joints[0]: the joint 'hip' is in two groups: 'b' by '.*' and 'a' by 'hip' "
+    told += "(s.yaml:4:{})"
+    assert refused(spec_of(f"{narrow}, {greedy}")) == [told.format(26)]
+    # It stands behind the greedy group and `, `.
+    assert refused(spec_of(f"{greedy}, {narrow}")) == [told.format(26 + len(greedy) + 2)]
+    text = spec_of(f"{narrow}, {greedy}", robot=NONE + ", unmanaged: [slide]")
+    column = text.splitlines()[1].rindex("slide") + 1
+    assert refused(text) == [told.format(26) + f"; slide unmanaged (s.yaml:2:{column}) and in it too"]
+    with pytest.raises(ResolveError) as refusal:
+        fit(text)
+    (item,) = refusal.value.diagnostics
+    assert (
+        item.help
+        == "narrow it to calf, in no other group; to change one field of some joints use `overrides`"
+    )
+
+
+def test_unmanaged_joints_of_a_group_are_one_error() -> None:
+    """However many the pattern has."""
+    text = spec_of(f"a: {{joints: [hip, calf, slide], {PD}}}", robot=NONE + ', unmanaged: ["h.*|c.*"]')
+    assert refused(text) == [
+        "BIND003 robot.unmanaged[0]: the joints hip, calf are unmanaged by 'h.*|c.*' and in the group 'a'"
+    ]
+
+
+def test_an_override_of_a_joint_in_no_group() -> None:
+    """Of one in another group nothing is said of that."""
+    text = "a: {joints: [hip], %s, overrides: {calf: {kp: 1}}}, b: {joints: [%s], %s}"
+    for joints, help in (
+        ("slide", "it matches calf, outside the group; that is in no group: missing from `joints` here?"),
+        ("calf, slide", "it matches calf, outside the group"),
+    ):
+        with pytest.raises(ResolveError) as refusal:
+            fit(spec_of(text % (PD, joints, PD)))
+        (item,) = refusal.value.diagnostics
+        assert (item.code, item.help) == ("BIND001", help)
 
 
 def test_joints_left_out() -> None:

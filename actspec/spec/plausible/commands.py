@@ -20,6 +20,9 @@ RATE_SCALE = 10.0
 """One unit of action over the fastest speed or the effort limit."""
 RANGE_SPEED = 5.0
 """Ends of a range of speeds over the fastest speed, where another unit brings them below it. Chosen: rpm are 9.5."""
+SOFT_ERROR = 10.0
+"""Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`, or dry friction holds the joint.
+Published, with a motor: to 2.2."""
 HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
 
@@ -178,10 +181,38 @@ def scale_found(joint: JointActuator) -> Iterator[Found]:
 def _unmoved(joint: JointActuator, scale: Quantity, reach: float, torque: float) -> Found:
     """One unit of action that the joint's dry friction holds; policies give about one."""
     friction, unit = joint.friction_coulomb, joint.default_position.unit
-    words = (
-        f"one unit of action is {format_quantity(reach, unit, 4)} of command, and asks for "
-        f"{format_quantity(torque, friction.unit, 3)}: the joint's own dry friction of {shown(friction)} holds it"
-    )
+    held = f"{format_quantity(torque, friction.unit, 3)}: the joint's own dry friction of {shown(friction)} holds it"
+    kp, limit = joint.kp, joint.effort_limit
+    if (
+        kp is not None
+        and joint.motor is not None
+        and joint.kind is JointKind.HINGE
+        and is_stated(kp)
+        and (limit.value or 0.0) > SOFT_ERROR * kp.require()
+        and torque / DEGREE >= (friction.value or 0.0)
+    ):
+        # As by the joint's inertia, which only a compiled model tells.
+        error = format_quantity((limit.value or 0.0) / kp.require(), "rad", 3)
+        message = (
+            f"kp {shown(kp)} needs an error of {error} for the effort limit, and one unit of action, "
+            f"{format_quantity(reach, unit, 4)}, asks for {held}"
+        )
+        help = f"is it per degree? Per radian it is {format_quantity(kp.require() / DEGREE, kp.unit, 4)}, and kd 57.3 "
+        where, size = f"actuators.{joint.group}.kp", (limit.value or 0.0) / kp.require()
+        return found_at(
+            joint,
+            "SPEC192",
+            where,
+            size,
+            message,
+            f"{help}times as well",
+            kp,
+            joint.kd,
+            limit,
+            scale,
+            friction,
+        )
+    words = f"one unit of action is {format_quantity(reach, unit, 4)} of command, and asks for {held}"
     help = "look for the point in the wrong place"
     if joint.kind is JointKind.HINGE:
         twice = format_quantity(reach / DEGREE, "", 4)

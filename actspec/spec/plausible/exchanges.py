@@ -98,11 +98,13 @@ def _fits(one: Drive, two: Drive, *motors: Motor) -> bool:
 
 
 def _efforts(drive: Drive) -> list[Relation]:
-    """What its torque makes of every limit of its joints."""
+    """What its torque makes of every limit of its joints; beside a peak the stall torque says nothing of that."""
+    known = drive.motor.peak_torque is not None
     return [
         item
         for item in relations(drive)
         if item.code == "SPEC187"
+        and not (known and item.path[-1] == "stall_torque")
         and (item.about.startswith("above ") or (item.witnessed and item.path[0] == "motors"))
     ]
 

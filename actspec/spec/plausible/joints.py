@@ -16,7 +16,7 @@ from actspec.spec.models import SpecModel
 from actspec.spec.plausible import number_doubts
 from actspec.spec.plausible.armatures import SOFT, armature_found, beside, odd_armature_found
 from actspec.spec.plausible.clamps import pose_found
-from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
+from actspec.spec.plausible.commands import SOFT_ERROR, command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE, unreached_limit
 from actspec.spec.plausible.gains import STIFF_RETURN, STIFF_SERVO_RETURN, Gains, blamed, gain_words
@@ -48,8 +48,6 @@ UNREACHED = 3.0
 """The same where no torque-speed line acts: a belt takes 1.24 at a speed that it never comes near."""
 WHOLE = 1.0
 """The same at a velocity limit."""
-SOFT_ERROR = 10.0
-"""Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`."""
 TOO_SOFT = 1.0
 STIFF = 150.0
 """Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""

@@ -33,6 +33,7 @@ from actspec.spec.plausible.slips import (
     multiplied,
     slips_of,
     tens,
+    transposed,
 )
 from actspec.spec.plausible.table import Doubt
 from actspec.spec.values import SpecValue
@@ -62,11 +63,15 @@ ODD = 0.4
 """What it costs that a limit is the odd one beside motor and file, where no slip makes it theirs, as `RARE`."""
 BY_CURRENT = 0.25
 """What it costs that a torque is what its current gives, where no slip makes it so, as `RARE`."""
+OF_KV = 1.01
+"""A no-load speed is Kv times the voltage by this factor: both are rounded to three digits. From mN*m/A, which near 98
+is the same, nothing else tells it."""
 NO_LIKELIER = 0.01
 """What it costs, beyond a wrong point, that a constant is wrong which with its current gives the stall torque: the
 voltage stands first then, and a winding's stall torque may be any."""
-REACHED = (0.4, 1.25)
-"""A no-load speed, corrected, over what voltage and constant give: nearly all of it is reached, and no more."""
+REACHED = (0.4, 1.35)
+"""A no-load speed, corrected, over what voltage and constant give: nearly all of it is reached, and hardly more.
+Published: 1.29 (AK70-10: 0.123 N*m/A, 4800 rpm, 48 V; its KV of 100 gives 0.0955)."""
 
 TORQUES: tuple[Path, ...] = (
     ("stall_torque",),
@@ -294,6 +299,16 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             )
     for path in torques:
         given = _given(motor, path)
+        for digits in transposed(given):
+            # Of many pairs of digits one may fit by accident, but hardly to the digit.
+            repair = moved([path], digits / (given.value or 1.0), "")
+            if any(
+                item.witnessed and item.path == (*root, *path) and 1.0 / EXACT < item.value < EXACT
+                for item in repair.after
+            ):
+                meant = in_unit(replace(given, value=digits))
+                help = f"are two digits exchanged? With {meant} it is what the robot's file has"
+                yield replace(repair, help=help)
         if given.unit == "N*m" and "kgf" not in given.written:
             # A point in the wrong place is so near that only what agrees exactly tells.
             servo = moved([path], KGF_CM, kgf_cm(given), SWAPPED)
@@ -327,7 +342,15 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if len(torques) > 1 and all("kgf" not in _given(motor, path).written for path in torques):
             # A torque constant is in N*m/A on every sheet.
             rare = RARE if motor.torque_constant is None else RARE - 0.05
-            yield moved(torques, KGF_CM, kgf_cm(first).replace("is it", f"are {names}"), rare)
+            meant = in_unit(multiplied(first, 0.1))
+            tenth = moved(
+                torques, 0.1, f"are {names} 10 times too large? A tenth of {in_unit(first)} is {meant}", rare
+            )
+            if any(item.witnessed and 1.0 / EXACT < item.value < EXACT for item in tenth.after):
+                # Of the two, 2 % apart, the file tells which.
+                yield tenth
+            else:
+                yield moved(torques, KGF_CM, kgf_cm(first).replace("is it", f"are {names}"), rare)
     for field in ("rotor_inertia", "reflected_inertia"):
         inertia: SpecValue | None = getattr(motor, field)
         if inertia is None or not number(inertia):
@@ -429,14 +452,20 @@ def _gives_stall(motor: Motor) -> bool:
 
 
 def _of_kv(motor: Motor) -> float | None:
-    """The constant [N*m/A] of a Kv in its place, if by it the currents give the torques, and less so in mN*m/A."""
+    """The constant [N*m/A] of a Kv in its place, if by it the currents give the torques.
+
+    Less so in mN*m/A, unless Kv times the voltage is the no-load speed.
+    """
     kv = number(motor.torque_constant)
     shares = [share for field in ("peak_torque", "continuous_torque") if (share := _proof(motor, field))]
     if not kv or not shares:
         return None
     meant = 1.0 / RPM / kv
     off = [max(abs(math.log(share * factor)) for share in shares) for factor in (meant / kv, 1e-3)]
-    return meant if off[0] < min(off[1], math.log(PROVED)) else None
+    speed, voltage = number(motor.no_load_speed), number(motor.nominal_voltage)
+    # No-load speed of a sheet is just Kv times voltage.
+    just = speed and voltage and 1.0 / OF_KV < meant * speed / voltage < OF_KV
+    return meant if off[0] < math.log(PROVED) and (just or off[0] < off[1]) else None
 
 
 def _is_exact(repair: Repair) -> bool:

@@ -152,6 +152,16 @@ def tens(value: SpecValue) -> Iterator[tuple[float, str, float]]:
         yield factor, f"did you mean {in_unit(multiplied(value, factor))}?", RARE
 
 
+def transposed(value: SpecValue) -> Iterator[float]:
+    """A number with two neighbouring digits exchanged, in SI."""
+    amount, unit = amount_of(value)
+    text = value.written.partition(" ")[0] if unit else value.written
+    for index in range(len(text) - 1):
+        one, two = text[index], text[index + 1]
+        if one.isdigit() and two.isdigit() and one != two and amount and value.value:
+            yield value.value * float(text[:index] + two + one + text[index + 2 :]) / amount
+
+
 def _of_milli(value: SpecValue) -> str:
     """A number in thousandths, or one whose thousands are too many."""
     amount, _, unit = value.written.partition(" ")

@@ -133,6 +133,17 @@ def test_groups(fields: str, expected: list[str]) -> None:
             "action_scale",
             "is it turned from degrees into rad twice? Once it is 0.2498.",
         ),
+        # 20 N*m / 1 are 20 rad and 20 / 2.1 are 9.5; 1 x 0.25 and 2.1 x 0.25 = 0.525 are below the friction.
+        (
+            "kp: 1, kd: 0.02, friction: {coulomb: 0.3}, action_scale: 0.25",
+            "kp",
+            "is it per degree? Per radian it is 57.3 N*m/rad, and kd 57.3 times as well",
+        ),
+        (
+            "kp: 2.1, kd: 0.04, friction: {coulomb: 0.6}, action_scale: 0.25",
+            "action_scale",
+            "is it turned from degrees into rad twice? Once it is 14.32.",
+        ),
         # By 60 x 20 N*m / 0.1 rad = 12000 N*m/rad, and 0.6 x 20 / 0.001745 = 6875 N*m/rad.
         (
             "kp: {derive: torque_at_error, fraction: 60, error: 0.1 rad}, kd: 1, effort_limit: 20",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,7 @@ def said(
     motors: tuple[str, str] = ("abd", "flex"),
     efforts: tuple[float, float] = (112, 195),
     limit: str = "peak",
+    at_output: bool = False,
 ) -> list[Diagnostic]:
     """What is said of the two motors beside a file with these efforts."""
     path = folder / "leg.urdf"
@@ -44,6 +46,10 @@ def said(
     knee = JOINT.format(name="knee", parent="hip_", effort=efforts[1], speed=8)
     path.write_text(f'<robot name="leg">{links}{hip}{knee}</robot>', encoding="utf-8")
     text = SPEC.format(gears=gears, peaks=peaks, motors=motors, limit=limit)
+    if at_output:
+        for name, stall, peak, speed in (("abd", 150, 112, 12.2), ("flex", 250, 195, 8.5)):
+            sheet = f"side: joint, stall_torque: {stall}, peak_torque: {peak}, no_load_speed: {speed} rad/s"
+            text = re.sub(f"  {name}: {{side: .*, gear", f"  {name}: {{{sheet}, gear", text)
     spec = validate(document_from_text(text, str(folder / "s.yaml")))
     return [item for item in resolve(spec, joints_of_text(str(path))).diagnostics if item.code in BY_CODE]
 
@@ -89,3 +95,11 @@ def test_one_message_of_two_that_are_ten_times_off(tmp_path: Path) -> None:
     assert said(tmp_path, gears=(8, 80), peaks=(4.5, 5), efforts=(36, 400)) == []
     (found,) = said(tmp_path, gears=(80, 8), peaks=(4.5, 5), efforts=(36, 400))
     assert (found.where, "exchanged" in (found.help or "")) == ("motors.abd.gear_ratio", True)
+
+
+def test_the_end_of_a_line_above_the_peak_hides_no_exchange(tmp_path: Path) -> None:
+    """150 and 250 N*m at standstill are 1.34 and 1.28 times the file's 112 and 195, which the peaks are."""
+    assert said(tmp_path, at_output=True) == []
+    (found,) = said(tmp_path, at_output=True, motors=("flex", "abd"))
+    assert found.where == "actuators.leg.motor"
+    assert (found.help or "").startswith("are motor of 'leg' and of 'hip' (")

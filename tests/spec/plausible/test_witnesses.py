@@ -251,3 +251,74 @@ def test_a_large_arm(tmp_path: Path) -> None:
     motor = {"peak_torque": "1.1", "no_load_speed": "2400 rpm", "gear_ratio": "1200", "rotor_inertia": "2e-5"}
     (found,) = said(tmp_path, {**sheet, **motor}, effort=0, speed=2)
     assert (found.help or "").startswith("did you mean 120?")
+
+
+SHEET = {
+    "side": "joint",
+    "stall_torque": "62.6",
+    "peak_torque": "48",
+    "continuous_torque": "18",
+    "no_load_speed": "33.5 rad/s",
+    "gear_ratio": "9",
+}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "where", "help"),
+    [
+        (("626", "480", "180"), "stall_torque", "10 times too large? A tenth of 626 N*m is 62.6 N*m"),
+        # 489 kgf*cm are 47.95 N*m; a tenth, 48.9, is not the file's 48.
+        (("638", "489", "184"), "stall_torque", "in kgf*cm? 638 kgf*cm is 62.57 N*m"),
+    ],
+)
+def test_all_torques_ten_times_too_large(
+    tmp_path: Path, wrong: tuple[str, str, str], where: str, help: str
+) -> None:
+    """The file tells a factor of 10 from kgf*cm, which is 10.2."""
+    assert said(tmp_path, SHEET, effort=48, speed=33) == []
+    keys = ("stall_torque", "peak_torque", "continuous_torque")
+    (found,) = said(tmp_path, SHEET, effort=48, speed=33, **dict(zip(keys, wrong, strict=True)))
+    assert (found.code, found.where) == ("SPEC187", f"motors.m.{where}")
+    assert found.help == f"are {', '.join(keys)} {help}"
+
+
+def test_two_digits_exchanged(tmp_path: Path) -> None:
+    """84 is above the 62.6 at standstill, and 48 is the file's; 84 beside a file of 60 may be the other's figure."""
+    (found,) = said(tmp_path, SHEET, effort=48, speed=33, peak_torque="84")
+    help = "are two digits exchanged? With 48 N*m it is what the robot's file has"
+    assert (found.code, found.where, found.help) == ("SPEC180", "motors.m.peak_torque", help)
+    (found,) = said(tmp_path, SHEET, effort=60, speed=33, peak_torque="84")
+    assert found.help == "are stall_torque and peak_torque swapped?"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "help"),
+    [
+        # 480 rad/s are 48 at the output, and 480 rpm there are 50.27 rad/s, 502.7 at the rotor.
+        (
+            {"no_load_speed": "480 rpm"},
+            "did you mean 480 rad/s?; or is it quoted at the gearbox output? At the rotor it is 502.7 rad/s",
+        ),
+        # 60 / (2 pi 100) = 0.0955: 100 rpm/V x 48 V are just 4800 rpm; 0.1 is nearer to 2.48 / 23.2 = 0.107.
+        ({"torque_constant": "100"}, "is it Kv, in rpm/V? Then the constant is 60 / (2 pi Kv), 0.0955 N*m/A"),
+        # 5000 rpm are not.
+        (
+            {"torque_constant": "100", "no_load_speed": "5000 rpm"},
+            "is it in mN*m/A? 100 mN*m/A is 0.1 N*m/A",
+        ),
+    ],
+)
+def test_figures_of_a_rotor(tmp_path: Path, wrong: dict[str, str], help: str) -> None:
+    """0.123 N*m/A x 502.7 rad/s are 61.8 V of 48: a published sheet. The file's speed is a placeholder."""
+    sheet = {
+        "side": "motor",
+        "peak_torque": "2.48",
+        "no_load_speed": "4800 rpm",
+        "gear_ratio": "10",
+        "torque_constant": "0.123",
+        "peak_current": "23.2 A",
+        "nominal_voltage": "48 V",
+    }
+    assert said(tmp_path, sheet, effort=24.8, speed=1000) == []
+    (found,) = said(tmp_path, sheet, effort=24.8, speed=1000, **wrong)
+    assert found.help == help
