@@ -14,7 +14,19 @@ from actspec.diagnostics import SEVERITIES, Severity, Span
 from actspec.fields import LIMITS
 
 ORDER = (
-    *("ORD103", "GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101"),
+    *(
+        "ORD103",
+        "GEA101",
+        "GEA105",
+        "STB101",
+        "SYM101",
+        "LIM101",
+        "UNT106",
+        "SRC101",
+        "SRC102",
+        "KNW101",
+        "KNW103",
+    ),
     *("VER106", "DMP105", "DMP101", "DMP103"),
     *("FRC101", "SRC105"),
     *("LIM111", "SRC103", "SRC104", "SRC106"),
