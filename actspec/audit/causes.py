@@ -15,7 +15,7 @@ from actspec.fields import LIMITS
 
 ORDER = (
     *("ORD103", "ORD102", "UNT103"),
-    *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101"),
+    *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101", "KNW103"),
     *("VER106", "DMP105", "DMP101", "DMP103"),
     *("FRC101", "SRC105"),
     *("LIM111", "SRC103", "SRC104", "SRC106"),

@@ -10,7 +10,7 @@ import json
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
 
@@ -52,6 +52,9 @@ class KnownJoint:
         source: Title of the source of the torque.
         maker: Whether the maker of the robot states torque and velocity.
         also: Torques that the maker states elsewhere for the same joint [N*m].
+        top_speed: Largest that any source gives: a limit, or the end of a torque-speed line [rad/s]; None: none does.
+        gear: Speed of the motor over that of the joint [-]; None where nobody publishes it.
+        sources: Titles of the sources of `armature` and `top_speed`, where they have others.
     """
 
     effort: float
@@ -60,6 +63,13 @@ class KnownJoint:
     source: str
     maker: bool
     also: tuple[float, ...] = ()
+    top_speed: float | None = None
+    gear: float | None = None
+    sources: Mapping[str, str] = field(default_factory=dict)
+
+    def source_of(self, name: str) -> str:
+        """Title of the source of a figure."""
+        return self.sources.get(name, self.source)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +84,7 @@ class KnownRobot:
         variants: Name to joints; one without a name where there are none.
         former: Whether a file that may be of another one too is of that: its maker replaced this one under the same
             name, or the name leaves open which of several it is.
+        armatures: What others give its joints, whichever [kg*m^2], to the titles of their sources.
     """
 
     name: str
@@ -82,6 +93,7 @@ class KnownRobot:
     spelt: Mapping[str, str]
     variants: Mapping[str, Mapping[str, KnownJoint]]
     former: bool = False
+    armatures: Mapping[float, str] = field(default_factory=dict)
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -116,6 +128,9 @@ def known_robots() -> tuple[KnownRobot, ...]:
                         row["source"],
                         row.get("maker", False),
                         tuple(row.get("also", ())),
+                        max(filter(None, (row.get("velocity"), row.get("speed"))), default=None),
+                        row.get("gear"),
+                        row.get("sources", {}),
                     )
                     for row in rows
                     for joint in row["joints"]
@@ -123,6 +138,7 @@ def known_robots() -> tuple[KnownRobot, ...]:
                 for variant, rows in entry["variants"].items()
             },
             entry.get("former", False),
+            {float(figure): title for figure, title in entry.get("armatures", {}).items()},
         )
         for name, entry in table.items()
     )
@@ -139,6 +155,7 @@ class Likeness:
             model, those that a pattern means for a configuration.
         variants: The variants that its figures fit; all where none of them does, or nothing tells them apart.
         told: Whether the figures leave out a variant.
+        copied: Whether its file is called otherwise than the robot, whose name it has inside: a note in a folder.
     """
 
     index: int
@@ -146,6 +163,7 @@ class Likeness:
     joints: tuple[tuple[LedgerRow, tuple[str, ...]], ...]
     variants: tuple[str, ...]
     told: bool
+    copied: bool = False
 
 
 def likenesses(case: Case) -> tuple[Likeness, ...]:
@@ -155,16 +173,21 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
         if FileKind.SPEC in case.kinds_by_artifact[index]:
             continue
         words = distinctive(artifact)
-        called = [robot for robot in known_robots() if robot.words & words]
-        named = [robot for robot in called if not _is_derived(artifact, robot)]
+        named = [robot for robot in known_robots() if robot.words & words]
+        own = [robot for robot in named if not _is_called_otherwise(artifact, robot)]
         # A mini_cheetah.urdf of the robot "a1_description" may be either.
-        if words & HANDLES or any(not robot.former for robot in called if robot not in named):
+        if words & HANDLES or (own and any(robot not in own and not robot.former for robot in named)):
             continue
         # Of two that its name has the joints tell which it is, if they do; legs alone are those of the newer G1.
-        met = [(robot, rows) for robot in named if (rows := _rows(case, index, artifact, robot))]
+        met = [
+            (robot, rows)
+            for robot in named
+            if (rows := _rows(case, index, artifact, robot))
+            and (not _is_called_otherwise(artifact, robot) or _is_a_copy(artifact, robot, rows))
+        ]
         met = [each for each in met if not each[0].former] or met
         if len(met) == 1:
-            found.append(_like(index, *met[0]))
+            found.append(_like(index, *met[0], copied=_is_called_otherwise(artifact, met[0][0])))
     return tuple(found)
 
 
@@ -174,7 +197,7 @@ def with_other_motors(case: Case) -> frozenset[int]:
     Whoever forgets to adapt a template has a known robot's limits at his own; the other way round it is on purpose.
     One limit for all joints tells of no robot.
     """
-    known = {one.index for one in case.once(likenesses)}
+    known = {one.index for one in case.once(likenesses) if not one.copied}
     limits = {
         index: {joint: rows[0].effort_limit for joint, rows in joints.items() if rows[0].effort_limit}
         for index, joints in case.joints_by_artifact.items()
@@ -199,10 +222,27 @@ def with_other_motors(case: Case) -> frozenset[int]:
     )
 
 
-def _is_derived(artifact: Artifact, robot: KnownRobot) -> bool:
-    """Whether a URDF has a known robot's name inside, and another one's outside: somebody began with a copy."""
+def _is_called_otherwise(artifact: Artifact, robot: KnownRobot) -> bool:
+    """Whether a URDF has a known robot's name inside and another's outside: somebody may have begun with a copy."""
     words = telling(os.path.splitext(os.path.basename(artifact.path))[0])
     return artifact.kind is FileKind.URDF and bool(words) and words.isdisjoint(robot.words)
+
+
+def _is_a_copy(
+    artifact: Artifact, robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...]
+) -> bool:
+    """Whether a URDF that is called otherwise is the known robot all the same: `ur16e_b.urdf`, or by nearly all limits.
+
+    Chosen: two thirds of the limits, of three figures or more. Whoever began with a copy for a robot of his own has
+    motors of his own at most joints; two figures are those of many arms.
+    """
+    words = telling(os.path.splitext(os.path.basename(artifact.path))[0])
+    others = {word for other in known_robots() for word in other.words}
+    if any(word[-2:-1] == "_" and word[:-2] in robot.words for word in words - others):
+        return True
+    limits = [(row.effort_limit, robot.efforts(name)) for row, names in rows for name in names]
+    right = [limit for limit, published in limits if limit and any(same(limit, one) for one in published)]
+    return 3 * len(right) >= 2 * len(robot.joints) and len(set(right)) > 2
 
 
 def _rows(
@@ -265,25 +305,48 @@ def _counts_alike(known: Iterable[str], names: Iterable[str]) -> bool:
     return all(mine[series] == last for series, last in its.items() if series in mine)
 
 
-def _like(index: int, robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...]) -> Likeness:
-    fitting = tuple(name for name, joints in robot.variants.items() if _fits(robot, joints, rows))
+def _like(
+    index: int, robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...], *, copied: bool
+) -> Likeness:
+    by_armature = _has_its_armatures(robot, rows)
+    fitting = tuple(
+        name for name, joints in robot.variants.items() if _fits(robot, joints, rows, by_armature)
+    )
     told = 0 < len(fitting) < len(robot.variants)
-    return Likeness(index, robot, rows, fitting or tuple(robot.variants), told)
+    return Likeness(index, robot, rows, fitting or tuple(robot.variants), told, copied)
 
 
 def _fits(
     robot: KnownRobot,
     joints: Mapping[str, KnownJoint],
     rows: Sequence[tuple[LedgerRow, tuple[str, ...]]],
+    by_armature: bool,
 ) -> bool:
-    """Whether no figure that differs between the variants is another one here."""
+    """Whether no figure that differs between the variants is another one here; armatures where they tell."""
     for row, names in rows:
         for name in names:
             others = [variant[name] for variant in robot.variants.values()]
             mine = joints[name]
             if len({other.effort for other in others}) > 1 and not same(row.effort_limit, mine.effort):
                 return False
+            if by_armature and row.armature and not (mine.armature and same(row.armature, mine.armature)):
+                return False
     return True
+
+
+def _has_its_armatures(robot: KnownRobot, rows: Sequence[tuple[LedgerRow, tuple[str, ...]]]) -> bool:
+    """Whether each armature of a file is one that is published of its joint, and there are several.
+
+    One round figure for all joints (0.01 of the G1, whose hip has 0.01018) tells nothing.
+    """
+    found = [(row.armature, name) for row, names in rows for name in names if row.armature]
+    return len({armature for armature, _ in found}) > 1 and all(
+        any(
+            one.armature and same(armature, one.armature)
+            for one in (v[name] for v in robot.variants.values())
+        )
+        for armature, name in found
+    )
 
 
 def same(value: float | None, published: float) -> bool:

@@ -36,6 +36,22 @@ def _with_others(row: dict[str, Any], limits: dict[float, list[str]]) -> list[di
     ]
 
 
+def _faster(
+    row: dict[str, Any], faster: dict[float, dict[str, Any]], sources: dict[str, Any]
+) -> Iterator[dict[str, Any]]:
+    """A row, and one for those of its joints to which another source gives a larger speed."""
+    rest = row["joints"]
+    for speed, other in faster.items():
+        mine = [joint for joint in rest if joint in other["joints"]]
+        rest = [joint for joint in rest if joint not in mine]
+        if mine:
+            # The torque of the robot's own source, the speed of the other one.
+            titles = {**row.get("sources", {}), "speed": _title(sources[other["source"]])}
+            yield {**row, "joints": mine, "speed": speed, "sources": titles}
+    if rest:
+        yield {**row, "joints": rest}
+
+
 def table() -> str:
     """The text of `robots/known.json`."""
     published: dict[str, dict[str, Any]] = {}
@@ -88,6 +104,13 @@ def table() -> str:
     for name, limits in published["also"].items():
         for rows in robots[name]["variants"].values():
             rows[:] = [each for row in rows for each in _with_others(row, limits)]
+    for name, faster in published["also_speeds"].items():
+        for rows in robots[name]["variants"].values():
+            rows[:] = [each for row in rows for each in _faster(row, faster, published["sources"])]
+    for name, others in published["armatures"].items():
+        robots[name]["armatures"] = {
+            str(figure): _title(published["sources"][source]) for figure, source in others.items()
+        }
     lines = []
     for name, entry in sorted(robots.items()):
         rows = [
@@ -96,7 +119,7 @@ def table() -> str:
         ]
         head = "".join(
             f'    "{key}": {json.dumps(entry[key])},\n'
-            for key in ("words", "prefixes", "spelt", "former")
+            for key in ("words", "prefixes", "spelt", "former", "armatures")
             if key in entry
         )
         lines.append(f'  "{name}": {{\n{head}    "variants": {{\n' + ",\n".join(rows) + "\n    }\n  }")
@@ -107,17 +130,39 @@ def _groups(actuators: ActuatorSet) -> Iterator[dict[str, Any]]:
     titles = {source.key: source.title for source in actuators.sources}
     found: dict[tuple[float | None, ...], list[JointActuator]] = {}
     for joint in actuators.joints:
-        found.setdefault((_value(_largest(joint)), _value(joint.armature)), []).append(joint)
-    for (effort, armature), joints in found.items():
+        speed = max((_value(q) or 0.0 for q in _speeds(joint)), default=None)
+        key = (_value(_largest(joint)), _value(joint.armature), speed, joint.gear)
+        found.setdefault(key, []).append(joint)
+    for (effort, armature, speed, gear), joints in found.items():
         row: dict[str, Any] = {"joints": [joint.joint for joint in joints], "effort": effort}
         if armature:
             row["armature"] = armature
+        if speed:
+            row["speed"] = speed
+        if gear:
+            row["gear"] = float(f"{gear:.9g}")
         row["source"] = titles[str(_largest(joints[0]).source)]
+        one = joints[0]
+        of_other = {"armature": one.armature, "speed": max(_speeds(one), key=_figure, default=None)}
+        others = {name: titles[str(q.source)] for name, q in of_other.items() if q and row.get(name)}
+        if others := {name: title for name, title in others.items() if title != row["source"]}:
+            row["sources"] = others
         stated = (joints[0].effort_limit, joints[0].peak_torque, joints[0].stall_torque)
         alike = (q for q in stated if q is not None and q.value == effort and q.source is not None)
         if any(titles.get(str(q.source), "").startswith(MAKERS) for q in alike):
             row["maker"] = True
         yield row
+
+
+def _speeds(joint: JointActuator) -> list[Quantity]:
+    """Its speed limit and the end of its torque-speed line, where they are known."""
+    return [
+        q for q in (joint.velocity_limit, joint.no_load_speed) if q and q.value and math.isfinite(q.value)
+    ]
+
+
+def _figure(quantity: Quantity) -> float:
+    return quantity.require()
 
 
 def _largest(joint: JointActuator) -> Quantity:
@@ -140,7 +185,7 @@ def _changed(
     source = _title(published["sources"][more["source"]])
     maker = {"maker": True} if source.startswith(MAKERS) else {}
     for limit, joints in more["limits"].items():
-        yield {"joints": joints, "effort": float(limit), "source": source, **maker}
+        yield {"joints": joints, "effort": float(limit), "speed": more["speed"], "source": source, **maker}
 
 
 def _value(quantity: Quantity | None) -> float | None:

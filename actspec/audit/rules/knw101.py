@@ -56,14 +56,15 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         for row, names in subject.joints:
             # A drive without gains is how a configuration writes a bearing.
             if row.joint in zeros and not row.kp == row.kd == 0.0:
-                yield self._zero(subject, row, names)
+                yield replace(self._zero(subject, row, names), noted_in_folders=subject.copied)
             limit = finite(driving_limit(row)[1])
             if limit is None or is_placeholder(limit) or is_undriven(case, row):
                 continue
             # What an exporter writes where nobody stated any, and a list of a robot's own program, nobody simulates.
             kind = case.artifacts[row.artifact].kind
             quiet = (
-                kind is FileKind.DEPLOY
+                subject.copied
+                or kind is FileKind.DEPLOY
                 or (kind is FileKind.URDF and is_exporters(row))
                 or _says_raised(case, row.place("effort_limit"))
                 or row.artifact in case.once(with_other_motors)
