@@ -45,9 +45,9 @@ _TIMES = 5.0
 """How far a clamped command's bound is above another file's limit. Chosen: it is met at the end of the range alone, and
 where it was 1.3 to 2.4 times the limit nobody acted on it (docs/survey.md)."""
 
-_ROUND = (1e3, 1e4)
-"""Efforts that are nobody's where every joint of a light robot has them [N*m]. Published: 1000 N*m on all joints of
-Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg."""
+_ROUND = 1e3
+"""One digit and zeros from here on are nobody's effort where all joints of a light robot have it [N*m]. Published: 1000
+N*m on all joints of Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg; 20,000 on those of a GR1 of 54 kg."""
 
 _MODELS = (FileKind.MJCF, FileKind.URDF)
 
@@ -239,6 +239,7 @@ class NoEffectiveLimit(RuleInParts):
             unit(row, "effort_limit"),
             help="state the motor's effort limit",
             fields=("effort_limit",),
+            noted_in_folders=case.artifacts[row.artifact].kind is FileKind.MJCF or effort not in (1e3, 1e4),
         )
 
     def _placeholders(self, row: LedgerRow, limits: Mapping[str, float | None]) -> Finding:
@@ -515,23 +516,22 @@ def _without(case: Case, field: str, other: str) -> frozenset[int]:
 
 
 def _round_for_all(case: Case) -> frozenset[int]:
-    """URDFs with a round effort on every hinge, two or more, that would hold the robot on a lever which none has.
-
-    Of each hinge the links that it moves are known, so that none of the mass is missing.
-    """
+    """Models with a round effort on every hinge, two or more, that would hold the robot on a lever which none has."""
     found = set()
-    for index, artifact in case.of_kind(FileKind.URDF):
+    for index, artifact in case.of_kind(*_MODELS):
         mass = None if artifact.robot is None else artifact.robot.mass
         rows = [
             row
             for row in case.rows_of(index)
             if row.joint and row.kind is JointKind.HINGE and "effort_limit" in row.stated
         ]
+        motors = artifact.kind is FileKind.URDF or all(row.control == "motor" for row in rows)
         efforts = {row.effort_limit for row in rows if not is_called_undriven(row)}
-        if not mass or len(rows) < 2 or len(efforts) != 1 or not all(row.inertia_max for row in rows):
+        # Of each hinge the links that it moves are known, so that none of the mass is missing.
+        if not (mass and motors and len(rows) > 1 and len(efforts) == 1 and all(r.inertia_max for r in rows)):
             continue
         effort = efforts.pop() or 0.0
-        if effort in _ROUND and effort > LONGEST_LEVER * mass * GRAVITY:
+        if effort >= _ROUND and effort == float(f"{effort:.0e}") and effort > LONGEST_LEVER * mass * GRAVITY:
             found.add(index)
     return frozenset(found)
 
