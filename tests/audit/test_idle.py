@@ -648,6 +648,45 @@ def test_actuators_that_a_program_makes(program: str, severity: Severity) -> Non
 
 
 @pytest.mark.parametrize(
+    ("group", "gains", "severity"),
+    [
+        ("legs", "stiffness=100.0, damping=5.0", Severity.WARNING),
+        ("locked_joints", "stiffness=500.0, damping=50.0", Severity.INFO),
+        # A program computes the torque, and clips it.
+        ("legs", "stiffness=0.0, damping=0.0", Severity.INFO),
+        # They are not held, and their damping is the drive's.
+        ("unblocked", "stiffness=0.0, damping=5.0", Severity.WARNING),
+    ],
+)
+def test_joints_that_are_held_or_take_a_torque(group: str, gains: str, severity: Severity) -> None:
+    """50 N*m is 1.41 times a Go1's largest."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    text = one_config("GO1_CFG")
+    joints = '["[FR][LR]_hip_joint", "[FR][LR]_thigh_joint", "[FR][LR]_calf_joint"]'
+    text = text.replace('["left_knee", "right_knee"]', joints)
+    text = text.replace('{"left_knee": 10.0, "right_knee": 20.0}', "20.0, effort_limit_sim=50.0")
+    text = text.replace("stiffness=20.0", gains).replace(", damping=1.0)", ")")
+    Path("r/go1.py").write_text(text.replace("legs", group))
+    Path("r/run.py").write_text("from go1 import GO1_CFG\nuse(GO1_CFG)\n")
+    found = audit(["r"], Settings(select=("KNW101",))).findings
+    assert {item.severity for item in found} == {severity}
+
+
+@pytest.mark.parametrize(("kp", "severity"), [(18, Severity.WARNING), (17, Severity.INFO)])
+def test_a_servo_that_never_gets_to_its_limit(kp: int, severity: Severity) -> None:
+    """A range of 2 rad and 18 N*m/rad make 36 N*m, more than a Go1's calf's 35.55; 17 make 34."""
+    write_go1("xml")
+    path = Path("r/models/go1.xml")
+    text = path.read_text().replace('kp="9"', f'kp="{kp}" ctrlrange="-1 1" ctrllimited="true"')
+    path.write_text(text)
+    Path("r/run.py").write_text("import mujoco\nload('models/go1.xml')\n")
+    found = audit(["r"], Settings(select=("KNW101",))).findings
+    calves = {item.severity for item in found if "calf" in item.finding.joint}
+    assert calves == {severity}
+
+
+@pytest.mark.parametrize(
     ("program", "severity"),
     [
         ("TAU = np.array([9, 9])\ntau = np.clip(tau, -TAU, TAU)\n", Severity.INFO),

@@ -35,6 +35,9 @@ _OF_LIMITS = re.compile(
 )
 """Together, how a comment says that limits are not the motors'. Chosen: from those in strangers' files."""
 
+_HELD = re.compile(r"(?:^|[^a-z])(?:locked|frozen|fixed|held|rigid)(?:[^a-z]|$)", re.IGNORECASE)
+"""How a group of joints that are not to move is called. Chosen: from those in strangers' files."""
+
 
 class LimitBeyondPublished(RuleOver[Likeness]):
     code = "KNW101"
@@ -68,6 +71,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
                 or (kind is FileKind.URDF and is_exporters(row))
                 or _says_raised(case, row.place("effort_limit"))
                 or row.artifact in case.once(with_other_motors)
+                or (kind is FileKind.CFG and (_is_held(row) or row.kp == row.kd == 0.0))
             )
             found = self._beyond(subject, row, names, limit, times) or self._other_joint(
                 subject, row, names, limit, times
@@ -75,7 +79,9 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             if found is None and row.joint in lows:
                 found, quiet = self._far_below(subject, row, names, limit), True
             if found is not None:
-                yield replace(found, noted_in_folders=quiet)
+                published = found.expected
+                never = published is not None and _reach(row) < min(limit, published)
+                yield replace(found, noted_in_folders=quiet or never)
 
     def _beyond(
         self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float
@@ -186,6 +192,20 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             help=f"{figure}: {published.source}",
             fields=("effort_limit",),
         )
+
+
+def _is_held(row: LedgerRow) -> bool:
+    """Whether a configuration's group is called after joints that it holds in place, by a drive that is to be stiff."""
+    return _HELD.search(row.actuator) is not None
+
+
+def _reach(row: LedgerRow) -> float:
+    """Torque of a model's servo at the largest error between its command and its joint, at rest [N*m or N].
+
+    Infinite where its ends are not known.
+    """
+    ends = [end for span in (row.command_range, row.position_range) for end in span or (math.inf,)]
+    return math.inf if row.control != "position" or row.kp is None else row.kp * (max(ends) - min(ends))
 
 
 def _named(row: LedgerRow) -> str:
