@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,10 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         ("kinova_jaco_6_2", "", "joint_2", 80.0),
         ("unitree_b2", "", "FL_calf_joint", 320.0),
         ("mini_cheetah", "", "FR_hip_joint", 18.0),
+        ("pal_tiago", "", "arm_4_joint", 26.0),
+        ("pr2", "", "l_wrist_roll_joint", 10.0),
+        ("realman_rm65", "", "joint4", 10.0),
+        ("realman_rm75", "", "joint4", 30.0),
     ],
 )
 def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: float) -> None:
@@ -153,6 +158,42 @@ def test_an_arm_with_a_gripper(
     Path("ur5e.urdf").write_text(f'<robot name="ur5e"><link name="base"/>{hinges}</robot>')
     found = audit(["ur5e.urdf"], Settings(select=("KNW101",))).findings
     assert {item.finding.joint for item in found} == said
+
+
+@pytest.mark.parametrize(
+    ("name", "joint", "limits", "said"),
+    [
+        pytest.param("fr3v2", "fr3v2_joint{}", (87,) * 7, {5, 6, 7}, id="87 is 7 times 12 at the wrist"),
+        pytest.param("rm65", "joint_{}", (60, 60, 30, 30, 10, 10), {4}, id="30 is 3 times 10"),
+        pytest.param(
+            "mjx_rm75", "joint{}", (60, 60, 30, 30, 10, 10, 10), set(), id="one joint more: its fourth has 30"
+        ),
+        pytest.param("rm65", "joint{}", (99,) * 7, set(), id="seven joints are no RM65"),
+        pytest.param(
+            "tiago", "arm_{}_joint", (43, 39, 17.86, 26, 3, 6.6, 6.6), set(), id="either revision, no torso"
+        ),
+        pytest.param("tiago", "arm_{}_joint", (43, 43, 43, 26, 3, 6.6, 6.6), {3}, id="43 is 1.65 times 26"),
+        pytest.param("tiago_dual", "arm_left_{}_joint", (99,) * 7, set(), id="another robot of that maker"),
+    ],
+)
+def test_an_arm_by_its_numbered_joints(
+    name: str,
+    joint: str,
+    limits: tuple[float, ...],
+    said: set[int],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Published are 87 and 12 N*m of an FR3v2, 60, 30 and 10 of an RM65, 43, 26, 3 and 6.6 of TIAGo."""
+    monkeypatch.chdir(tmp_path)
+    joints = "".join(
+        f'<link name="l{n}"/><joint name="{joint.format(n)}" type="revolute"><parent link="l{n - 1}"/>'
+        f'<child link="l{n}"/><limit lower="-1" upper="1" effort="{limit}" velocity="2"/></joint>'
+        for n, limit in enumerate(limits, 1)
+    )
+    Path(f"{name}.urdf").write_text(f'<robot name="{name}"><link name="l0"/>{joints}</robot>')
+    found = audit([f"{name}.urdf"], Settings(select=("KNW101",))).findings
+    assert {int(re.sub(r"fr3v2|\D", "", item.finding.joint)) for item in found} == said
 
 
 @pytest.mark.parametrize(
