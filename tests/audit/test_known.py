@@ -49,6 +49,16 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         ("kinova_jaco_6_2", "", "joint_2", 80.0),
         ("unitree_b2", "", "FL_calf_joint", 320.0),
         ("mini_cheetah", "", "FR_hip_joint", 18.0),
+        ("unitree_r1", "", "left_knee_joint", 60.0),
+        ("unitree_r1", "", "head_yaw_joint", 33.0),
+        ("unitree_h2", "", "right_knee_joint", 360.0),
+        ("unitree_h2", "", "waist_pitch_joint", 180.0),
+        ("unitree_b1", "", "RL_hip_joint", 91.0035),
+        ("unitree_b1", "", "RL_calf_joint", 140.0),
+        ("fourier_n1", "", "right_knee_pitch_joint", 95.0),
+        ("fourier_gr3", "", "left_hip_pitch_joint", 366.0),
+        # 1.5484 N*m behind 7.75.
+        ("cyberdog2", "", "FL_calf_joint", 12.0001),
     ],
 )
 def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: float) -> None:
@@ -62,6 +72,12 @@ def test_both_figures_of_a_maker() -> None:
     (known,) = [known for known in known_robots() if known.name == "ur10e"]
     wrist = known.variants[""]["wrist_2_joint"]
     assert {wrist.effort, *wrist.also} == {54.0, 56.0}
+
+
+def test_an_h2_of_unitree_in_three_files() -> None:
+    """Its shoulder has 130 N*m in the URDF, 120 in an older one, and 54 in the constants for training."""
+    (known,) = [known for known in known_robots() if known.name == "unitree_h2"]
+    assert known.efforts("left_shoulder_pitch_joint") == {130.0, 120.0, 54.0}
 
 
 def test_every_revision_has_all_joints() -> None:
@@ -250,7 +266,7 @@ def test_one_pattern_for_all_joints(
     Path("arms.py").write_text(
         "from isaaclab.actuators import ImplicitActuatorCfg\n"
         "from isaaclab.assets import ArticulationCfg\n"
-        f"B1_Z1_CFG = ArticulationCfg(init_state=ArticulationCfg.InitialStateCfg(joint_pos={{{pose}}}),\n"
+        f"TROTTER_Z1_CFG = ArticulationCfg(init_state=ArticulationCfg.InitialStateCfg(joint_pos={{{pose}}}),\n"
         "    actuators={'all': ImplicitActuatorCfg(\n"
         "    joint_names_expr=['.*'], effort_limit_sim=200.0, stiffness=80.0, damping=4.0)})\n"
     )
