@@ -54,6 +54,13 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         ("pr2", "", "l_wrist_roll_joint", 10.0),
         ("realman_rm65", "", "joint4", 10.0),
         ("realman_rm75", "", "joint4", 30.0),
+        ("unitree_r1", "", "left_knee_joint", 60.0),
+        ("unitree_r1", "", "head_yaw_joint", 33.0),
+        ("unitree_b1", "", "RL_hip_joint", 91.0035),
+        ("unitree_b1", "", "RL_calf_joint", 140.0),
+        ("fourier_n1", "", "right_knee_pitch_joint", 95.0),
+        # 1.5484 N*m behind 7.75.
+        ("cyberdog2", "", "FL_calf_joint", 12.0001),
     ],
 )
 def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: float) -> None:
@@ -291,7 +298,7 @@ def test_one_pattern_for_all_joints(
     Path("arms.py").write_text(
         "from isaaclab.actuators import ImplicitActuatorCfg\n"
         "from isaaclab.assets import ArticulationCfg\n"
-        f"B1_Z1_CFG = ArticulationCfg(init_state=ArticulationCfg.InitialStateCfg(joint_pos={{{pose}}}),\n"
+        f"TROTTER_Z1_CFG = ArticulationCfg(init_state=ArticulationCfg.InitialStateCfg(joint_pos={{{pose}}}),\n"
         "    actuators={'all': ImplicitActuatorCfg(\n"
         "    joint_names_expr=['.*'], effort_limit_sim=200.0, stiffness=80.0, damping=4.0)})\n"
     )
