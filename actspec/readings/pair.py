@@ -111,7 +111,10 @@ def pair(
 
     def overlap(one: int, other: int) -> bool:
         mine, its = sets[one], sets[other]
-        return _overlap(mine, its) or ({one, other} <= set(by_hand) and _is_but_one(mine, its))
+        called = (words[one] <= words[other] or words[other] <= words[one]) and bool(
+            words[one] & words[other]
+        )
+        return _overlap(mine, its) or (called and {one, other} <= set(by_hand) and _is_but_one(mine, its))
 
     held = next((names[i] for i, a in enumerate(artifacts) if a.spec is not None and a.path == spec), None)
     bound = {

@@ -65,7 +65,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["hip", "kne"], "leg.yaml:5:17: BIND001 actuators.g1.joints[0]: the pattern 'kne' matches no joint"),
         (
             ["hip|knee", "knee"],
-            "leg.yaml:5:17: BIND002 actuators.g1.joints[0]: the joint 'knee' is in two groups",
+            "leg.yaml:4:17: BIND002 actuators.g0.joints[0]: the joint 'knee' is in two groups",
         ),
         (["hip"], "leg.yaml:3:1: BIND005 actuators: 1 joint of"),
     ],
