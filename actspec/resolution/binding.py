@@ -96,12 +96,14 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
     for greedy, others in twice.items():
         # Those in no group are told when it is known which group has these.
         matcher.failed = True
-        alone = [joint for joint in had[greedy] if owner[joint] == greedy]
+        elsewhere = {joint for one, names in had.items() if one.group != greedy.group for joint in names}
+        left = [joint for joint in had[greedy] if owner[joint] == greedy]
+        alone = [joint for joint in left if joint not in elsewhere]
         _report_twice(spec, greedy, others, alone, unmanaged, breaches)
-        kinds = {joint.kind for joint in joints if joint.name in alone}
+        kinds = {joint.kind for joint in joints if joint.name in left}
         if len(kinds) > 1:
             # Of hinges and slides it cannot have both.
-            doubtful.update(alone)
+            doubtful.update(left)
     for path, both in clashes.items():
         groups = listed(dict.fromkeys(f"'{owner[joint].group}'" for joint in both))
         breaches.error(

@@ -82,6 +82,20 @@ def test_a_greedy_pattern_is_one_error() -> None:
     )
 
 
+def test_the_help_names_no_joint_of_a_third_group() -> None:
+    """Both patterns have the calf beside the hip: neither has it alone."""
+    text = spec_of(
+        f'a: {{joints: [hip], {PD}}}, b: {{joints: ["hip|calf"], {PD}}}, c: {{joints: ["h.*|c.*"], {PD}}}'
+    )
+    with pytest.raises(ResolveError) as refusal:
+        fit(text)
+    twice = [item for item in refusal.value.diagnostics if item.code == "BIND002"]
+    assert len(twice) > 1
+    assert {item.help for item in twice} == {
+        "make the patterns disjoint; to change one field of some joints use `overrides`"
+    }
+
+
 def test_unmanaged_joints_of_a_group_are_one_error() -> None:
     """However many the pattern has."""
     text = spec_of(f"a: {{joints: [hip, calf, slide], {PD}}}", robot=NONE + ', unmanaged: ["h.*|c.*"]')
