@@ -132,6 +132,12 @@ def test_a_joint_that_the_deploy_file_drives_is_in_no_group(
     )
 
 
+def test_a_joint_that_another_configuration_selects(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A base, and the whole robot in the same file."""
+    both = _config('"left_knee_pitch"') + _config().replace("STRUTTER_CFG", "STRUTTER_WHOLE_CFG")
+    assert _told(tmp_path, monkeypatch, _urdf=_urdf(), _py=both, _yaml=_deploy()) == []
+
+
 def test_a_joint_without_gains_may_be_in_no_group(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     deploy = _deploy(kp="50, 60, 50, 0").replace("1.5, 2]", "1.5, 0]")
     told = _told(tmp_path, monkeypatch, _urdf=_urdf(), _py=_config('"left_knee_pitch"'), _yaml=deploy)

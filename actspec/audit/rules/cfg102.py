@@ -55,6 +55,14 @@ class JointNotCovered(RuleOver[_Subject]):
         driven = {row.joint: other for row in case.rows_of(other) if row.joint and row.control != "none"}
         if not own and robot.format is ModelFormat.URDF:
             driven = _driven_by_deploy(case, index, robot)
+            # A base for the legs, and a configuration that adds what the deploy file drives beside them.
+            others = (one for one in case.robot_of(index).artifacts if one != index)
+            covered |= {
+                row.joint
+                for one in others
+                if case.artifacts[one].kind is FileKind.CFG
+                for row in case.rows_of(one)
+            }
         wanted = _loose(robot) - driven.keys() if own else driven.keys()
         if len(wanted & covered) >= self.option(case, "share") * len(wanted):
             missing = {joint: driven.get(joint, other) for joint in wanted - covered - called.keys()}
