@@ -174,20 +174,22 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
             continue
         words = distinctive(artifact)
         named = [robot for robot in known_robots() if robot.words & words]
-        own = [robot for robot in named if not _is_called_otherwise(artifact, robot)]
+        outside = _outside(artifact)
+        copied = {robot.name for robot in named if outside and outside.isdisjoint(robot.words)}
         # A mini_cheetah.urdf of the robot "a1_description" may be either.
-        if words & HANDLES or (own and any(robot not in own and not robot.former for robot in named)):
+        others = any(robot.name in copied and not robot.former for robot in named)
+        if words & HANDLES or (others and len(copied) < len(named)):
             continue
         # Of two that its name has the joints tell which it is, if they do; legs alone are those of the newer G1.
         met = [
             (robot, rows)
             for robot in named
             if (rows := _rows(case, index, artifact, robot))
-            and (not _is_called_otherwise(artifact, robot) or _is_a_copy(artifact, robot, rows))
+            and (robot.name not in copied or _is_a_copy(outside, robot, rows))
         ]
         met = [each for each in met if not each[0].former] or met
         if len(met) == 1:
-            found.append(_like(index, *met[0], copied=_is_called_otherwise(artifact, met[0][0])))
+            found.append(_like(index, *met[0], copied=met[0][0].name in copied))
     return tuple(found)
 
 
@@ -222,21 +224,21 @@ def with_other_motors(case: Case) -> frozenset[int]:
     )
 
 
-def _is_called_otherwise(artifact: Artifact, robot: KnownRobot) -> bool:
-    """Whether a URDF has a known robot's name inside and another's outside: somebody may have begun with a copy."""
-    words = telling(os.path.splitext(os.path.basename(artifact.path))[0])
-    return artifact.kind is FileKind.URDF and bool(words) and words.isdisjoint(robot.words)
+def _outside(artifact: Artifact) -> frozenset[str]:
+    """What the file of a URDF is called, whatever name it has inside: somebody may have begun with a copy."""
+    if artifact.kind is not FileKind.URDF:
+        return frozenset()
+    return telling(os.path.splitext(os.path.basename(artifact.path))[0])
 
 
 def _is_a_copy(
-    artifact: Artifact, robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...]
+    words: frozenset[str], robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...]
 ) -> bool:
     """Whether a URDF that is called otherwise is the known robot all the same: `ur16e_b.urdf`, or by nearly all limits.
 
     Chosen: two thirds of the limits, of three figures or more. Whoever began with a copy for a robot of his own has
     motors of his own at most joints; two figures are those of many arms.
     """
-    words = telling(os.path.splitext(os.path.basename(artifact.path))[0])
     others = {word for other in known_robots() for word in other.words}
     if any(word[-2:-1] == "_" and word[:-2] in robot.words for word in words - others):
         return True

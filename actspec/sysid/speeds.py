@@ -314,7 +314,7 @@ def _velocity(
         message = f"the velocity is not the position's derivative (correlation {at_lag:.2f}): it is left out"
         out.warning("SYS012", message, where=name, span=place)
         return without_velocity(recording)
-    better = (1.0 - correlated(course, slopes)[1] ** 2) / max(1.0 - at_lag**2, 1e-12)
+    better = (1.0 - sure**2) / max(1.0 - at_lag**2, 1e-12)
     if lag > LATE and len(course) * recording.step / WINDOW * math.log(better) > CHANCE:
         message = f"the velocity is {lag * 1e3:.2g} ms late, as behind a filter: it is left out"
         out.info("SYS012", message, where=name, span=place)

@@ -279,6 +279,17 @@ def one_config(name: str) -> str:
     return CONFIGS.format(one=name, two="OTHER_CFG").partition("OTHER_CFG")[0]
 
 
+def go1_config() -> str:
+    """A Go1 without a model, with 50 N*m at every joint."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    text = one_config("GO1_CFG")
+    joints = '["[FR][LR]_hip_joint", "[FR][LR]_thigh_joint", "[FR][LR]_calf_joint"]'
+    text = text.replace('["left_knee", "right_knee"]', joints)
+    text = text.replace('{"left_knee": 10.0, "right_knee": 20.0}', "20.0, effort_limit_sim=50.0")
+    return text
+
+
 @pytest.mark.parametrize(
     ("task", "more", "lines"),
     [
@@ -635,13 +646,7 @@ def test_limits_that_a_comment_calls_raised(after: str, over: str, noted: set[st
 )
 def test_actuators_that_a_program_makes(program: str, severity: Severity) -> None:
     """What puts actuators of its own into any configuration has their limits from elsewhere. 50 is 1.41 times 35.55."""
-    for path in Path("r/models").iterdir():
-        path.unlink()
-    text = one_config("GO1_CFG")
-    joints = '["[FR][LR]_hip_joint", "[FR][LR]_thigh_joint", "[FR][LR]_calf_joint"]'
-    text = text.replace('["left_knee", "right_knee"]', joints)
-    text = text.replace('{"left_knee": 10.0, "right_knee": 20.0}', "20.0, effort_limit_sim=50.0")
-    Path("r/go1.py").write_text(text)
+    Path("r/go1.py").write_text(go1_config())
     Path("r/run.py").write_text(f"from go1 import GO1_CFG\nuse(GO1_CFG)\n{program}")
     found = audit(["r"], Settings(select=("KNW101",))).findings
     assert {item.severity for item in found} == {severity}
@@ -660,13 +665,7 @@ def test_actuators_that_a_program_makes(program: str, severity: Severity) -> Non
 )
 def test_joints_that_are_held_or_take_a_torque(group: str, gains: str, severity: Severity) -> None:
     """50 N*m is 1.41 times a Go1's largest."""
-    for path in Path("r/models").iterdir():
-        path.unlink()
-    text = one_config("GO1_CFG")
-    joints = '["[FR][LR]_hip_joint", "[FR][LR]_thigh_joint", "[FR][LR]_calf_joint"]'
-    text = text.replace('["left_knee", "right_knee"]', joints)
-    text = text.replace('{"left_knee": 10.0, "right_knee": 20.0}', "20.0, effort_limit_sim=50.0")
-    text = text.replace("stiffness=20.0", gains).replace(", damping=1.0)", ")")
+    text = go1_config().replace("stiffness=20.0", gains).replace(", damping=1.0)", ")")
     Path("r/go1.py").write_text(text.replace("legs", group))
     Path("r/run.py").write_text("from go1 import GO1_CFG\nuse(GO1_CFG)\n")
     found = audit(["r"], Settings(select=("KNW101",))).findings

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -90,6 +91,16 @@ def test_our_own_models_are_known_and_right(name: str, capsys: pytest.CaptureFix
     assert main(["audit", path, "--select", "KNW101", "--output-format", "json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert (record["findings"], record["skipped"]) == ([], [])
+
+
+def _arm(name: str, limits: Mapping[str, float]) -> str:
+    """A URDF of hinges behind each other, each with its limit."""
+    joints = "".join(
+        f'<link name="l{n}"/><joint name="{joint}" type="revolute"><parent link="l{n - 1}"/><child link="l{n}"/>'
+        f'<limit lower="-1" upper="1" effort="{limit}" velocity="2"/></joint>'
+        for n, (joint, limit) in enumerate(limits.items(), 1)
+    )
+    return f'<robot name="{name}"><link name="l0"/>{joints}</robot>'
 
 
 def _legs(ankles: tuple[str, ...], more: int) -> str:
@@ -193,12 +204,8 @@ def test_an_arm_by_its_numbered_joints(
 ) -> None:
     """Published are 87 and 12 N*m of an FR3v2, 60, 30 and 10 of an RM65, 43, 26, 3 and 6.6 of TIAGo."""
     monkeypatch.chdir(tmp_path)
-    joints = "".join(
-        f'<link name="l{n}"/><joint name="{joint.format(n)}" type="revolute"><parent link="l{n - 1}"/>'
-        f'<child link="l{n}"/><limit lower="-1" upper="1" effort="{limit}" velocity="2"/></joint>'
-        for n, limit in enumerate(limits, 1)
-    )
-    Path(f"{name}.urdf").write_text(f'<robot name="{name}"><link name="l0"/>{joints}</robot>')
+    chain = {joint.format(n): limit for n, limit in enumerate(limits, 1)}
+    Path(f"{name}.urdf").write_text(_arm(name, chain))
     found = audit([f"{name}.urdf"], Settings(select=("KNW101",))).findings
     assert {int(re.sub(r"fr3v2|\D", "", item.finding.joint)) for item in found} == said
 
@@ -231,12 +238,8 @@ def test_an_iiwa_by_either_spelling(
 ) -> None:
     """Published are 320, 176, 110 and 40 N*m of the larger one; `iiwa` alone may be either. From 1.2 times on."""
     monkeypatch.chdir(tmp_path)
-    joints = "".join(
-        f'<link name="l{n}"/><joint name="{joint}{n}" type="revolute"><parent link="l{n - 1}"/><child link="l{n}"/>'
-        f'<limit lower="-1" upper="1" effort="{limit}" velocity="2"/></joint>'
-        for n, limit in enumerate(limits, 1)
-    )
-    Path(f"{name}.urdf").write_text(f'<robot name="{name}"><link name="l0"/>{joints}</robot>')
+    chain = {f"{joint}{n}": limit for n, limit in enumerate(limits, 1)}
+    Path(f"{name}.urdf").write_text(_arm(name, chain))
     found = audit([f"{name}.urdf"], Settings(select=("KNW101",))).findings
     assert {int(item.finding.joint[-1]) for item in found} == said
 
@@ -271,12 +274,7 @@ def test_two_names(
     """400 N*m is more than a UR5e's 150 and a UR10e's 330."""
     monkeypatch.chdir(tmp_path)
     names = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
-    joints = "".join(
-        f'<link name="l{n}"/><joint name="{name}_joint" type="revolute"><parent link="l{n - 1}"/><child link="l{n}"/>'
-        '<limit lower="-1" upper="1" effort="400" velocity="2"/></joint>'
-        for n, name in enumerate(names, 1)
-    )
-    Path(file).write_text(f'<robot name="{inside}"><link name="l0"/>{joints}</robot>')
+    Path(file).write_text(_arm(inside, {f"{name}_joint": 400.0 for name in names}))
     assert bool(audit([file], Settings(select=("KNW101",))).findings) == said
 
 

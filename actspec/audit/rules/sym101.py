@@ -84,9 +84,9 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         if (left[0].control == "none") != (right[0].control == "none"):
             return
         # ORD103 tells of the actuator that is another joint's.
-        crowd = {(found.artifact, found.joint) for found in case.once(crowded)}
         own = {(row.artifact, row.joint) for row in (left[0], right[0])}
-        finding = None if crowd & own else self._figures(case, left, right)
+        crowd = any((found.artifact, found.joint) in own for found in case.once(crowded))
+        finding = None if crowd else self._figures(case, left, right)
         if finding is not None:
             yield finding
         finding = self._range(case, left[0], right[0])
