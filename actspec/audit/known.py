@@ -37,6 +37,9 @@ SAME = 0.02
 """Relative difference up to which a figure is a published one. Chosen: 23.5 and 23.7 N*m are one motor."""
 
 
+_FOLDERS = 3
+"""Folders above a file that may name its robot: `x30/mjcf/unitree/robot.xml`."""
+
 HANDLES = frozenset({"leader"})
 """What an arm is called that a person moves by hand: it has the joints of the arm that follows, and other motors."""
 
@@ -225,10 +228,21 @@ def with_other_motors(case: Case) -> frozenset[int]:
 
 
 def _outside(artifact: Artifact) -> frozenset[str]:
-    """What the file of a URDF is called, whatever name it has inside: somebody may have begun with a copy."""
-    if artifact.kind is not FileKind.URDF:
+    """What the file of a model is called, whatever name it has inside: somebody may have begun with a copy.
+
+    Of a URDF its own words tell; where they name no known robot, and of an MJCF, those of the nearest folder that names
+    one: `x30/robot.xml` of the model "lite3" is no Lite3.
+    """
+    robot = artifact.robot
+    if artifact.kind not in MODELS or robot is None:
         return frozenset()
-    return telling(os.path.splitext(os.path.basename(artifact.path))[0])
+    every = frozenset(word for known in known_robots() for word in known.words)
+    stems = [telling(os.path.splitext(os.path.basename(file.path))[0]) for file in robot.files]
+    own = stems[0] if artifact.kind is FileKind.URDF else frozenset()
+    if not any(words & every for words in stems):
+        folders = os.path.dirname(os.path.abspath(artifact.path)).split(os.sep)[: -_FOLDERS - 1 : -1]
+        own |= next((words for folder in folders if (words := telling(folder) & every)), frozenset())
+    return own
 
 
 def _is_a_copy(

@@ -266,6 +266,11 @@ def test_an_iiwa_of_a_configuration(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         pytest.param("ur5e.urdf", "arm", True, id="inside it is called no robot"),
         pytest.param("ur5e.urdf", "ur10e", False, id="by one name one known robot, by the other another"),
         pytest.param("ur5e_leader.urdf", "ur5e", False, id="a person moves it, and its motors are others"),
+        pytest.param("ur5e/urdf/robot.urdf", "ur5e", True, id="its folder says the same"),
+        pytest.param("ur10e/urdf/robot.urdf", "ur5e", False, id="its folder is another known robot's"),
+        pytest.param(
+            "ur10e/urdf/ur5e.urdf", "ur5e", True, id="the file's own name is nearer than the folder's"
+        ),
     ],
 )
 def test_two_names(
@@ -274,6 +279,7 @@ def test_two_names(
     """400 N*m is more than a UR5e's 150 and a UR10e's 330."""
     monkeypatch.chdir(tmp_path)
     names = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    Path(file).parent.mkdir(parents=True, exist_ok=True)
     Path(file).write_text(_arm(inside, {f"{name}_joint": 400.0 for name in names}))
     assert bool(audit([file], Settings(select=("KNW101",))).findings) == said
 

@@ -89,13 +89,12 @@ class AxisDisagrees(RuleOver[Robot]):
         frames: dict[tuple[int | None, int | None], list[JointView]] = {}
         for name in agree:
             frames.setdefault(_frames(name, here, there), []).append(here[name])
-        fixed = {frame for frame, joints in frames.items() if _fix_the_frame(joints)}
-        if 2 * len(agree) <= len(angles) or not fixed:
+        if 2 * len(agree) <= len(angles):
             return None
         told = frozenset(
             name
             for name in opposite
-            if _frames(name, here, there) in fixed
+            if _fix(frames.get(_frames(name, here, there), ()), here[name])
             and _is_drawn_alike(name, here, there, agree, opposite, most)
         )
         return _Pair(one, other, told, agree)
@@ -181,10 +180,19 @@ def _frames(
     return here[name].tree, there[name].tree
 
 
-def _fix_the_frame(joints: Sequence[JointView]) -> bool:
-    """Whether two axes that agree are not parallel: a base that is turned about them would turn the others round."""
-    axes = [joint.axis for joint in joints if joint.axis is not None]
-    return any(_TURNED < _angle(axes[0], axis) < math.pi - _TURNED for axis in axes[1:])
+def _fix(agreeing: Sequence[JointView], joint: JointView) -> bool:
+    """Whether axes that agree leave no frame of the base in which this joint's would agree too.
+
+    A base that is turned about them all turns round what stands across them, and nothing that is parallel to them.
+    """
+    axes = [one.axis for one in agreeing if one.axis is not None]
+    if not axes or joint.axis is None:
+        return False
+    return _is_parallel(axes[0], joint.axis) or not all(_is_parallel(axes[0], axis) for axis in axes[1:])
+
+
+def _is_parallel(one: _Axis, other: _Axis) -> bool:
+    return not _TURNED < _angle(one, other) < math.pi - _TURNED
 
 
 def _is_drawn_alike(
