@@ -74,7 +74,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
     options: ClassVar[dict[str, float]] = {"relative": 0.01, "angle": 0.02}
 
     def subjects(self, case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
-        yield from case.once(_pairs)
+        yield from case.once(pairs)
 
     def judge(
         self, case: Case, subject: tuple[Sequence[LedgerRow], Sequence[LedgerRow]]
@@ -277,7 +277,7 @@ def _of_unlike_efforts(case: Case, unlike: Callable[[float, float], bool]) -> fr
     side's.
     """
     found: set[tuple[int, str]] = set()
-    for pair in case.once(_pairs):
+    for pair in case.once(pairs):
         one, other = (rows[0] for rows in pair)
         a, b = one.effort_limit, other.effort_limit
         nobodys = any(is_nobodys(row, "effort_limit") for row in (one, other))
@@ -286,7 +286,7 @@ def _of_unlike_efforts(case: Case, unlike: Callable[[float, float], bool]) -> fr
     return frozenset(found)
 
 
-def _pairs(case: Case) -> tuple[tuple[Sequence[LedgerRow], Sequence[LedgerRow]], ...]:
+def pairs(case: Case) -> tuple[tuple[Sequence[LedgerRow], Sequence[LedgerRow]], ...]:
     """Rows of left and right joints, in one file or in two."""
     return tuple(_each_pair(case))
 
@@ -295,9 +295,9 @@ def _each_pair(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[Ledge
     joints = case.joints_by_artifact
     single = []
     for artifact, own in joints.items():
-        pairs = _mirrored(own, own)
-        if pairs:
-            yield from pairs
+        met = _mirrored(own, own)
+        if met:
+            yield from met
         else:
             single.append(artifact)
     # Most of them have no such names at all.
@@ -310,9 +310,9 @@ def _each_pair(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[Ledge
         if not _are_two_sides(case.artifacts[one].path, case.artifacts[other].path):
             continue
         for left, right in ((joints[one], joints[other]), (joints[other], joints[one])):
-            pairs = _mirrored(left, right)
-            if len(pairs) >= max(2.0, _SHARED * max(len(left), len(right))):
-                yield from pairs
+            met = _mirrored(left, right)
+            if len(met) >= max(2.0, _SHARED * max(len(left), len(right))):
+                yield from met
 
 
 def _are_two_sides(one: str, other: str) -> bool:
@@ -361,7 +361,7 @@ def _without_limits(case: Case) -> frozenset[int]:
     """Artifacts with a pair of joints of which neither has a limit but 0."""
     return frozenset(
         left[0].artifact
-        for left, right in case.once(_pairs)
+        for left, right in case.once(pairs)
         if left[0].artifact == right[0].artifact and left[0].effort_limit == 0.0 == right[0].effort_limit
     )
 
@@ -369,7 +369,7 @@ def _without_limits(case: Case) -> frozenset[int]:
 def _identified(case: Case) -> frozenset[int]:
     """Artifacts in which at least half of all pairs differ in what friction and rotors do: measured joint by joint."""
     differ: dict[int, list[bool]] = {}
-    for left, right in case.once(_pairs):
+    for left, right in case.once(pairs):
         own = (
             (getattr(a, field), getattr(b, field))
             for field in _PASSIVE

@@ -1,0 +1,189 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import ClassVar
+
+from actspec.audit.case import MODELS
+from actspec.audit.difference import axis_text
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.sym101 import pairs
+from actspec.ir import JointKind
+from actspec.readings.ledger import LedgerRow
+from actspec.robot.view import ActuatorView, JointView
+from actspec.units import format_number, format_quantity
+
+_OTHERS = 3
+"""Other pairs that must mirror. Chosen: one or two may do so by accident, or be the ones that are turned."""
+
+_LOPSIDED = 0.2
+"""Sum of a range's ends from which it tells which way the joint turns [rad]. Chosen: files round, and soften, ranges."""
+
+_SAME = 0.05
+"""Largest difference of the ends of ranges that are one [rad]. Chosen: as above."""
+
+_ALONG = math.cos(math.radians(5.0))
+"""Cosine from which two axes are parallel. Chosen: as SRC108's."""
+
+_PLANES = ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
+"""What a mirror across x, y or z makes of an axis: what turns about its normal turns on as before."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair:
+    """A joint of a model on the left, and its like on the right.
+
+    Attributes:
+        left: Its rows; `right` likewise.
+        turns: For each plane whether the right axis is the left's mirror image (1), its opposite (-1) or neither (0).
+    """
+
+    left: Sequence[LedgerRow]
+    right: Sequence[LedgerRow]
+    axes: tuple[tuple[float, float, float], tuple[float, float, float]]
+    turns: tuple[int, ...]
+
+
+class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
+    code = "SYM102"
+    name = "side-turned-round"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    noted_in_folders = True
+    needs = "no model with joints whose names mirror each other and whose axes are known among the files"
+
+    def subjects(self, case: Case) -> Iterator[tuple[Sequence[_Pair], Sequence[ActuatorView]]]:
+        """The pairs of each model, with its actuators."""
+        of_models: dict[int, list[_Pair]] = {}
+        for left, right in case.once(pairs):
+            index = left[0].artifact
+            if index == right[0].artifact and case.artifacts[index].kind in MODELS:
+                joints = [_joint(case, rows[0]) for rows in (left, right)]
+                pair = _pair(left, right, *joints)
+                # Each pair is met from both of its sides.
+                if pair is not None and left[0].joint < right[0].joint:
+                    of_models.setdefault(index, []).append(pair)
+        for index, found in of_models.items():
+            robot = case.artifacts[index].robot
+            yield found, robot.actuators if robot is not None else ()
+
+    def judge(self, case: Case, subject: tuple[Sequence[_Pair], Sequence[ActuatorView]]) -> Iterator[Finding]:
+        """Find the one pair that is turned where the others mirror."""
+        found, actuators = subject
+        planes = _planes(found)
+        pair, others = _odd(found, planes, _range_mirrors)
+        if pair is not None:
+            yield self._range(pair, others)
+        views = {(view.target, view.span): view for view in actuators if "gear" not in view.unknown}
+
+        def view(rows: Sequence[LedgerRow]) -> ActuatorView | None:
+            return views.get((rows[0].joint, rows[0].span)) if len(rows) == 1 else None
+
+        def gears_mirror(pair: _Pair, plane: int) -> int:
+            one, other = view(pair.left), view(pair.right)
+            if one is None or other is None or not one.gear or not other.gear:
+                return 0
+            if (one.gear > 0.0) is (other.gear > 0.0):
+                return 1
+            # A motor may turn back what the axis turns round.
+            return -1 if pair.turns[plane] == 1 else 0
+
+        pair, others = _odd(found, planes, gears_mirror)
+        if pair is not None:
+            one, other = view(pair.left), view(pair.right)
+            assert one is not None and other is not None
+            yield self._gear(*sorted((one, other), key=attrgetter("gear")), others)
+
+    def _gear(self, odd: ActuatorView, other: ActuatorView, others: int) -> Finding:
+        return Finding(
+            self.code,
+            f"the gear is {format_number(odd.gear)} here and {format_number(other.gear)} at {other.target}, and the axes "
+            f"mirror each other: one command turns the two sides opposite ways; {others} other pairs of this model have "
+            "gears of one sign",
+            odd.places.get("gear", odd.span),
+            odd.target,
+            odd.gear,
+            help="give both gears one sign; where the robot's own motor is turned, a comment says so, and `ignore` keeps it",
+            related=(other.places.get("gear", other.span),),
+        )
+
+    def _range(self, pair: _Pair, others: int) -> Finding:
+        left, right = pair.left[0], pair.right[0]
+        assert left.position_range is not None and right.position_range is not None
+        one, its = (axis_text([round(part, 2) for part in axis]) for axis in pair.axes)
+        ranges = [
+            f"{format_quantity(low, '', 3)} to {format_quantity(high, 'rad', 3)}"
+            for low, high in (left.position_range, right.position_range)
+        ]
+        return Finding(
+            self.code,
+            f"this is no mirror image of {left.joint}: about {its} in the base's frame it goes from {ranges[1]}, and "
+            f"{left.joint} about {one} from {ranges[0]}, the other way; {others} other pairs of this model mirror",
+            right.place("position_range"),
+            right.joint,
+            help="of one of the two the axis or the range is turned round: turn it back, and see which way it bends",
+            related=(left.place("position_range"),),
+            about=f"{ranges[0]} {ranges[1]}",
+        )
+
+
+def _joint(case: Case, row: LedgerRow) -> JointView | None:
+    robot = case.artifacts[row.artifact].robot
+    return None if robot is None else robot.joint(row.joint)
+
+
+def _pair(
+    left: Sequence[LedgerRow],
+    right: Sequence[LedgerRow],
+    one: JointView | None,
+    other: JointView | None,
+) -> _Pair | None:
+    """Two hinges in one frame; None where an axis is not known."""
+    if one is None or other is None or one.axis is None or other.axis is None:
+        return None
+    if one.tree != other.tree or {one.kind, other.kind} != {JointKind.HINGE}:
+        return None
+    turns = []
+    for plane in _PLANES:
+        along = sum(a * b * sign for a, b, sign in zip(one.axis, other.axis, plane, strict=True))
+        turns.append((along > _ALONG) - (along < -_ALONG))
+    return _Pair(left, right, (one.axis, other.axis), tuple(turns))
+
+
+def _planes(found: Sequence[_Pair]) -> tuple[int, ...]:
+    """Across which most pairs mirror, by their ranges: one plane, or several that nothing tells apart; none by few."""
+    counts = [sum(_range_mirrors(pair, plane) == 1 for pair in found) for plane in range(len(_PLANES))]
+    most = max(counts)
+    return tuple(plane for plane, count in enumerate(counts) if count == most >= _OTHERS)
+
+
+def _odd(
+    found: Sequence[_Pair], planes: Sequence[int], mirrors: Callable[[_Pair, int], int]
+) -> tuple[_Pair | None, int]:
+    """The one pair that does not mirror while others do, whichever the plane is, and how many these are.
+
+    Args:
+        found: Pairs of one model.
+        planes: That it may mirror across.
+        mirrors: Of a pair and a plane: 1 where it mirrors, -1 where one side is turned round, 0 where nobody can tell.
+    """
+    told = {tuple(mirrors(pair, plane) for pair in found) for plane in planes}
+    signs = told.pop() if len(told) == 1 else ()
+    if signs.count(-1) != 1 or signs.count(1) < _OTHERS:
+        return None, 0
+    return found[signs.index(-1)], signs.count(1)
+
+
+def _range_mirrors(pair: _Pair, plane: int) -> int:
+    """Whether the ranges of a pair are mirror images, as its axes are or are not."""
+    one, other = pair.left[0].position_range, pair.right[0].position_range
+    turn = pair.turns[plane]
+    if one is None or other is None or not turn or one[1] - one[0] > math.tau or abs(sum(one)) < _LOPSIDED:
+        return 0
+    turned = (-one[1], -one[0])
+    for ends, told in ((one, turn), (turned, -turn)):
+        if all(abs(a - b) <= _SAME for a, b in zip(ends, other, strict=True)):
+            return told
+    return 0
