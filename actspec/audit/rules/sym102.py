@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import ClassVar
 
 from actspec.audit.case import MODELS
 from actspec.audit.difference import axis_text
@@ -19,7 +18,7 @@ _OTHERS = 3
 """Other pairs that must mirror. Chosen: one or two may do so by accident, or be the ones that are turned."""
 
 _LOPSIDED = 0.2
-"""Sum of a range's ends from which it tells which way the joint turns [rad]. Chosen: files round, and soften, ranges."""
+"""Sum of a range's ends from which it tells which way the joint turns [rad]. Chosen: files round and soften ranges."""
 
 _SAME = 0.05
 """Largest difference of the ends of ranges that are one [rad]. Chosen: as above."""
@@ -94,18 +93,19 @@ class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
         if pair is not None:
             one, other = view(pair.left), view(pair.right)
             assert one is not None and other is not None
-            yield self._gear(*sorted((one, other), key=attrgetter("gear")), others)
+            odd, other = sorted((one, other), key=attrgetter("gear"))
+            yield self._gear(odd, other, others)
 
     def _gear(self, odd: ActuatorView, other: ActuatorView, others: int) -> Finding:
         return Finding(
             self.code,
-            f"the gear is {format_number(odd.gear)} here and {format_number(other.gear)} at {other.target}, and the axes "
-            f"mirror each other: one command turns the two sides opposite ways; {others} other pairs of this model have "
-            "gears of one sign",
+            f"the gear is {format_number(odd.gear)} here and {format_number(other.gear)} at {other.target}, and the "
+            "axes mirror each other: one command turns the two sides opposite ways; "
+            f"{others} other pairs of this model have gears of one sign",
             odd.places.get("gear", odd.span),
             odd.target,
             odd.gear,
-            help="give both gears one sign; where the robot's own motor is turned, a comment says so, and `ignore` keeps it",
+            help="give both gears one sign; where the robot's own motor is turned, a comment can say so",
             related=(other.places.get("gear", other.span),),
         )
 
