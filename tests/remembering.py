@@ -1,5 +1,5 @@
-"""The reference of time responses, integrated once for what is the same: most of what `verify` takes in the tests, and
-of what `compare` and `report` do.
+"""What is the same each time, and made once: the reference of time responses, which is most of what `verify` takes in
+the tests, and of what `compare` and `report` do; and the grammar of a command, which takes longer than some commands.
 
 Tests verify one spec again and again, each time with another mistake in a file, and against the same reference; they
 report one robot in every form.
@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 import pytest
 
+from actspec.cli.main import parser
 from actspec.simulate.experiment import Experiment
 from actspec.simulate.reference import DrivenJoint, Trajectory, integrate
 
@@ -56,8 +58,9 @@ def integrated(
 
 @contextmanager
 def remembering() -> Iterator[None]:
-    """Remember what was integrated."""
+    """Remember what was integrated, and grammars."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Experiment, "reference", reference)
         patch.setattr("actspec.study.compare.integrate", integrated)
+        patch.setattr("actspec.cli.main.parser", cache(parser))
         yield
