@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from actspec.ir import ActuatorSet
@@ -111,6 +112,15 @@ def options(version: str, *, folder: str | None = None, canonical: bool = False)
     return TargetOptions("mujoco", "mujoco", version, None, folder or os.path.join(FOLDER, "out"), canonical)
 
 
+@lru_cache(maxsize=64)
+def _resolved(
+    text: str, model: str | bytes, includes: tuple[tuple[str, str], ...]
+) -> tuple[RobotView, ActuatorSet]:
+    """A spec's robot and what it means there, the same for every version that it is compiled for."""
+    view = view_of(model, includes=dict(includes))
+    return view, resolve(validate(document_from_text(text)), view)
+
+
 def compile_text(
     actuators: str,
     model: str | bytes,
@@ -126,9 +136,8 @@ def compile_text(
 
     Raises: ActspecError: the stage that fails, with its diagnostics.
     """
-    spec = validate(document_from_text(spec_text(actuators, robot=robot, motors=motors, timing=timing)))
-    view = view_of(model, includes=includes)
-    resolved = resolve(spec, view)
+    text = spec_text(actuators, robot=robot, motors=motors, timing=timing)
+    view, resolved = _resolved(text, model, tuple((includes or {}).items()))
     return Compiled(
         view, resolved, emit(resolved, view, options(version or installed(), canonical=canonical))
     )

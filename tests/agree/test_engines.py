@@ -10,7 +10,12 @@ import numpy as np
 import pytest
 
 from actspec.verify.environments import EngineError, EngineUnavailableError, prepare_release
-from tests.agree.engines import Engine, grid, load, time
+from tests.agree.engines import VERSIONS, Engine, grid, load, time
+
+ENDS = pytest.mark.parametrize(
+    "engine", (VERSIONS[0], VERSIONS[-1]), ids=lambda v: f"mujoco-{v}", indirect=True
+)
+"""The oldest and the newest, for what the harness does itself; what it says of a release is asked in each."""
 
 FLOAT64 = 1e-12
 """A handful of float64 operations on numbers below 1000."""
@@ -86,6 +91,7 @@ def test_model_is_reported(engine: Engine) -> None:
     assert len(answer.fields["body_mass"]) == 3
 
 
+@ENDS
 def test_controls_are_taken_by_name(engine: Engine) -> None:
     """`actuators` names the columns of ctrl, whatever order the model has them in."""
     motors = robot('<motor name="m0" joint="hip"/><motor name="m1" joint="knee" gear="3"/>')
@@ -103,6 +109,7 @@ FILTERS = {
 }
 
 
+@ENDS
 @pytest.mark.parametrize("actuator", FILTERS.values(), ids=FILTERS.keys())
 def test_filter_from_a_bare_reset(engine: Engine, actuator: str) -> None:
     """The command rises from 0 as 1 − e^(−k h/τ), the feedback is not filtered."""
@@ -111,6 +118,7 @@ def test_filter_from_a_bare_reset(engine: Engine, actuator: str) -> None:
     np.testing.assert_allclose(answer.torque[:, 0], 10 * np.array(RISE) - 1.1, atol=FLOAT64)
 
 
+@ENDS
 def test_filter_from_the_reset_recipe(engine: Engine) -> None:
     """Started at the first command, the filter has no transient and then follows a step from there."""
     xml = robot(FILTERS["timeconst"])
@@ -120,6 +128,7 @@ def test_filter_from_the_reset_recipe(engine: Engine) -> None:
     np.testing.assert_allclose(answer.torque[:, 0], expected, atol=FLOAT64)
 
 
+@ENDS
 def test_joints_stay_where_they_are_put(engine: Engine) -> None:
     """Before every step all joints are put back: those of the job, and the others at their reset state."""
     pushed = robot('<motor name="m" joint="knee"/>', hip='damping="2"', knee='damping="3"')
@@ -128,6 +137,7 @@ def test_joints_stay_where_they_are_put(engine: Engine) -> None:
     np.testing.assert_allclose(answer.forces["qfrc_passive"], [[0.0, -1.5]] * 3, atol=FLOAT64)
 
 
+@ENDS
 def test_grid_settles_filters(engine: Engine) -> None:
     """A grid sample sees the filter's output at its clamped command, not the empty filter."""
     xml = robot(
@@ -208,6 +218,7 @@ def test_dcmotor_dialects_do_not_cross_load(engine: Engine) -> None:
     assert answer.error is not None and "keyword" in answer.error
 
 
+@ENDS
 def test_a_refused_job_does_not_stop_the_others(engine: Engine) -> None:
     """In one process each job has its own answer, and a file is read from its path."""
     answers = engine.run([load("<mujoco><nonsense/></mujoco>"), load(SERVOS)])

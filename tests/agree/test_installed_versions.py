@@ -140,33 +140,26 @@ def rich(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def expected(rich: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, bytes]]:
+def expected(rich: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     """What the installed release writes."""
-    return {
-        str(spec): compile_with(None, spec, tmp_path_factory.mktemp("installed") / "out")
-        for spec in (rich, ROOT / "robots" / "a1.yaml")
-    }
+    return compile_with(None, rich, tmp_path_factory.mktemp("installed") / "out")
 
 
 @pytest.mark.parametrize("release", RELEASES)
-@pytest.mark.parametrize("robot", ["rich", "a1"])
 def test_written_bytes_do_not_depend_on_what_is_installed(
     release: str,
-    robot: str,
     rich: Path,
-    expected: dict[str, dict[str, bytes]],
+    expected: dict[str, bytes],
     engine_of: Callable[[str], Engine],
     tmp_path: Path,
 ) -> None:
     """Under each release the whole compile works, checks included, and every file is the same."""
-    spec = rich if robot == "rich" else ROOT / "robots" / "a1.yaml"
     # Relative paths in the files are those of a folder at the same depth.
-    found = compile_with(engine_of(release), spec, tmp_path / "out")
+    found = compile_with(engine_of(release), rich, tmp_path / "out")
     found.pop("")
-    there = {name: data for name, data in expected[str(spec)].items() if name}
+    there = {name: data for name, data in expected.items() if name}
     assert sorted(found) == sorted(there)
-    if robot == "rich":
-        assert len(found) == 3 * len(TARGETS)  # the model, its include and the manifest
+    assert len(found) == 3 * len(TARGETS)  # the model, its include and the manifest
     for name, data in found.items():
         if not name.endswith("manifest.json"):
             assert _without_folder(data) == _without_folder(there[name]), name

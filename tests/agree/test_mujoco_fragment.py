@@ -113,7 +113,7 @@ def test_nothing_leaks_from_the_main_class(engine: Engine, tmp_path: Path) -> No
         folder = tmp_path / f"{default}-{name}"
         host, resolved = hosted(folder, UNDER_DEFAULTS[name], "", release(engine), MAIN_DEFAULTS[default])
         law = law_of(resolved.joints[0])
-        q, qd, ctrl = (column[::7, None] for column in states(law))
+        q, qd, ctrl = (column[::2, None] for column in states(law))
         jobs.append(grid(host, joints=[HINGE], q=q, qd=qd, ctrl=ctrl))
         commands = step_commands(law)
         jobs.append(time(host, joints=[HINGE], ctrl=commands[:, None], q=[HELD], start=[commands[0]]))

@@ -190,7 +190,11 @@ def _serve(descriptor: int, packages: Sequence[str]) -> None:
         importlib.import_module(package)
     if "warp" in sys.modules:
         # Kernels run for milliseconds, and take seconds to compile.
-        sys.modules["warp"].config.optimization_level = 0
+        warp: Any = sys.modules["warp"]
+        warp.config.optimization_level = 0
+        # Three of them for the headers: the first fork that compiles anything leaves them to the others.
+        warp.init()
+        warp._src.context.runtime.get_clang_pch_dir()
     with socket.socket(fileno=descriptor) as connection:
         for line in connection.makefile("r", encoding="utf-8"):
             connection.sendall(f"{_fork(json.loads(line))}\n".encode())

@@ -37,7 +37,7 @@ def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None
     seen = {"policy": ObservationGroupCfg(terms={"q": ObservationTermCfg(func=mdp.joint_pos_rel)})}
     env = ManagerBasedRlEnv(
         ManagerBasedRlEnvCfg(
-            decimation=4,
+            decimation=2,
             scene=SceneCfg(num_envs=2, entities={"robot": robot}),
             actions={
                 "joint_pos": JointPositionActionCfg(entity_name="robot", actuator_names=(".*",), scale=0.25)

@@ -29,7 +29,7 @@ from tests.property.targets_oracle import DIALECTS, STEP, Drive, drives, emitted
 from tests.property.test_plan_property import Robot
 from tests.property.test_plan_property import robots as mjcf_robots
 
-SPECS = {"mujoco": 60, "urdf": 40, "isaaclab": 70, "mjlab": 40, "deploy": 40, "newton": 50}
+SPECS = {"mujoco": 30, "urdf": 20, "isaaclab": 40, "mjlab": 20, "deploy": 20, "newton": 25}
 """Random specs of each target."""
 
 RELEASES = ("3.2", "3.5", "3.7", "3.9", "3.11", "3.12", "3.17", "4.0")

@@ -90,7 +90,7 @@ def losses(drive: Drive, old: bool) -> dict[str, float | None]:
 
 @pytest.mark.slow
 @given(groups=robots(), version=st.sampled_from(["1.2", "1.3", "1.4", "1.8"]))
-@settings(deadline=None, max_examples=120)
+@settings(deadline=None, max_examples=60)
 def test_newton_says_or_names_every_number(groups: list[Drive], version: str) -> None:
     """Each field of each joint is on its prim or its actuator, or lost at the size that it has."""
     names = [name for drive in groups for name in drive.joints]

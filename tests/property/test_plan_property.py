@@ -246,7 +246,7 @@ def groups(draw: st.DrawFn, robot: Robot) -> tuple[str, list[str]]:
 
 @pytest.mark.slow
 @settings(
-    max_examples=100,
+    max_examples=50,
     derandomize=True,
     deadline=None,
     database=None,

@@ -58,7 +58,7 @@ def held(numbers: dict[str, Any], want: dict[str, float | None], where: object) 
 @given(
     groups=robots(), dialect=st.sampled_from(DIALECTS), cls=st.sampled_from(["auto", "implicit", "custom"])
 )
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=70)
 def test_isaaclab_says_or_names_every_number(
     groups: list[Drive], dialect: tuple[str, str | None, str | None, str], cls: str
 ) -> None:
@@ -107,7 +107,7 @@ def test_isaaclab_says_or_names_every_number(
 
 @pytest.mark.slow
 @given(groups=robots(), version=st.sampled_from(["1.0", "1.2", "1.3", "1.6"]))
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=40)
 def test_mjlab_says_or_names_every_number(groups: list[Drive], version: str) -> None:
     """Each field of each joint is in the module, or lost at the size that it has."""
     emission = compiled(groups, kind="mjlab", version=version)
@@ -187,7 +187,7 @@ def values(field: str, drive: Drive, factors: dict[str, dict[str, Any]]) -> tupl
 
 @pytest.mark.slow
 @given(drive=drives(("a", "b")), factors=ranges(), dialect=st.sampled_from(DIALECTS))
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=50)
 def test_isaaclab_events_draw_the_spec_s_ranges(
     drive: Drive, factors: dict[str, dict[str, Any]], dialect: tuple[str, str | None, str | None, str]
 ) -> None:

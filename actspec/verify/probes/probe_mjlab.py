@@ -83,7 +83,7 @@ class Simulated:
         commands: What each of its joints is commanded by.
         step: Physics step [s].
         count: Environments.
-        alone: Whether gravity, contacts and limits are off.
+        alone: Whether gravity, contacts and limits are off; else all constraints, which move joints that are put back.
     """
 
     def __init__(
@@ -100,7 +100,13 @@ class Simulated:
         more: dict[str, Any] = (
             {"gravity": (0.0, 0.0, 0.0), "disableflags": ("contact", "limit")} if alone else {}
         )
-        cfg = SimulationCfg(mujoco=MujocoCfg(timestep=step, **more))
+        sizes = {}
+        if not alone:
+            # In the model, as mjlab 1.0 has no such option; without rows the solver is not run either.
+            self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+            self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+            sizes = {"njmax": 0, "nconmax": 0}
+        cfg = SimulationCfg(mujoco=MujocoCfg(timestep=step, **more), **sizes)
         self.sim = Simulation(num_envs=count, cfg=cfg, model=self.model, device="cpu")
         self.entity.initialize(self.model, self.sim.model, self.sim.data, "cpu")
 
@@ -140,7 +146,6 @@ class Simulated:
             joint = self.model.joint(name)
             self.sim.data.qpos[:, int(joint.qposadr[0])] = q[:, column]
             self.sim.data.qvel[:, int(joint.dofadr[0])] = qd[:, column]
-        self.sim.forward()
 
     def _command(self, values: torch.Tensor) -> None:
         ids = {name: i for i, name in enumerate(self.entity.joint_names)}
