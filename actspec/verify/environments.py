@@ -276,7 +276,6 @@ def run_probe(
             # Nothing is drawn: without this an import looks for a display library.
             "MUJOCO_GL": "disabled",
             "PYTHONNOUSERSITE": "1",
-            "PYTHONDONTWRITEBYTECODE": "1",
             **environment,
             "PYTHONPATH": os.pathsep.join(filter(None, [str(work), before])),
         }
@@ -416,10 +415,12 @@ def _install(made: Path, extra: Sequence[str], say: Callable[[str], None]) -> No
     run([sys.executable, "-m", "venv", str(made / "venv")], "a virtual environment", INSTALL_TIME)
     # By its path, because the commands of an environment that moves stay behind; `python -m` does not.
     command = pip(Frameworks(made).python())
+    # What is imported is compiled then, and that is a small part of it.
+    install = [*command, "install", "--no-compile"]
     say("torch, MuJoCo, Newton: most of it")
-    run([*command, "install", "-r", str(REQUIREMENTS), *extra], "torch, mujoco, warp", INSTALL_TIME)
+    run([*install, "-r", str(REQUIREMENTS), *extra], "torch, mujoco, warp", INSTALL_TIME)
     say("mjlab")
-    run([*command, "install", "--no-deps", "-r", str(BARE)], "mjlab", INSTALL_TIME)
+    run([*install, "--no-deps", "-r", str(BARE)], "mjlab", INSTALL_TIME)
     for name, versions, options in UNPACKED:
         for version in versions:
             wheels = made / "wheels"

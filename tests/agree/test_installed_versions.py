@@ -115,7 +115,6 @@ def compile_with(engine: Engine | None, spec: Path, folder: Path, *more: str) ->
         env={
             **os.environ,
             "MUJOCO_GL": "disabled",
-            "PYTHONDONTWRITEBYTECODE": "1",
             "PYTHONPATH": os.pathsep.join([*([str(engine.folder)] if engine else []), *places]),
         },
         capture_output=True,
@@ -230,7 +229,6 @@ print(torques()[0])
         env={
             **os.environ,
             "MUJOCO_GL": "disabled",
-            "PYTHONDONTWRITEBYTECODE": "1",
             "PYTHONPATH": os.pathsep.join([str(engine_of(release).folder), str(ROOT)]),
         },
         capture_output=True,

@@ -402,3 +402,33 @@ def test_a_reduction_that_another_variant_has_not(
     assert {item.severity for item in found} == {Severity.WARNING}
     said = {"; 88 N*m is published for a variant of unitree_g1" in item.finding.message for item in found}
     assert said == {published}
+
+
+@pytest.mark.parametrize(
+    ("limits", "severity"),
+    [
+        pytest.param((495.0, 495.0, 225.0, 84.0, 84.0, 84.0), Severity.INFO, id="all 1.5 times"),
+        pytest.param((495.0, 495.0, 225.0, 87.0, 84.0, 81.0), Severity.INFO, id="rounded: 1.55 and 1.45"),
+        pytest.param((495.0, 495.0, 270.0, 84.0, 84.0, 84.0), Severity.WARNING, id="one 1.8 times"),
+        pytest.param((660.0, 660.0, 300.0, 112.0, 112.0, 112.0), Severity.WARNING, id="all twice"),
+    ],
+)
+def test_a_robot_that_is_taller_on_purpose(
+    limits: tuple[float, ...], severity: Severity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A UR10e has 330, 330, 150 and three times 56 N*m."""
+    monkeypatch.chdir(tmp_path)
+    names = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    bodies = "".join(f'<body><joint name="{name}_joint"/><geom size="0.1"/></body>' for name in names)
+    motors = "".join(
+        f'<motor joint="{name}_joint" forcerange="-{limit} {limit}"/>'
+        for name, limit in zip(names, limits, strict=True)
+    )
+    Path("arms").mkdir()
+    Path("arms/ur10e.xml").write_text(
+        f'<mujoco model="ur10e"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
+    )
+    found = audit(["arms"], Settings(select=("KNW101",))).findings
+    assert {one.severity for one in found} == {severity}
+    named = audit(["arms/ur10e.xml"], Settings(select=("KNW101",))).findings
+    assert {one.severity for one in named} == {Severity.WARNING}

@@ -473,7 +473,7 @@ def mjlab() -> Iterator[Forker]:
         frameworks = prepare()
     except EngineUnavailableError as err:
         (pytest.fail if os.environ.get("CI") else pytest.skip)(f"no frameworks: {err}")
-    more = {"PYTHONPATH": "", "MUJOCO_GL": "disabled", "PYTHONDONTWRITEBYTECODE": "1"}
+    more = {"PYTHONPATH": "", "MUJOCO_GL": "disabled"}
     more["WARP_CACHE_PATH"] = str(frameworks.folder / "warp")
     # Elsewhere a process that has PyTorch may not fork: it imports what it needs.
     packages = MJLAB if sys.platform.startswith("linux") else ()

@@ -70,8 +70,8 @@ def training(frameworks: Frameworks) -> Path:
     digest = hashlib.sha256("\n".join((*TRAINING, str(frameworks.folder))).encode("utf-8")).hexdigest()
 
     def make(made: Path) -> None:
-        command = [*pip(frameworks.python()), "install", "--no-deps", "--target", str(made)]
-        run([*command, *TRAINING], "mjlab's training", INSTALL_TIME)
+        command = [*pip(frameworks.python()), "install", "--no-compile", "--no-deps"]
+        run([*command, "--target", str(made), *TRAINING], "mjlab's training", INSTALL_TIME)
         (made / "wandb.py").write_text(
             "run = None  # in its place: nothing is sent anywhere\n", encoding="utf-8"
         )

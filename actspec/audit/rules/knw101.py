@@ -35,6 +35,9 @@ _OF_LIMITS = re.compile(
 )
 """Together, how a comment says that limits are not the motors'. Chosen: from those in strangers' files."""
 
+_ROUNDED = 0.05
+"""Share up to which a limit is another one times a factor. Chosen: 5 N*m times 1.23 is rounded to 6."""
+
 _HELD = re.compile(r"(?:^|[^a-z])(?:locked|frozen|fixed|held|rigid)(?:[^a-z]|$)", re.IGNORECASE)
 """How a group of joints that are not to move is called. Chosen: from those in strangers' files."""
 
@@ -56,6 +59,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         """Hold each limit against the largest and the least published one, and those of the robot's other joints."""
         times = self.option(case, "times")
         zeros, lows = _zeros(subject), _lows(subject, self.option(case, "least"))
+        scaled = _is_scaled(subject)
         for row, names in subject.joints:
             # A drive without gains is how a configuration writes a bearing.
             if row.joint in zeros and not row.kp == row.kd == 0.0:
@@ -67,6 +71,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             kind = case.artifacts[row.artifact].kind
             quiet = (
                 subject.copied
+                or scaled
                 or kind is FileKind.DEPLOY
                 or (kind is FileKind.URDF and is_exporters(row))
                 or _says_raised(case, row.place("effort_limit"))
@@ -237,6 +242,27 @@ def _of_raised(case: Case) -> dict[str, list[Comment]]:
         ]
         for path, text in data.items()
     }
+
+
+def _is_scaled(subject: Likeness) -> bool:
+    """Whether a file has all limits of the robot, several figures, times one factor below 2: a taller one, by intent.
+
+    Chosen: 2, as units that are taken for each other are further apart (kgf*cm and N*m 10, N*m and kgf*m 9.8).
+    """
+    limits = [
+        (limit, subject.robot.efforts(name))
+        for row, names in subject.joints
+        for name in names
+        if (limit := finite(driving_limit(row)[1]))
+    ]
+    return len({limit for limit, _ in limits}) > 2 and any(
+        limits[0][0] / first < 2.0
+        and all(
+            any(math.isclose(limit, limits[0][0] / first * one, rel_tol=_ROUNDED) for one in published)
+            for limit, published in limits
+        )
+        for first in limits[0][1]
+    )
 
 
 def _zeros(subject: Likeness) -> frozenset[str]:
