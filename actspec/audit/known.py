@@ -9,15 +9,20 @@ from __future__ import annotations
 import json
 import os
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import product
+from typing import Any
 
 from actspec.audit.case import MODELS, Case
-from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, RobotConfig
+from actspec.readings.config import figures_of, selected
+from actspec.readings.dict_keys import of_one_key
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import distinctive, joint_names, last_numbers, matching, telling
+from actspec.readings.versions import Versions
 from actspec.resources import data_path
 
 KNOWN_SHARE = 0.75
@@ -36,6 +41,9 @@ PART_SHARE = 0.95
 SAME = 0.02
 """Relative difference up to which a figure is a published one. Chosen: 23.5 and 23.7 N*m are one motor."""
 
+
+_BY_KEY = ("effort_limit", "stall_torque", "no_load_speed", "velocity_limit", "armature", "kp", "kd")
+"""Figures of a row that are held against what is published, and the gains, which tell that nothing drives a joint."""
 
 _FOLDERS = 3
 """Folders above a file that may name its robot: `x30/mjcf/unitree/robot.xml`."""
@@ -147,6 +155,13 @@ def known_robots() -> tuple[KnownRobot, ...]:
     )
 
 
+Rows = tuple[tuple[LedgerRow, tuple[str, ...]], ...]
+"""Rows of an artifact, each with the joints of a known robot that it is of."""
+
+Parts = tuple[Mapping[str, LedgerRow], ...]
+"""For each of such rows, joints that have another row than the others of their pattern."""
+
+
 @dataclass(frozen=True, slots=True)
 class Likeness:
     """A known robot that an artifact is.
@@ -156,6 +171,8 @@ class Likeness:
         robot: The known robot.
         joints: Each row of the artifact whose joint is known, with the names of the joints that it is of: one for a
             model, those that a pattern means for a configuration.
+        parts: For each of these rows that is a pattern's, the joints for which a key of its group's dicts has a figure
+            that the pattern does not tell, each with a row of its own.
         variants: The variants that its figures fit; all where none of them does, or nothing tells them apart.
         told: Whether the figures leave out a variant.
         copied: Whether its file is called otherwise than the robot, whose name it has inside: a note in a folder.
@@ -163,10 +180,19 @@ class Likeness:
 
     index: int
     robot: KnownRobot
-    joints: tuple[tuple[LedgerRow, tuple[str, ...]], ...]
+    joints: Rows
+    parts: Parts
     variants: tuple[str, ...]
     told: bool
     copied: bool = False
+
+    def read(self, *fields: str) -> Rows:
+        """`joints`, less those for which a key has one of these fields, and these one by one."""
+        return _read(self.joints, self.parts, *fields)
+
+    def is_of_key(self, row: LedgerRow) -> bool:
+        """Whether a row is none of the ledger's, but one of `parts`."""
+        return any(row is part for parts in self.parts for part in parts.values())
 
 
 def likenesses(case: Case) -> tuple[Likeness, ...]:
@@ -185,14 +211,16 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
             continue
         # Of two that its name has the joints tell which it is, if they do; legs alone are those of the newer G1.
         met = [
-            (robot, rows)
+            (robot, rows, spelling)
             for robot in named
-            if (rows := _rows(case, index, artifact, robot))
-            and (robot.name not in copied or _is_a_copy(outside, robot, rows))
+            for rows, spelling in [_rows(case, index, artifact, robot)]
+            if rows and (robot.name not in copied or _is_a_copy(outside, robot, rows))
         ]
         met = [each for each in met if not each[0].former] or met
         if len(met) == 1:
-            found.append(_like(index, *met[0], copied=met[0][0].name in copied))
+            robot, rows, spelling = met[0]
+            parts = _parts(case, index, rows, spelling)
+            found.append(_like(index, robot, rows, parts, copied=robot.name in copied))
     return tuple(found)
 
 
@@ -245,9 +273,7 @@ def _outside(artifact: Artifact) -> frozenset[str]:
     return own
 
 
-def _is_a_copy(
-    words: frozenset[str], robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...]
-) -> bool:
+def _is_a_copy(words: frozenset[str], robot: KnownRobot, rows: Rows) -> bool:
     """Whether a URDF that is called otherwise is the known robot all the same: `ur16e_b.urdf`, or by nearly all limits.
 
     Chosen: two thirds of the limits, of three figures or more. Whoever began with a copy for a robot of his own has
@@ -261,16 +287,15 @@ def _is_a_copy(
     return 3 * len(right) >= 2 * len(robot.joints) and len(set(right)) > 2
 
 
-def _rows(
-    case: Case, index: int, artifact: Artifact, robot: KnownRobot
-) -> tuple[tuple[LedgerRow, tuple[str, ...]], ...]:
-    """The first row of each known joint; none where the joints are not the robot's."""
+def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tuple[Rows, Mapping[str, str]]:
+    """The first row of each known joint, and what the file calls the known joints; none where it has others."""
     by_joint: dict[str, LedgerRow] = {}
     for row in case.rows_of(index):
         if row.joint:
             by_joint.setdefault(row.joint, row)
     names = joint_names(artifact)
-    best: tuple[tuple[LedgerRow, tuple[str, ...]], ...] = ()
+    best: Rows = ()
+    spelling: Mapping[str, str] = {}
     # Some files leave the ending out.
     for (part, spelt), prefix, ending in product(
         (("", ""), *robot.spelt.items()), robot.prefixes, ("", "_joint")
@@ -296,9 +321,82 @@ def _rows(
         # What is mounted on a robot all of whose joints are there, a hand or a base, may have any number of its own.
         own = of_own >= OWN_SHARE or (names is not None and count == len(robot.joints))
         whole = count >= KNOWN_SHARE * len(robot.joints) and own
-        if counted and (whole or (count >= PART and of_own >= PART_SHARE)):
-            best = max(best, pairs, key=len)
-    return best
+        legs = count >= PART and of_own >= PART_SHARE
+        if counted and (whole or legs) and len(pairs) > len(best):
+            best, spelling = pairs, {joint: name for name, joint in known.items()}
+    return best, spelling
+
+
+def _parts(case: Case, index: int, rows: Rows, spelling: Mapping[str, str]) -> Parts:
+    """What the keys of a group's dicts say of joints that one pattern selects, at the keys' own places.
+
+    `.*_wrist_.*` alone does not tell which joints the keys below it are for; the known robot does. What no key is for,
+    or more than one, stays unknown, and so does a joint that two patterns select: the later group may be its own.
+
+    Args:
+        case: The artifact's.
+        index: Of the artifact.
+        rows: Of `_rows`.
+        spelling: Known joints to their names in the file.
+    """
+    config = case.artifacts[index].config
+    if config is None:
+        return ({},) * len(rows)
+    groups = {
+        (group.span, group.name, joint): (group, pattern)
+        for group in config.groups
+        if any(isinstance(setting.value, Mapping) for setting in group.settings.values())
+        for joint, pattern in selected(config, group, None)
+    }
+    named, versions = tuple(spelling.values()), case.versions_of(index)
+    selections = Counter(joint for _, joints in rows for joint in joints)
+    parts: list[Mapping[str, LedgerRow]] = []
+    for row, joints in rows:
+        own: dict[str, LedgerRow] = {}
+        if found := groups.get((row.span, row.actuator, row.joint)):
+            for joint in joints:
+                part = _of_key(config, *found, row, spelling[joint], named, versions)
+                if part is not row and selections[joint] == 1:
+                    own[joint] = part
+        parts.append(own)
+    return tuple(parts)
+
+
+def _of_key(
+    config: RobotConfig,
+    group: ActuatorGroup,
+    pattern: str,
+    row: LedgerRow,
+    joint: str,
+    named: Sequence[str],
+    versions: Versions,
+) -> LedgerRow:
+    """A pattern's row for one of its joints, with what only the group's keys tell of it; the row where they do not."""
+    settings = {
+        name: of_one_key(config.framework, name, setting, joint) for name, setting in group.settings.items()
+    }
+    own = replace(group, settings=settings)
+    figures = figures_of(config, own, joint, pattern, named, versions, config.physics_dt)
+    more = {
+        field: found
+        for field, found in figures.items()
+        if field in _BY_KEY and getattr(row, field) is None and found.value is not None
+    }
+    if not more:
+        return row
+    values: dict[str, Any] = {field: found.value for field, found in more.items()}
+    places = {**row.places, **{field: found.span for field, found in more.items()}}
+    return replace(row, joint=joint, places=places, stated=row.stated | more.keys(), **values)
+
+
+def _read(rows: Rows, parts: Parts, *fields: str) -> Rows:
+    found: list[tuple[LedgerRow, tuple[str, ...]]] = []
+    for (row, joints), own in zip(rows, parts, strict=True):
+        apart = {j for j, part in own.items() if any(getattr(part, f) != getattr(row, f) for f in fields)}
+        if left := tuple(joint for joint in joints if joint not in apart):
+            found.append((row, left))
+        found += [(own[joint], (joint,)) for joint in joints if joint in apart]
+    return tuple(found)
 
 
 def _has_its_keys(artifact: Artifact, rows: Sequence[LedgerRow], known: tuple[str, ...]) -> bool:
@@ -321,15 +419,14 @@ def _counts_alike(known: Iterable[str], names: Iterable[str]) -> bool:
     return all(mine[series] == last for series, last in its.items() if series in mine)
 
 
-def _like(
-    index: int, robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...], *, copied: bool
-) -> Likeness:
-    by_armature = _has_its_armatures(robot, rows)
+def _like(index: int, robot: KnownRobot, rows: Rows, parts: Parts, *, copied: bool) -> Likeness:
+    read = _read(rows, parts, "effort_limit", "armature")
+    by_armature = _has_its_armatures(robot, read)
     fitting = tuple(
-        name for name, joints in robot.variants.items() if _fits(robot, joints, rows, by_armature)
+        name for name, joints in robot.variants.items() if _fits(robot, joints, read, by_armature)
     )
     told = 0 < len(fitting) < len(robot.variants)
-    return Likeness(index, robot, rows, fitting or tuple(robot.variants), told, copied)
+    return Likeness(index, robot, rows, parts, fitting or tuple(robot.variants), told, copied)
 
 
 def _fits(

@@ -125,6 +125,24 @@ def settled(
     return replace(setting, value=value[key], span=setting.place(key), places={})  # type: ignore[arg-type]
 
 
+def of_one_key(framework: Framework, name: str, setting: Setting, joint: str) -> Setting:
+    """A setting as the only key that is for a joint has it, at the key's place; unknown where none is, or several are.
+
+    Args:
+        framework: Whose.
+        name: Of the setting.
+        setting: Values by joint; any other is given back.
+        joint: The joint.
+    """
+    value = setting.value
+    if not isinstance(value, Mapping):
+        return setting
+    keys = [key for key in value if meets(framework, name, key, joint)]
+    if len(keys) != 1:
+        return Setting(None, setting.span, f"{len(keys)} keys are for the joint")
+    return replace(setting, value=value[keys[0]], span=setting.place(keys[0]), places={})  # type: ignore[arg-type]
+
+
 def _quoted(keys: Sequence[str]) -> str:
     return " and ".join(f"'{shortened(key, 40)}'" for key in keys[:2])
 

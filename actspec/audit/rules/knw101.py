@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from actspec.audit.case import MODELS
 from actspec.audit.comments import Comment, comments
-from actspec.audit.known import SAME, KnownJoint, Likeness, likenesses, same, with_other_motors
+from actspec.audit.known import SAME, KnownJoint, Likeness, Rows, likenesses, same, with_other_motors
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import (
     driving_limit,
@@ -58,12 +58,15 @@ class LimitBeyondPublished(RuleOver[Likeness]):
     def judge(self, case: Case, subject: Likeness) -> Iterator[Finding]:
         """Hold each limit against the largest and the least published one, and those of the robot's other joints."""
         times = self.option(case, "times")
-        zeros, lows = _zeros(subject), _lows(subject, self.option(case, "least"))
-        scaled = _is_scaled(subject)
-        for row, names in subject.joints:
+        rows = subject.read("effort_limit", "stall_torque")
+        zeros, lows = _zeros(rows), _lows(subject, rows, self.option(case, "least"))
+        as_before = _zeros(subject.joints)
+        scaled = _is_scaled(subject, rows)
+        for row, names in rows:
             # A drive without gains is how a configuration writes a bearing.
             if row.joint in zeros and not row.kp == row.kd == 0.0:
-                yield replace(self._zero(subject, row, names), noted_in_folders=subject.copied)
+                quiet = subject.copied or row.joint not in as_before
+                yield replace(self._zero(subject, row, names), noted_in_folders=quiet)
             limit = finite(driving_limit(row)[1])
             if limit is None or is_placeholder(limit) or is_undriven(case, row):
                 continue
@@ -72,6 +75,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             quiet = (
                 subject.copied
                 or scaled
+                or subject.is_of_key(row)
                 or kind is FileKind.DEPLOY
                 or (kind is FileKind.URDF and is_exporters(row))
                 or _says_raised(case, row.place("effort_limit"))
@@ -152,9 +156,10 @@ class LimitBeyondPublished(RuleOver[Likeness]):
 
     def _of_the_others(self, subject: Likeness, row: LedgerRow, limit: float, times: float) -> str:
         """Of one limit for all joints: those of which more is published, where it is twice as much at one of them."""
-        if {driving_limit(other)[1] for other, _ in subject.joints} != {limit}:
+        rows = subject.read("effort_limit", "stall_torque")
+        if {driving_limit(other)[1] for other, _ in rows} != {limit}:
             return ""
-        names = [name for _, joints in subject.joints for name in joints]
+        names = [name for _, joints in rows for name in joints]
         more: dict[float, list[str]] = {}
         for name in names:
             effort = _most(subject, name).effort
@@ -244,14 +249,14 @@ def _of_raised(case: Case) -> dict[str, list[Comment]]:
     }
 
 
-def _is_scaled(subject: Likeness) -> bool:
+def _is_scaled(subject: Likeness, rows: Rows) -> bool:
     """Whether a file has all limits of the robot, several figures, times one factor below 2: a taller one, by intent.
 
     Chosen: 2, as units that are taken for each other are further apart (kgf*cm and N*m 10, N*m and kgf*m 9.8).
     """
     limits = [
         (limit, subject.robot.efforts(name))
-        for row, names in subject.joints
+        for row, names in rows
         for name in names
         if (limit := finite(driving_limit(row)[1]))
     ]
@@ -265,23 +270,28 @@ def _is_scaled(subject: Likeness) -> bool:
     )
 
 
-def _zeros(subject: Likeness) -> frozenset[str]:
+def _zeros(rows: Rows) -> frozenset[str]:
     """Joints with a limit of 0 in a file that limits most of them: in one for kinematics all have it."""
-    limits = {row.joint: row for row, _ in subject.joints if row.effort_limit is not None}
-    zeros = frozenset(
-        name for name, row in limits.items() if row.effort_limit == 0.0 and "effort_limit" in row.stated
-    )
-    return zeros if 2 * len(zeros) < len(limits) else frozenset()
+    limits = {row.joint: (row, len(names)) for row, names in rows if row.effort_limit is not None}
+    zeros = {
+        name: count
+        for name, (row, count) in limits.items()
+        if row.effort_limit == 0.0 and "effort_limit" in row.stated
+    }
+    # Of patterns most, and of their joints too.
+    joints = sum(count for _, count in limits.values())
+    most = 2 * len(zeros) < len(limits) and 2 * sum(zeros.values()) < joints
+    return frozenset(zeros) if most else frozenset()
 
 
-def _lows(subject: Likeness, least: float) -> frozenset[str]:
+def _lows(subject: Likeness, rows: Rows, least: float) -> frozenset[str]:
     """Joints with a small share of what is published, in a file that gives most of its joints more.
 
     Where they all have so little it is a scale, or a task's.
     """
     lows: dict[str, int] = {}
     count = 0
-    for row, names in subject.joints:
+    for row, names in rows:
         limit = finite(driving_limit(row)[1])
         if limit is None:
             continue

@@ -35,7 +35,7 @@ class RevisionOfTheRobot(RuleOver[Likeness]):
             name = _PUBLISHED[field]
             return [
                 (row, names[0])
-                for row, names in subject.joints
+                for row, names in subject.read(field)
                 if getattr(row, field)
                 and len({getattr(joints[names[0]], name) for joints in variants.values()}) > 1
             ]
@@ -63,7 +63,7 @@ class RevisionOfTheRobot(RuleOver[Likeness]):
         variants = subject.robot.variants.values()
         told = [
             (row, name)
-            for row, names in subject.joints
+            for row, names in subject.read("effort_limit")
             for name in names
             if row.effort_limit and len({joints[name].effort for joints in variants}) > 1
         ]

@@ -40,8 +40,9 @@ class FarFromPublished(RuleOver[Likeness]):
 
     def judge(self, case: Case, subject: Likeness) -> Iterator[Finding]:
         """Hold armature and top speed of each joint to all that is published of it."""
-        for row, names in subject.joints:
+        for row, names in subject.read("armature"):
             yield from self._armature(subject, row, names, self.option(case, "armature"))
+        for row, names in subject.read(*SPEEDS):
             yield from self._speed(subject, row, names, self.option(case, "speed"))
 
     def _armature(
