@@ -8,7 +8,9 @@ from collections.abc import Iterator
 
 from actspec.diagnostics import listed, one_line
 from actspec.files import FAULTS, read_regular
-from actspec.readings.artifact import without_comments
+from actspec.readings.artifact import FileReading, without_comments
+
+_PART_ROOT = b"<mujocoinclude"
 
 _NAMES = re.compile(rb"""<(?:include|model)\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""")
 _MOST_FILES = 200
@@ -45,6 +47,16 @@ def including(path: str) -> str | None:
             else:
                 found[one_line(one)] = None
     return listed(sorted(found)) or None
+
+
+def whole_of(reading: FileReading) -> str | None:
+    """What to import in place of a part of a model that is no model alone; None for what may be no part."""
+    whole = including(reading.path)
+    if whole is not None:
+        return f"it is a part of {whole}: import the whole model"
+    if any(_PART_ROOT in without_comments(file.data) for file in reading.files[:1]):
+        return "it is a part of a model: import the file that includes it"
+    return None
 
 
 def _texts(path: str) -> Iterator[tuple[str, bytes]]:
