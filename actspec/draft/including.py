@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from actspec.diagnostics import listed, one_line
+from actspec.diagnostics import Diagnostic, Severity, Span, listed, one_line
 from actspec.files import FAULTS, read_regular
 from actspec.readings.artifact import FileReading, without_comments
 
 _PART_ROOT = b"<mujocoinclude"
 
-_NAMES = re.compile(rb"""<(?:include|model)\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""")
+_INCLUDED, _ATTACHED = (
+    re.compile(rb"""<%s\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""" % tag) for tag in (b"include", b"model")
+)
 _MOST_FILES = 200
 """Files of a folder that are looked at. Chosen: a folder of MuJoCo's menagerie has ten."""
 _MOST_BYTES = 4 * 1024 * 1024
@@ -24,15 +26,45 @@ _FOLDERS_ABOVE = 2
 
 
 def including(path: str) -> str | None:
-    """What to import in place of a part of a model: the files that include or attach it; None: there is none.
+    """What to import in place of a part of a model: the files that include or attach it; None: there is none."""
+    return _wholes(path, (_INCLUDED, _ATTACHED))
+
+
+def as_part(path: str) -> Diagnostic | None:
+    """What an MJCF without <compiler> that is read alone has otherwise in the models that it is a part of.
+
+    An include takes angles, classes and limits from around it. What is attached keeps those of its own file: measured
+    with MuJoCo 3.2.7 and 4.0.0, radians, `autolimits="false"` and damping 1 of the model that attaches leave degrees,
+    a limit and damping 7 of the attached one as they are, and the time step is the former's.
+
+    Args:
+        path: An MJCF.
+    """
+    if whole := _wholes(path, (_INCLUDED,)):
+        stated = "angles, classes and limits that are stated there are not read"
+        message = f"has no <compiler>, and is a part of {whole}: {stated}"
+        help = "import the whole model instead"
+        return Diagnostic("DRF013", Severity.WARNING, message, "", Span(path), help)
+    if whole := _wholes(path, (_ATTACHED,)):
+        message = (
+            f"{whole} attaches it: angles, classes and limits are those of this file there too, the names of its "
+            f"joints may get a prefix, and the time step is that of {whole}"
+        )
+        return Diagnostic("DRF013", Severity.INFO, message, "", Span(path))
+    return None
+
+
+def _wholes(path: str, ways: Sequence[re.Pattern[bytes]]) -> str | None:
+    """The files that name a part in one of some ways.
 
     Of files that are parts themselves, the models that these belong to. Links are passed over: they lead elsewhere.
 
     Args:
         path: An MJCF.
+        ways: What finds the names of files in a text.
     """
     texts = dict(_texts(path))
-    named = {one: frozenset(_named(one, text)) for one, text in texts.items()}
+    named = {one: frozenset(_named(one, text, ways)) for one, text in texts.items()}
     found: dict[str, None] = {}
     pending, seen = [os.path.abspath(path)], set()
     while pending:
@@ -83,8 +115,8 @@ def _texts(path: str) -> Iterator[tuple[str, bytes]]:
         folder = os.path.join(folder, os.pardir)
 
 
-def _named(path: str, text: bytes) -> Iterator[str]:
+def _named(path: str, text: bytes, ways: Sequence[re.Pattern[bytes]]) -> Iterator[str]:
     """Files that an MJCF names as its parts; each is looked up in the folder of the model."""
     folder = os.path.dirname(os.path.abspath(path))
-    for name in _NAMES.findall(text):
+    for name in (name for way in ways for name in way.findall(text)):
         yield os.path.normpath(os.path.join(folder, os.fsdecode(name)))

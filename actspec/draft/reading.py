@@ -22,7 +22,7 @@ from actspec.diagnostics import (
 )
 from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remark_of
 from actspec.draft.environment import are_one, in_environment, written_once
-from actspec.draft.including import including, whole_of
+from actspec.draft.including import as_part, whole_of
 from actspec.draft.sources import RobotReading, stated
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
@@ -169,14 +169,8 @@ def _check(reading: FileReading, out: Collector) -> None:
                 span=artifact.refused_at or place,
                 help=whole_of(reading) or f"{_mend(artifact.text_only)}; `actspec audit` reads it as it is",
             )
-        elif artifact.is_part and (whole := including(reading.path)):
-            out.warning(
-                "DRF013",
-                f"has no <compiler>, and is a part of {whole}: angles, classes and limits that are stated "
-                "there are not read",
-                span=place,
-                help="import the whole model instead",
-            )
+        elif artifact.is_part and (told := as_part(reading.path)):
+            out.add(told)
 
 
 def _mend(reason: str) -> str:
