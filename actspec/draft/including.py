@@ -1,7 +1,8 @@
-"""Which model a part belongs to: the files beside it, and in the two folders above, that include or attach it."""
+"""Which model a part belongs to: what includes or attaches it, beside it, in two folders above and in its project."""
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -23,6 +24,13 @@ _MOST_TOGETHER = 32 * 1024 * 1024
 """Chosen: bytes of all files that are looked at, read in a tenth of a second."""
 _FOLDERS_ABOVE = 2
 """Chosen: `robot.xml` beside `parts/legs/left.xml`."""
+_ROOTS = (".git", "package.xml", "pyproject.toml", "setup.py")
+"""What a project's folder has, a repository before a package in it: without one nobody says how far `../../shared` is
+from its robots."""
+_MOST_ABOVE = 8
+"""Folders above a part that may be its project's. Chosen: twice those of MuJoCo's menagerie or of a ROS package."""
+_MOST_FOLDERS = 500
+"""Chosen: folders of a project that are looked at; listed in some 0.1 s."""
 
 
 def including(path: str) -> str | None:
@@ -93,16 +101,16 @@ def whole_of(reading: FileReading) -> str | None:
 
 def _texts(path: str) -> Iterator[tuple[str, bytes]]:
     """Path, as a user would name it, and text without comments of the MJCF files that may include a part."""
-    folder, left, seen = os.path.dirname(path), _MOST_TOGETHER, set()
-    for _ in range(_FOLDERS_ABOVE + 1):
-        where = os.path.abspath(folder or os.curdir)
+    left, seen = _MOST_TOGETHER, set()
+    for folder in _folders(os.path.dirname(path)):
+        where = os.path.abspath(folder)
         if where in seen:
-            return
+            continue
         seen.add(where)
         try:
             names = sorted(name for name in os.listdir(where) if name.lower().endswith((".xml", ".mjcf")))
         except (OSError, ValueError):
-            return
+            continue
         for name in names[:_MOST_FILES]:
             one = os.path.normpath(os.path.join(folder, name))
             try:
@@ -112,7 +120,16 @@ def _texts(path: str) -> Iterator[tuple[str, bytes]]:
             left -= len(data)
             if b"<mujoco" in data:
                 yield one, without_comments(data)
-        folder = os.path.join(folder, os.pardir)
+
+
+def _folders(folder: str) -> Iterator[str]:
+    """A folder, the two above it, and all of its project where one of those above is the project's."""
+    above = [os.path.normpath(os.path.join(folder, *[os.pardir] * steps)) for steps in range(_MOST_ABOVE + 1)]
+    yield from above[: _FOLDERS_ABOVE + 1]
+    roots = (one for mark in _ROOTS for one in above if os.path.lexists(os.path.join(one, mark)))
+    for where, inner, _ in itertools.islice(os.walk(next(roots, os.devnull)), _MOST_FOLDERS):
+        inner[:] = sorted(name for name in inner if not name.startswith("."))
+        yield where
 
 
 def _named(path: str, text: bytes, ways: Sequence[re.Pattern[bytes]]) -> Iterator[str]:

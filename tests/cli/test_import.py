@@ -497,6 +497,26 @@ def test_a_part_below_its_whole(
     assert "and so would a compile: Unrecognized XML model type" in said
 
 
+@pytest.mark.parametrize(
+    ("mark", "found"), [("", False), ("project/.git", True), ("project/package.xml", True), (".git", True)]
+)
+def test_a_part_beside_its_whole(
+    folder: Path, mark: str, found: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A model in a folder beside that of its parts is found in a project alone; hidden folders are not read."""
+    for name in ("project/shared/parts/legs/legs.xml", "project/robot/main.xml", "project/.old/main.xml"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+    (folder / "project/shared/parts/legs/legs.xml").write_text(LEG, encoding="utf-8")
+    for name in ("project/robot/main.xml", "project/.old/main.xml"):
+        (folder / name).write_text(ANGLE.format(file="../shared/parts/legs/legs.xml"), encoding="utf-8")
+    if mark:
+        (folder / mark).write_text("", encoding="utf-8")
+    assert main(["import", "project/shared/parts/legs/legs.xml"]) == 2
+    said = capsys.readouterr().err
+    assert ("  help: it is a part of project/robot/main.xml: import the whole model\n" in said) is found
+    assert ("it is a part of a model: import the file that includes it" in said) is not found
+
+
 def test_a_part_of_a_part(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A part that a part includes names the model of both; a link is not followed."""
     (folder / "legs.xml").write_text(LEG, encoding="utf-8")
