@@ -71,7 +71,15 @@ def _wholes(path: str, ways: Sequence[re.Pattern[bytes]]) -> str | None:
         path: An MJCF.
         ways: What finds the names of files in a text.
     """
-    texts = dict(_texts(path))
+    above = _above(path)
+    near = above[: _FOLDERS_ABOVE + 1]
+    found = _found(path, ways, near)
+    return listed(found or _found(path, ways, [*near, *_project(above)])) or None
+
+
+def _found(path: str, ways: Sequence[re.Pattern[bytes]], folders: Sequence[str]) -> list[str]:
+    """As `_wholes`, among the files of some folders."""
+    texts = dict(_texts(folders))
     named = {one: frozenset(_named(one, text, ways)) for one, text in texts.items()}
     found: dict[str, None] = {}
     pending, seen = [os.path.abspath(path)], set()
@@ -86,7 +94,7 @@ def _wholes(path: str, ways: Sequence[re.Pattern[bytes]]) -> str | None:
                 pending.append(os.path.abspath(one))
             else:
                 found[one_line(one)] = None
-    return listed(sorted(found)) or None
+    return sorted(found)
 
 
 def whole_of(reading: FileReading) -> str | None:
@@ -99,10 +107,10 @@ def whole_of(reading: FileReading) -> str | None:
     return None
 
 
-def _texts(path: str) -> Iterator[tuple[str, bytes]]:
+def _texts(folders: Sequence[str]) -> Iterator[tuple[str, bytes]]:
     """Path, as a user would name it, and text without comments of the MJCF files that may include a part."""
     left, seen = _MOST_TOGETHER, set()
-    for folder in _folders(os.path.dirname(path)):
+    for folder in folders:
         where = os.path.abspath(folder)
         if where in seen:
             continue
@@ -122,10 +130,14 @@ def _texts(path: str) -> Iterator[tuple[str, bytes]]:
                 yield one, without_comments(data)
 
 
-def _folders(folder: str) -> Iterator[str]:
-    """A folder, the two above it, and all of its project where one of those above is the project's."""
-    above = [os.path.normpath(os.path.join(folder, *[os.pardir] * steps)) for steps in range(_MOST_ABOVE + 1)]
-    yield from above[: _FOLDERS_ABOVE + 1]
+def _above(path: str) -> list[str]:
+    """The folder of a file and those above it."""
+    folder = os.path.dirname(path)
+    return [os.path.normpath(os.path.join(folder, *[os.pardir] * steps)) for steps in range(_MOST_ABOVE + 1)]
+
+
+def _project(above: Sequence[str]) -> Iterator[str]:
+    """All folders of a project, where one of some folders is its own; nothing where none is."""
     roots = (one for mark in _ROOTS for one in above if os.path.lexists(os.path.join(one, mark)))
     for where, inner, _ in itertools.islice(os.walk(next(roots, os.devnull)), _MOST_FOLDERS):
         inner[:] = sorted(name for name in inner if not name.startswith("."))

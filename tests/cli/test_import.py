@@ -515,6 +515,12 @@ def test_a_part_beside_its_whole(
     said = capsys.readouterr().err
     assert ("  help: it is a part of project/robot/main.xml: import the whole model\n" in said) is found
     assert ("it is a part of a model: import the file that includes it" in said) is not found
+    # One that is near counts alone.
+    (folder / "project/shared/near.xml").write_text(
+        ANGLE.format(file="parts/legs/legs.xml"), encoding="utf-8"
+    )
+    assert main(["import", "project/shared/parts/legs/legs.xml"]) == 2
+    assert "it is a part of project/shared/near.xml: import the whole" in capsys.readouterr().err
 
 
 def test_a_part_of_a_part(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
