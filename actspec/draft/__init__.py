@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import actspec
@@ -30,6 +30,9 @@ from actspec.draft.sources import DraftTarget, places
 from actspec.draft.text import comment, render, scalar
 from actspec.ir import Command
 from actspec.patterns import PatternError
+from actspec.robot.view import ModelFormat
+from actspec.robot.xml import parse_document
+from actspec.robot.xml_tree import Element, XmlDocument
 from actspec.simulators.mujoco import RELEASES
 
 EFFORT = "Torque motors: the gains are the caller's. For a servo write `command: position`, kp and kd."
@@ -183,12 +186,33 @@ def _nothing(combined: Combined) -> RobotError:
             instead
             or "a spec describes joints that are driven one by one; `actspec init` alone writes an example",
         )
+    document, lost = _outside(combined)
+    if document is not None and lost:
+        names = listed([one_line(element.get("name") or "") for element in lost], 4)
+        joints = f"joint{'s' * (len(lost) > 1)} {names}"
+        return RobotError.of(
+            "DRF001",
+            f"MuJoCo reads no body outside of <worldbody>, where this file has the {joints}",
+            document.span(lost[0]),
+            help=instead
+            or "put the bodies into <worldbody>, or import the file that includes this one there",
+        )
     return _error(
         combined,
         "DRF001",
         "it has no hinge or slide joint with a name: there is nothing to draft",
         instead or "name the file that holds the robot itself, and give its joints names",
     )
+
+
+def _outside(combined: Combined) -> tuple[XmlDocument | None, list[Element]]:
+    """Joints with a name whose bodies stand beside <worldbody>, and their document; of an MJCF."""
+    robot = combined.model.artifact.robot if combined.model is not None else None
+    if robot is None or robot.format is not ModelFormat.MJCF:
+        return None, []
+    document = parse_document(robot.files)
+    bodies = [replace(document, root=body) for body in document.sections("body")]
+    return document, [joint for body in bodies for joint in body.walk("joint") if joint.get("name")]
 
 
 def _error(combined: Combined, code: str, message: str, help: str) -> RobotError:

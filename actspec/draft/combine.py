@@ -351,16 +351,23 @@ def _word(name: str) -> str:
 
 
 def _notes(ranked: Sequence[RobotReading], actuators: ActuatorSet) -> dict[str, tuple[str, ...]]:
-    """Remarks of all files, each with its file where there are several; of the whole robot each once."""
+    """Remarks of all files, each with its file where there are several; of the whole robot each once.
+
+    On a joint it is the file in which its group is written: an environment that imports a robot says the same of it.
+    """
     managed = {joint.joint for joint in actuators.joints}
+    files = {reading.path for reading in ranked}
     found: dict[str, dict[str, None]] = {}
     whole: set[str] = set()
     for reading in ranked:
-        start = f"{os.path.basename(reading.path)}: " if len(ranked) > 1 else ""
+        groups = () if reading.artifact.config is None else reading.artifact.config.groups
+        written = {group.span.path for group in groups}
+        home = written.pop() if len(written) == 1 and written <= files else reading.path
         for joint, remarks in reading.lifted.notes.items():
             if joint == "":
                 remarks = tuple(text for text in remarks if text not in whole)
                 whole.update(remarks)
             if joint == "" or joint in managed:
+                start = f"{os.path.basename(home if joint else reading.path)}: " if len(ranked) > 1 else ""
                 found.setdefault(joint, {}).update(dict.fromkeys(start + text for text in remarks))
     return {joint: tuple(remarks) for joint, remarks in found.items()}

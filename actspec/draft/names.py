@@ -32,11 +32,14 @@ _SIDES = _words(
 _HANDS = {"l": "left", "left": "left", "r": "right", "right": "right"}
 _SHORT = {
     "haa": "hip_abduction", "hfe": "hip_flexion", "hr": "hip_rotation", "hx": "hip_x", "hy": "hip_y", "kfe": "knee",
-    "kn": "knee", "ffe": "ankle_flexion", "faa": "ankle_abduction", "wrj": "wrist", "thj": "thumb", "ffj": "finger",
-    "mfj": "finger", "rfj": "finger", "lfj": "finger",
+    "kn": "knee", "ffe": "ankle_flexion", "faa": "ankle_abduction", "akp": "ankle_pitch", "akr": "ankle_roll",
+    "wrj": "wrist", "thj": "thumb", "ffj": "finger", "mfj": "finger", "rfj": "finger", "lfj": "finger",
 }  # fmt: skip
 """Letters that joints are called by to the words of the robot. Source: ANYmal, Solo, Spot, Berkeley Humanoid, Shadow
-Hand."""
+Hand; chosen: akp and akr, of an ankle alone."""
+_OF_ARMS = {"sh": "shoulder", "el": "elbow", "fa": "forearm"}
+_TURNS = {"fle": "flexion", "rot": "rotation"}
+"""What stands before these: `SH_ROT`, `EL_FLE` of ANYbotics' DynaArm. Elsewhere `el` may be an elevation."""
 _PLURALS = {
     **{word: word + "s" for word in _words(
         "hip thigh knee ankle toe leg arm hand shank shin shoulder elbow wrist forearm finger thumb wheel gripper"
@@ -54,6 +57,8 @@ _LEAST_OF_AN_ARM, _FINGERS = 4, 5
 three joints, and four branches are a quadruped's."""
 _JOINTS_OF_ARMS = 7
 """Joints of each of two equal chains that are arms. Chosen: legs have at most six."""
+_LONGEST_CODE = 3
+"""Letters of a word that nobody reads as one. Chosen: `hip` and `toe` are words of a robot; `sh`, `akp` are codes."""
 _LEAST_OF_A_ROW = 6
 """Joints that differ in a number alone and are taken for an arm where no file says how they hang together. Chosen: arms
 have six or seven."""
@@ -293,19 +298,27 @@ def group_name(
         model = {re.sub(r"[0-9]+", "", word) for word in _of_robot(robot)}
         own = [word for word in _shared(parts) if word in model and word not in _PART_OF]
         parts = [[word for word in words if word not in own] for words in parts]
+    called = given_name(joints, given, robot, whole=False) if given else ""
+    called = "" if called.lower() in {*_NO_GROUP, *_of_robot(robot)} else called
     choices = []
     if all(parts):
         choices = [_PLURALS.get(c, c) if len(joints) > 1 else c for c in _common(parts)] + [*_mixed(parts)]
-        choices = ["arm" if c == "arms" and _is_one_arm(joints, above) else c for c in choices]
+        one = called == "arm" or _is_one_arm(joints, above)
+        choices = ["arm" if c == "arms" and one else c for c in choices]
+    if choices and len(choices[0]) == 1 < len(joints):
+        # `a` of `L_A0`, `R_A1` tells nobody what it is.
+        choices = []
+    elif choices and _is_code(choices[0], called) and _is_key(whole := f"{called}_{choices[0]}"):
+        choices = [whole, *choices]
     choices = [side + choice for choice in choices]
     known = any(word in _PART_OF for words in parts for word in words)
     row = len(joints) > 1 and len({re.sub(r"[0-9]+", "0", name) for name in joints}) == 1
     if not choices or _AXES.issuperset(word for words in parts for word in words) or (row and not known):
-        called = given_name(joints, given, robot, whole=False) if given else ""
-        named = [called] if called and called.lower() not in {*_NO_GROUP, *_of_robot(robot)} else []
+        named = [called] if called else []
         single = [joints[0]] if len(joints) == 1 < len(above) and _is_key(joints[0]) else []
         guess = ["arm"] if row and not above and len(joints) >= _LEAST_OF_A_ROW else []
         told = [limb for word, limb in (("hand", "fingers"), ("arm", "arm")) if word in _of_robot(robot)]
+        told += _numbered(joints) if len(joints) < len(given) else []
         limbs = [side + limb for limb in _limb(joints, above)]
         choices = [*limbs, *named, *guess, *single] or choices or [side + word for word in (*told, "joints")]
     for choice in choices:
@@ -315,6 +328,33 @@ def group_name(
     while f"{choices[0]}_{number}" in used:
         number += 1
     return f"{choices[0]}_{number}"
+
+
+def _is_code(key: str, called: str) -> bool:
+    """Whether a key is letters alone that no word of a robot is among, nor one of what the group is called."""
+    known = called.split("_")
+    return bool(called) and all(
+        len(word) <= _LONGEST_CODE and word not in _PART_OF and word not in known for word in key.split("_")
+    )
+
+
+def _numbered(joints: Sequence[str]) -> list[str]:
+    """What joints are of which only a number behind a letter tells: `j3`, `j4_j5`, `j0_to_j2`; nothing of others."""
+    split = [re.fullmatch(r"(.*?[a-z]+)_?([0-9]{1,3})", "_".join(_bare(name))) for name in joints]
+    found = [(each[1], int(each[2])) for each in split if each is not None]
+    numbers = sorted({number for _, number in found})
+    if len(found) < len(joints) or len({stem for stem, _ in found}) > 1:
+        return []
+    if len(numbers) > 2 and numbers[-1] - numbers[0] >= len(numbers):
+        return []
+    ends = [f"{found[0][0]}{number}" for number in dict.fromkeys((numbers[0], numbers[-1]))]
+    key = ("_to_" if len(numbers) > 2 else "_").join(ends)
+    return [key] if len(key) <= _LONGEST_KEY else []
+
+
+def _bare(name: str) -> list[str]:
+    """The words and numbers of a name without its sides: [j3] of `L_J3`."""
+    return [word for word in re.findall(r"[a-z0-9]+", name.lower()) if word not in _SIDES]
 
 
 def _is_one_arm(joints: Sequence[str], above: Mapping[str, frozenset[str]]) -> bool:
@@ -396,6 +436,8 @@ def _parts(name: str) -> list[str]:
         known = known[len(known) - known[::-1].index("to") :]
     if len(known) > 1 and known[0] == "middle" and _PART_OF.get(known[1], "hands") != "hands":
         known = known[1:]
+    if known[1:] and known[-1] in _TURNS:
+        known = [*(_OF_ARMS.get(word, word) for word in known[:-1]), _TURNS[known[-1]]]
     # `hr` is hind right before a part, and a rotation of the hip behind a side.
     known = known or [word for word in words if word in _SHORT]
     return [part for word in known for part in _SHORT.get(word, word).split("_")]

@@ -22,7 +22,7 @@ from actspec.diagnostics import (
 )
 from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remark_of
 from actspec.draft.environment import are_one, in_environment, written_once
-from actspec.draft.including import including
+from actspec.draft.including import as_part, whole_of
 from actspec.draft.sources import RobotReading, stated
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
@@ -34,7 +34,6 @@ from actspec.readings.artifact import (
     Framework,
     RobotConfig,
     Setting,
-    without_comments,
 )
 from actspec.readings.config import lost_keys, plain_name, selected
 from actspec.readings.dict_keys import POSE, again, meant_for, refuses_two
@@ -45,7 +44,6 @@ from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 from actspec.units import format_quantity
 
-_PART_ROOT = b"<mujocoinclude"
 _REFUSED = "MuJoCo refuses the model: "
 
 _PLUGIN = re.compile(r"\bplugin \S+ not found")
@@ -108,13 +106,22 @@ def read_robot_files(
     out.raise_if_failed(AuditError)
     files = {reading.path: tuple(file.path for file in reading.files) for reading in readings}
     said = [*out, *(item for reading in readings for item in reading.diagnostics)]
-    said += [item for part in parts for item in part.actuators.diagnostics]
+    said += _once(parts)
     # The remark on all lists of a file says it once.
     said = [item for item in said if item.code != NOT_NAMED or item.span not in passed_over]
     found = zip(parts, artifacts, strict=True)
     return tuple(RobotReading(part, a, files.get(a.path, ())) for part, a in found), tuple(
         dict.fromkeys(said)
     )
+
+
+def _once(parts: Sequence[Lifted]) -> Iterator[Diagnostic]:
+    """What the parts have to say; of a robot that an environment of another file imports, not once more."""
+    told = set[tuple[str, Span | None]]()
+    for part in parts:
+        own = [d for d in part.actuators.diagnostics if (d.code, d.span) not in told]
+        yield from own
+        told.update((d.code, d.span) for d in own if d.span is not None and d.span.line)
 
 
 def _remarked(part: Lifted, remark: str) -> Lifted:
@@ -141,7 +148,7 @@ def _check(reading: FileReading, out: Collector) -> None:
             for item in errors:
                 out.add(item)
         else:
-            help = _instead(reading)
+            help = whole_of(reading)
             out.error("DRF004", f"cannot be read: {reading.reason}", span=reading.place, help=help)
     elif reading.kind is FileKind.SPEC:
         out.error(
@@ -160,16 +167,10 @@ def _check(reading: FileReading, out: Collector) -> None:
                 "DRF006",
                 f"MuJoCo refuses the file, and so would a compile: {artifact.text_only.replace(_REFUSED, '', 1)}",
                 span=artifact.refused_at or place,
-                help=_instead(reading) or f"{_mend(artifact.text_only)}; `actspec audit` reads it as it is",
+                help=whole_of(reading) or f"{_mend(artifact.text_only)}; `actspec audit` reads it as it is",
             )
-        elif artifact.is_part and (whole := including(reading.path)):
-            out.warning(
-                "DRF013",
-                f"has no <compiler>, and is a part of {whole}: angles, classes and limits that are stated "
-                "there are not read",
-                span=place,
-                help="import the whole model instead",
-            )
+        elif artifact.is_part and (told := as_part(reading.path)):
+            out.add(told)
 
 
 def _mend(reason: str) -> str:
@@ -179,16 +180,6 @@ def _mend(reason: str) -> str:
             "MuJoCo comes without that plugin: put its library into the folder `plugin` of the mujoco package"
         )
     return "correct it first"
-
-
-def _instead(reading: FileReading) -> str | None:
-    """What to import in place of a part of a model that is no model alone; None for what may be no part."""
-    whole = including(reading.path)
-    if whole is not None:
-        return f"it is a part of {whole}: import the whole model"
-    if any(_PART_ROOT in without_comments(file.data) for file in reading.files[:1]):
-        return "it is a part of a model: import the file that includes it"
-    return None
 
 
 def _chosen(artifacts: Sequence[Artifact], name: str | None, out: Collector) -> list[Artifact]:

@@ -35,10 +35,12 @@ _NUMBERED = re.compile(r"^[ \t]*(?:[-*][ \t]+)?(?:\d+[:.)][ \t]+)?", re.MULTILIN
 """Before a name in a list of lines: a dash, a number."""
 _PRINTED = re.compile(r"\s*\[([^\[\]]*)\]\s*")
 """A list as Python prints it."""
+_NAME_KEYS = ("name", "joint", "joint_name", "joint name")
+"""What the name of a joint is called in a table, or in a list of mappings."""
 _PATTERN = re.compile(r"[\\*+?|()^$\[\]{}]")
 _HELP = (
-    "a URDF, an MJCF, IO_descriptors.yaml of Isaac Lab, a deploy file, a text with one name a line, or the names "
-    "themselves: --joints a,b,c"
+    "a URDF, an MJCF, IO_descriptors.yaml of Isaac Lab, a deploy file, a text with one name a line, a CSV with a "
+    "column `name`, or the names themselves: --joints a,b,c"
 )
 
 
@@ -65,8 +67,9 @@ def joint_lists(text: str) -> tuple[Joints, ...]:
     elif os.path.isdir(text) or lower.endswith(_ROBOT_FILES) or _XML.match(_data(text)):
         found = tuple(_of_files(text))
     else:
-        lines = _COMMENT.sub("", _data(text).decode("utf-8", "replace"))
-        found = (_distinct(_NUMBERED.sub("", lines), text),)
+        lines = _COMMENT.sub("", _data(text).decode("utf-8-sig", "replace"))
+        column = _column(lines)
+        found = (_distinct(_NUMBERED.sub("", lines) if column is None else "\n".join(column), text),)
     if not found:
         raise _refusal("no list of joint names is in it", text, _HELP)
     return found
@@ -177,7 +180,7 @@ def _of_files(path: str) -> Iterator[Joints]:
 
 
 def _named(data: bytes, path: str) -> Iterator[Joints]:
-    """Lists of texts below a key that names joints, and a list that is the whole file."""
+    """Lists of names below a key that names joints, and a list that is the whole file."""
     try:
         root = compose(data)
     except Unfit as err:
@@ -189,10 +192,29 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
             pending += [(str(one.value), value) for one, value in node.value]
         elif isinstance(node, yaml.SequenceNode):
             texts = [item.value for item in node.value if item.tag == "tag:yaml.org,2002:str"]
+            # `joints: [{name: hip}, {name: knee}]`
+            every = [_entries(item) for item in node.value]
+            texts = texts or [
+                value.value
+                for own in every
+                for name, value in own
+                if name in _NAME_KEYS and value.tag == "tag:yaml.org,2002:str"
+            ]
             if key in NAMES and texts and len(texts) == len(node.value) == len(set(texts)):
                 yield tuple(texts)
             else:
                 pending += [("", item) for item in node.value]
+
+
+def _column(text: str) -> list[str] | None:
+    """The names of a table whose first line heads one column by `name` or the like; None of what is no such table."""
+    lines = [line for line in text.splitlines() if line.strip()]
+    for mark in ",;\t":
+        rows = [[cell.strip().strip("\"'") for cell in line.split(mark)] for line in lines]
+        heads = [head.lower() in _NAME_KEYS for head in rows[0]] if rows else []
+        if heads.count(True) == 1 < len(heads) and all(len(row) == len(heads) for row in rows):
+            return [row[heads.index(True)] for row in rows[1:]]
+    return None
 
 
 def _data(path: str) -> bytes:

@@ -8,6 +8,7 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
+import mujoco
 import pytest
 
 from actspec.cli.main import main
@@ -496,6 +497,32 @@ def test_a_part_below_its_whole(
     assert "and so would a compile: Unrecognized XML model type" in said
 
 
+@pytest.mark.parametrize(
+    ("mark", "found"), [("", False), ("project/.git", True), ("project/package.xml", True), (".git", True)]
+)
+def test_a_part_beside_its_whole(
+    folder: Path, mark: str, found: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A model in a folder beside that of its parts is found in a project alone; hidden folders are not read."""
+    for name in ("project/shared/parts/legs/legs.xml", "project/robot/main.xml", "project/.old/main.xml"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+    (folder / "project/shared/parts/legs/legs.xml").write_text(LEG, encoding="utf-8")
+    for name in ("project/robot/main.xml", "project/.old/main.xml"):
+        (folder / name).write_text(ANGLE.format(file="../shared/parts/legs/legs.xml"), encoding="utf-8")
+    if mark:
+        (folder / mark).write_text("", encoding="utf-8")
+    assert main(["import", "project/shared/parts/legs/legs.xml"]) == 2
+    said = capsys.readouterr().err
+    assert ("  help: it is a part of project/robot/main.xml: import the whole model\n" in said) is found
+    assert ("it is a part of a model: import the file that includes it" in said) is not found
+    # One that is near counts alone.
+    (folder / "project/shared/near.xml").write_text(
+        ANGLE.format(file="parts/legs/legs.xml"), encoding="utf-8"
+    )
+    assert main(["import", "project/shared/parts/legs/legs.xml"]) == 2
+    assert "it is a part of project/shared/near.xml: import the whole" in capsys.readouterr().err
+
+
 def test_a_part_of_a_part(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A part that a part includes names the model of both; a link is not followed."""
     (folder / "legs.xml").write_text(LEG, encoding="utf-8")
@@ -523,6 +550,53 @@ def test_a_part_that_is_a_model_too(
     said = capsys.readouterr().err
     assert (told in said) is (whole == ANGLE and not head)
     assert ("help: import the whole model instead" in said) is (whole == ANGLE and not head)
+
+
+ATTACHES = (
+    '<mujoco><compiler angle="radian"/><asset><model name="l" file="legs.xml"/></asset><worldbody><frame>'
+    '<attach model="l" body="b" prefix="l_"/></frame></worldbody></mujoco>'
+)
+
+
+def test_a_part_that_another_attaches(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What is attached keeps its own angles: 90 degrees are the 1.5708 rad of the model that attaches it in radians."""
+    text = mjcf('<joint name="hip" range="-90 0"/>').replace("<body>", '<body name="b">')
+    (folder / "legs.xml").write_text(text, encoding="utf-8")
+    (folder / "main.xml").write_text(ATTACHES, encoding="utf-8")
+    model = mujoco.MjModel.from_xml_path("main.xml")
+    # 90 pi / 180 = 1.5708
+    assert model.joint("l_hip").range.tolist() == pytest.approx([-1.570796, 0.0], abs=1e-6)
+    assert main(["import", "legs.xml"]) == 0
+    said = capsys.readouterr().err
+    assert (
+        "legs.xml: DRF013 [info]: main.xml attaches it: angles, classes and limits are those of this file"
+        in said
+    )
+    assert "not read" not in said and "DRF013 [warning]" not in said
+    # Where a third model includes it, that lends it its angles.
+    (folder / "third.xml").write_text(ANGLE.format(file="legs.xml"), encoding="utf-8")
+    assert main(["import", "legs.xml"]) == 0
+    said = capsys.readouterr().err
+    assert "is a part of third.xml: angles" in said and "main.xml" not in said
+
+
+def test_bodies_outside_of_the_world(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A part whose bodies stand below <mujoco> is told by their joints and line; a joint that is elsewhere is none."""
+    body = f'<mujoco><worldbody/>\n<body>{INERTIAL}<joint name="hip"/></body></mujoco>'
+    (folder / "part.xml").write_text(body, encoding="utf-8")
+    assert main(["import", "part.xml"]) == 2
+    said = capsys.readouterr().err
+    # `<body>` 6, the inertia: the joint begins behind them on line 2.
+    place = f"part.xml:2:{6 + len(INERTIAL) + 1}: DRF001"
+    assert (
+        f"{place}: MuJoCo reads no body outside of <worldbody>, where this file has the joint hip\n" in said
+    )
+    assert "  help: put the bodies into <worldbody>" in said and "no hinge" not in said
+    (folder / "main.xml").write_text(
+        '<mujoco><worldbody><include file="part.xml"/></worldbody></mujoco>', encoding="utf-8"
+    )
+    assert main(["import", "part.xml"]) == 2
+    assert "  help: it is a part of main.xml: import the whole model\n" in capsys.readouterr().err
 
 
 def test_two_hundred_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -397,6 +397,9 @@ class LegCfg(LeggedRobotCfg):
         ("io.json", json.dumps({"joint_names": NAMES}), "from io.json", NAMES),
         ("j.yaml", json.dumps(NAMES), "from j.yaml", NAMES),
         ("d.yaml", f"joint_names: {json.dumps(NAMES)}\nkp: [1, 1, 1, 1]\nkd: [1, 1, 1, 1]\n", "d.yaml", NAMES),
+        ("m.json", json.dumps({"num": 4, "joints": [{"id": "a", "name": n} for n in NAMES]}), "from m.json", NAMES),
+        ("t.csv", "joint index,name,limit\n" + "".join(f"{i},{n},1\n" for i, n in enumerate(NAMES)), "t.csv", NAMES),
+        ("u.csv", '\ufeff"Joint";"Side"\r\n' + "".join(f'"{n}";"l"\r\n' for n in NAMES), "from u.csv", NAMES),
         ("names.lst", "\n".join(NAMES), "the names of the 4 joints are from names.lst", NAMES),
         ("names", f"{NAMES}\n", "the names of the 4 joints are from names", NAMES),
         (
@@ -407,7 +410,8 @@ class LegCfg(LeggedRobotCfg):
         ),
     ],
     ids=[
-        *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "any ending"),
+        *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "mappings"),
+        *("CSV", "semicolons", "any ending"),
         *("printed", "URDF"),
     ],
 )  # fmt: skip
@@ -451,6 +455,12 @@ def test_a_spec_that_compiles(
         ("missing.yaml", "", "there is no such file"),
         ("leg.usd", "PXR", "USD is not read for names of joints"),
         ("other.yaml", "a: 1\nb: [1, 2]\n", "no list of joint names is in it"),
+        (
+            "two.json",
+            '{"joints": [{"name": "left_hip"}, {"id": "left_knee"}]}',
+            "no list of joint names is in it",
+        ),
+        ("head.csv", "index,name\n", "no name of a joint is in it"),
         ("loop.yaml", "a: &a [*a]\n", "no list of joint names is in it"),
         ("broken.yaml", "a: [", "it is not YAML"),
         ("leg_cfg.py", "", "no list of joint names is in it"),

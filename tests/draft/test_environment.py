@@ -75,3 +75,32 @@ def test_an_environment_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     # Beside the robot's own file, that names it, in either order.
     text, _ = imported(tmp_path, env, capsys, str(tmp_path / "dogo_cfg.py"), file="env_cfg.py")
     assert "\n  name: dogo\n" in text and "range: [5 ms, 15 ms]" in text
+
+
+@pytest.mark.parametrize("order", [("dogo_cfg.py", "env_cfg.py"), ("env_cfg.py", "dogo_cfg.py")])
+def test_remarks_of_a_robot_and_its_environment(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], order: tuple[str, str]
+) -> None:
+    """What an environment imports with its robot is told once, by the file in which it is written."""
+    speed = ROBOT.replace("effort_limit=20.0", "effort_limit=20.0, velocity_limit=14.0")
+    robot = speed.replace('["hip", "knee"]', '["hip", "kne.*", "ankel"]')
+    (tmp_path / "dogo_cfg.py").write_text(robot, encoding="utf-8")
+    head = ROBOT[: ROBOT.index("DOGO_CFG")] + "from dogo_cfg import DOGO_CFG\n"
+    (tmp_path / "env_cfg.py").write_text(head + ENV.format(name="DogoEnvCfg", dt=0.005), encoding="utf-8")
+    files = [str(tmp_path / name) for name in order]
+    assert main(["import", *files, "--joints", "hip,knee,ankle"]) == 0
+    said = capsys.readouterr().err
+    told = [line for line in said.splitlines() if "velocity_limit 14 is left out" in line]
+    assert len(told) == 1 and told[0].startswith("  hip, knee: dogo_cfg.py: ")
+    # `DOGO_CFG = ` 11, `ArticulationCfg(` 16, `actuators={` 11, `"legs": ` 8: the group begins behind 46 characters.
+    assert said.count("DRF012") == 1 and "dogo_cfg.py:6:47: DRF012" in said
+
+
+def test_remarks_of_two_robot_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The same remark on two files that each write it is told of both: both are to be looked at."""
+    files = [tmp_path / name for name in ("one_cfg.py", "two_cfg.py")]
+    for file in files:
+        speed = ROBOT.replace("effort_limit=20.0", "effort_limit=20.0, velocity_limit=14.0")
+        file.write_text(speed, encoding="utf-8")
+    assert main(["import", *map(str, files)]) == 0
+    assert capsys.readouterr().err.count("velocity_limit 14 is left out") == 2

@@ -216,6 +216,40 @@ def test_group_names_of_a_configuration(
     assert group_name(joints, taken, {}, {**dict.fromkeys(joints, ""), **given}, robot) == expected
 
 
+DYNA = ["SH_ROT", "SH_FLE", "EL_FLE", "FA_ROT", "WRIST_FLE", "WRIST_ROT"]
+NUMBERED = [f"{side}_{joint}" for side in "LR" for joint in ("J0", "J1", "J2", "J3", "J4", "J5", "A0", "A1")]
+
+
+@pytest.mark.parametrize(
+    ("joints", "every", "called", "taken", "expected"),
+    [
+        (DYNA[:2], DYNA, "arm", (), "shoulders"),
+        (["EL_FLE"], DYNA, "arm", (), "elbow_flexion"),
+        (["FA_ROT"], DYNA, "arm", (), "forearm_rotation"),
+        (DYNA[3:], DYNA, "arm", ("arm",), "forearm_wrist"),
+        # Without a turn behind it an elevation is no elbow.
+        (["el_joint"], ["az_joint", "el_joint"], "mount", (), "mount_el"),
+        (["ll_akp", "lr_akp"], ["ll_akp", "lr_akp", "ll_hy"], "g1", (), "ankle_pitch"),
+        (["l_abd", "r_abd"], ["l_abd", "r_abd", "l_hip"], "abd_hip", (), "abd"),
+        (["l_qx", "r_qx"], ["l_qx", "r_qx", "l_qy"], "rear", (), "rear_qx"),
+        (["L_J3", "R_J3"], NUMBERED, "all", (), "j3"),
+        (["L_J4", "R_J4", "L_J5", "R_J5"], NUMBERED, "all", (), "j4_j5"),
+        (["L_J0", "L_J1", "L_J2", "R_J0", "R_J1", "R_J2"], NUMBERED, "all", (), "j0_to_j2"),
+        (["L_A0", "L_A1", "R_A0", "R_A1"], NUMBERED, "all", (), "a0_a1"),
+        (["L_A0", "L_A1", "R_A0", "R_A1"], NUMBERED, "all", ("a0_a1",), "joints"),
+        # 0 and 5 are no range: the numbers between them are others.
+        (["L_J0", "L_J5", "R_J0", "R_J5"], NUMBERED, "all", (), "j0_j5"),
+        (["L_J0", "R_J2", "L_J5"], NUMBERED, "all", (), "joints"),
+        (["L_J0", "R_A1"], NUMBERED, "all", (), "joints"),
+    ],
+)
+def test_group_names_of_codes(
+    joints: list[str], every: list[str], called: str, taken: tuple[str, ...], expected: str
+) -> None:
+    """Codes of a robot's parts are its words; others stand behind what the configuration calls their group."""
+    assert group_name(joints, taken, {}, dict.fromkeys(every, called), "robot") == expected
+
+
 @pytest.mark.parametrize(
     "joints, others, expected",
     [

@@ -411,6 +411,33 @@ for a in DOG_ARTICULATION.actuators:
 """
 
 
+MADE = """
+from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+
+def make_cfg(scale=1.0):
+    return ArticulationCfg(actuators={
+        "legs": IdealPDActuatorCfg(joint_names_expr=[".*"], stiffness=20.0 * scale, damping=1.0, effort_limit=9.0),
+    })
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "names"),
+    [
+        ("BIPED_CFG = make_cfg()", ["BIPED_CFG"]),
+        ("BIPED_CFG = make_cfg(scale=1.0)\nHEAVY_CFG = make_cfg(2.0)", ["BIPED_CFG", "HEAVY_CFG"]),
+        # 20 * 2 = 40 N*m/rad is another robot than the function's own 20; a private name is nobody's robot.
+        ("HEAVY_CFG = make_cfg(2.0)", ["make_cfg", "HEAVY_CFG"]),
+        ("_BASE = make_cfg()", ["make_cfg", "_BASE"]),
+        ("", ["make_cfg"]),
+    ],
+)
+def test_robot_that_a_function_makes(tmp_path: Path, more: str, names: list[str]) -> None:
+    """A robot is called as its constant is; the function's name counts where no constant is the same."""
+    assert list(read(tmp_path, MADE + more)) == names
+
+
 def test_mjlab_robot(tmp_path: Path) -> None:
     """An articulation with the entity that uses it: pose and model come from there, groups have their names."""
     (config,) = read(tmp_path, MJLAB).values()

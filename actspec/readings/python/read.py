@@ -175,6 +175,7 @@ class _Reader:
             found.extend(self._loose(name, value, span))
         inside = {one for config in found if config.groups or config.settings for one in config.randomize}
         constants = {name for name, value, _ in own if self.scope.names.get(name) is value}
+        functions = {name for name, _, _ in own} - constants
         constants.difference_update(name for name, value, _ in own if isinstance(value.data, Cls))
         self.found = len(found)
         self.beside = self._beside()
@@ -183,8 +184,13 @@ class _Reader:
         self.only = drives[0] if len(set(drives)) == 1 else ""
         seen: list[object] = []
         kept: list[RobotConfig] = []
+        # `BIPED_CFG = make_cfg()` is the robot BIPED, not one more that is called as the function is.
+        public = {name for name in constants if not name.startswith("_")}
+        stated = [_content(config) for config in found if config.name in public]
         for config in sorted(found, key=lambda one: (one.span.line, one.span.column))[:MAX_CONFIGS]:
-            content = (config.framework, config.groups, config.settings, config.randomize)
+            content = _content(config)
+            if config.name in functions and content in stated:
+                continue
             # A task's variants for playing differ in nothing that is read here; its events are in the task.
             repeated = not (config.groups or config.settings) and inside.issuperset(config.randomize)
             if config.name in constants or (content not in seen and not repeated):
@@ -357,6 +363,11 @@ class _Reader:
                 if isinstance(value, Value) and isinstance(value.data, Obj):
                     names.setdefault(id(value.data), name)
         return names
+
+
+def _content(config: RobotConfig) -> tuple[object, ...]:
+    """What a configuration says, whatever it is called."""
+    return config.framework, config.groups, config.settings, config.randomize
 
 
 def _definitions(body: Sequence[ast.stmt]) -> dict[str, ast.AST]:
