@@ -123,6 +123,89 @@ def test_the_solver_has_a_limit_of_its_own(command: str) -> None:
     assert "effort_limit_sim=9.0" in compiled(text, "2.3", "implicit").text
 
 
+GAINS = """actspec: 1
+robot: {name: bot, model: none, joints: [a1, a2, a3, f1, f2]}
+timing: {physics_dt: 5 ms}
+actuators:
+  arm: {joints: ["a.*"], level: ideal_pd, kp: 20 N*m/rad, kd: unknown, effort_limit: 9 N*m, armature: 0.01 kg*m^2}
+  hand: {joints: ["f.*"], level: ideal_pd, kp: 5 N*m/rad, kd: 0.1 N*m*s/rad, effort_limit: 2 N*m, armature: 0.01 kg*m^2}
+"""
+
+
+LIMITS = "kd: 1 N*m*s/rad, effort_limit: unknown, armature: unknown"
+
+
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        (
+            ("", ""),
+            [
+                (
+                    "ISL031",
+                    "actuators.arm.kd",
+                    "the drive gain kd of 3 joints is unknown, {}: a1, a2, a3",
+                    "state kd",
+                )
+            ],
+        ),
+        (
+            ("kd: 0.1 N*m*s/rad", "kd: unknown"),
+            [
+                (
+                    "ISL031",
+                    "actuators",
+                    "the drive gain kd of 5 joints is unknown, {}: arm (a1, a2, a3), hand (f1, f2)",
+                    "state kd",
+                )
+            ],
+        ),
+        (
+            ("kp: 5 N*m/rad, kd: 0.1 N*m*s/rad", "kp: unknown, kd: unknown"),
+            [
+                (
+                    "ISL031",
+                    "actuators.arm.kd",
+                    "the drive gain kd of 3 joints is unknown, {}: a1, a2, a3",
+                    "state kd",
+                ),
+                (
+                    "ISL031",
+                    "actuators.hand",
+                    "kp and kd of 2 joints are unknown, {}: f1, f2",
+                    "state kp and kd",
+                ),
+            ],
+        ),
+        (
+            ("kd: unknown, effort_limit: 9 N*m, armature: 0.01 kg*m^2", LIMITS),
+            [
+                (
+                    "ISL030",
+                    "actuators.arm.armature",
+                    "the armature of 3 joints is unknown, {}: a1, a2, a3",
+                    "state armature, or rotor_inertia and gear_ratio of the motor",
+                ),
+                (
+                    "ISL034",
+                    "actuators.arm.effort_limit",
+                    "the effort limit of 3 joints is unknown, {}: a1, a2, a3",
+                    "state effort_limit",
+                ),
+            ],
+        ),
+    ],
+    ids=["one-group", "two-groups", "groups-that-lack-other-gains", "no-gain"],
+)
+def test_what_is_left_to_the_usd(change: tuple[str, str], said: list[tuple[str, str, str, str]]) -> None:
+    """What lacks is named, where it does, and asked for; what is stated is not."""
+    found = compiled(GAINS.replace(*change), "2.3", "implicit").emission.diagnostics
+    usd = "and Isaac Lab takes the USD's"
+    assert {(d.code, d.where, d.message, d.help) for d in found} == {
+        (code, where, message.format(usd), help) for code, where, message, help in said
+    }
+
+
 def test_joints_of_a_group_share_a_message() -> None:
     """What is wrong with a group is said once, with its joints; a delay of years too."""
     three = PLAIN.replace("joints: [a]", "joints: [a, b, c]")
