@@ -85,7 +85,7 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
     # Files that the target writes itself.
     names: dict[str, bytes] = {"manifest.json": b"", f"{module_name(actuators.robot)}.py": b""}
     learned = (actuator for actuator in actuators.joints if actuator.level is Level.ACTUATOR_NET)
-    read = read_networks(actuators.joints, "torchscript", collector)
+    read = read_networks(actuators, "torchscript", collector)
     for group, members in grouped(learned, lambda actuator: actuator.group):
         file = read.get(members[0].network)
         if file is None:
@@ -101,7 +101,7 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
 
 
 def _check_network(file: NetworkWithManifest, stride: int | None, members: Sequence[JointActuator]) -> None:
-    """What Isaac Lab's classes take for granted of a group's network."""
+    """What Isaac Lab's classes take for granted of a group's network; `stride`: physics steps between its taps."""
     manifest = file.manifest
     takes = "the network's classes take the error of a position"
     for command in {actuator.command for actuator in members}:
@@ -122,13 +122,15 @@ def _check_network(file: NetworkWithManifest, stride: int | None, members: Seque
         if manifest.taps != (0,):
             wrong.append(f"taps {list(manifest.taps)}")
         if stride not in (None, 1):
-            wrong.append(f"a tap_period of {stride} physics steps")
+            whose = f" ({file.assumed_step})" if file.assumed_step else ""
+            wrong.append(f"a tap_period of {stride} physics steps{whose}")
         if wrong:
             file.place.error(
                 "ISL021",
                 "ActuatorNetLSTM takes the error and the velocity of each physics step unscaled; the manifest has "
                 f"{listed(wrong)}",
-                "put the scales into the network, and train at the physics step",
+                "put the scales into the network, and train at the physics step"
+                + (", which is timing.physics_dt" if file.assumed_step else ""),
             )
     check_joints(manifest, [a.joint for a in members], file.place)
 

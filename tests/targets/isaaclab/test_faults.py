@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from actspec import api
 from actspec.diagnostics import EmitError
 from tests.frameworks.isaaclab_asking import compiled
 from tests.network_files import torchscript
@@ -255,6 +256,42 @@ def test_network_without_manifest(tmp_path: Path) -> None:
     (said,) = faults(NET.replace(", manifest: net.json", ""), path=path)
     assert said.startswith("NET002 actuators.legs.network: the network has no manifest")
     assert "manifest: ..." in said
+
+
+@pytest.mark.parametrize(
+    "data, said",
+    [
+        (b"", "'net.pt' is empty | put the network's own file there"),
+        (
+            b"weights",
+            "'net.pt' cannot be read: it is neither a TorchScript nor an ONNX file, or it is cut off | None",
+        ),
+    ],
+    ids=["empty", "text"],
+)
+def test_network_file_that_is_none(tmp_path: Path, data: bytes, said: str) -> None:
+    """Of a `.pt` it is not said that it is no ONNX file, and an empty file is called that."""
+    path = written(tmp_path, MANIFEST)
+    (tmp_path / "net.pt").write_bytes(data)
+    assert faults(NET, path=path) == [f"NET011 actuators.legs.network: {said}"]
+
+
+def test_network_without_a_stated_step(tmp_path: Path) -> None:
+    """5 ms are no multiple of the 2 ms that are taken where nobody states a step: the step is asked for, once."""
+    path = written(tmp_path, {**MANIFEST, "tap_period": "5 ms"})
+    text = NET.replace("timing: {physics_dt: 5 ms}\n", "") + 'targets: {isaaclab: {version: "2.3"}}\n'
+    said = (
+        "NET007 actuators.legs.network: tap_period 5 ms is not a whole number of physics steps of 2 ms, MuJoCo's "
+        "default: neither the spec nor its model states one | set timing.physics_dt to 5 ms or a whole part of it"
+    )
+    assert faults(text, path=path) == [said]
+    Path(path).write_text(text)
+    with pytest.raises(EmitError) as caught:
+        api.compile(path)
+    assert [f"{d.code} {d.where}: {d.message} | {d.help}" for d in caught.value.diagnostics] == [said]
+    lstm = {**MANIFEST, "kind": "lstm", "taps": [0], "tap_period": "4 ms", "torque_scale": 1.0}
+    (found,) = faults(text, path=written(tmp_path, lstm))
+    assert "a tap_period of 2 physics steps (MuJoCo's default: neither" in found
 
 
 @pytest.mark.parametrize(
