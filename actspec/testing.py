@@ -19,6 +19,7 @@ from actspec.readings.compare import COPIED, Deviation, Figure, compare, same, t
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
+    from actspec.audit.case import Case
     from actspec.ir import ActuatorSet
     from actspec.readings.artifact import Artifact, FileReading
     from actspec.readings.dynamics import RobotDynamics
@@ -42,6 +43,8 @@ class Comparison:
         unknown: Joints, and a figure of the spec that the other does not state, so that it is not compared.
         undriven: Joints of the spec that no actuator drives in the other, where others have one.
         periods: Control period of the other and of the spec [s], where both state it and they differ.
+        faster: Joints, a URDF's velocity limit of twice their no-load speed or more, and that speed, where the spec
+            states no velocity limit.
     """
 
     spec: str
@@ -52,6 +55,7 @@ class Comparison:
     unknown: tuple[tuple[Joints, Deviation], ...]
     undriven: Joints = ()
     periods: tuple[Figure, Figure] | None = None
+    faster: tuple[tuple[Joints, Figure, Figure], ...] = ()
 
     def __str__(self) -> str:
         return "\n".join((*self.wrong(), *self.left_out()))
@@ -59,6 +63,12 @@ class Comparison:
     def wrong(self) -> list[str]:
         """A line for each figure that differs, for the control period, and for joints missing or without a drive."""
         lines = [f"{', '.join(joints)}: {_words(one)}" for joints, one in self.differences]
+        for joints, mine, wanted in self.faster:
+            whose = "it turns" if len(joints) == 1 else "they turn"
+            lines.append(
+                f"{', '.join(joints)}: the velocity limit is {_shown(mine)}, and by the spec {whose} at "
+                f"{_shown(wanted)} without load{times(mine.value, wanted.value)}"
+            )
         for joints, what in ((self.undriven, "no actuator drives it in"), (self.missing, "not in")):
             if joints:
                 lines.insert(0, f"{', '.join(joints)}: {what} {self.other}")
@@ -172,6 +182,8 @@ def compared(
     for pattern in [joints] if isinstance(joints, str) else joints:
         chosen += match_names(pattern, every) or _no_joint(pattern, every, mine.file)
     found = _comparison(mine, other, tuple(dict.fromkeys(chosen)), names, tolerance)
+    if "velocity_limit" in names:
+        found = replace(found, faster=_faster(case, pair, chosen))
     ends = None if fields else _periods(*(case.artifacts[i] for i in pair))
     if ends is None:
         return found
@@ -265,6 +277,21 @@ def _comparison(
         tuple((tuple(names), one) for names, one in left.values()),
         tuple(bare),
     )
+
+
+def _faster(
+    case: Case, pair: tuple[int, int], joints: Sequence[str]
+) -> tuple[tuple[Joints, Figure, Figure], ...]:
+    """See `Comparison.faster`; of equal figures the joints together."""
+    from actspec.audit.rules.spec_pairs import faster_than_line, spec_joints
+
+    found: dict[tuple[float | None, float | None], tuple[list[str], Figure, Figure]] = {}
+    for joint in spec_joints(case):
+        name, at = joint.rows[0].joint, (joint.spec.artifact, joint.rows[0].artifact)
+        figures = faster_than_line(case, joint) if at == pair and name in joints else None
+        if figures is not None:
+            found.setdefault((figures[0].value, figures[1].value), ([], *figures))[0].append(name)
+    return tuple((tuple(names), mine, wanted) for names, mine, wanted in found.values())
 
 
 def _periods(spec: Artifact, other: Artifact) -> tuple[Figure, Figure] | None:

@@ -55,6 +55,41 @@ def leg(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+LINE = """actspec: 1
+robot: {name: leg, model: none, joints: [hip, knee]}
+motors: {m: {side: joint, stall_torque: 40 N*m, no_load_speed: 21 rad/s}}
+actuators:
+  leg: {joints: [".*"], motor: m, level: dc_motor, kp: 40 N*m/rad, kd: 2 N*m*s/rad, effort_limit: 30 N*m}
+"""
+
+JOINT = """<link name="{0}_link"/><joint name="{0}" type="revolute">
+<parent link="base"/><child link="{0}_link"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="30" velocity="{1}"/></joint>
+"""
+
+
+def test_a_speed_that_the_motor_does_not_reach(leg: Path) -> None:
+    """A URDF's 60 rad/s are 60 / 21 = 2.86 times the line's end; 41 / 21 = 1.95 may be a solver's, and 100 nobody's."""
+    (leg / "line.yaml").write_text(LINE)
+    said = {}
+    for speed in (41, 60, 100):
+        text = f'<robot name="leg"><link name="base"/>{JOINT.format("hip", 21)}{JOINT.format("knee", speed)}</robot>'
+        (leg / f"{speed}.urdf").write_text(text)
+        said[speed] = compared("line.yaml", f"{speed}.urdf").wrong()
+    assert said == {
+        41: [],
+        60: [
+            "knee: the velocity limit is 60 rad/s (60.urdf:6:1), and by the spec it turns at 21 rad/s (line.yaml:3:64) "
+            "without load (x2.86)"
+        ],
+        100: [],
+    }
+    with pytest.raises(AssertionError, match="does not agree with line"):
+        assert_agrees("line.yaml", "60.urdf")
+    assert not compared("line.yaml", "60.urdf", joints="hip").wrong()
+    assert not compared("line.yaml", "60.urdf", fields="effort_limit").wrong()
+
+
 DRIVE = '    <position name="knee" joint="knee" kp="10" kv="0.5" gear="2" forcerange="-15 15"/>\n'
 
 

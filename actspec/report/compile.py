@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from actspec.diagnostics import Severity, listed, many, one_line
 from actspec.fields import BY_IR
-from actspec.ir import ActuatorSet, Delay, JointActuator, JointKind
+from actspec.ir import ActuatorSet, Delay, JointActuator, JointKind, Level
 from actspec.output import MANIFEST, Compilation, Output
 from actspec.report.show import number, title
 from actspec.report.tables import table
@@ -26,6 +26,9 @@ _FIGURES = (
     "friction_viscous",
 )
 
+_OF_MUJOCO = frozenset({"mujoco", "mjlab"})
+"""Targets that have MuJoCo's default step where nobody states one; Isaac Lab's tasks all state theirs."""
+
 WIDTH = 120
 """Columns of running text. Chosen: as the heads of the written files."""
 
@@ -39,7 +42,7 @@ def summary(compilation: Compilation, files: Sequence[Output], *, written: bool)
         written: Whether they were written.
     """
     actuators = compilation.actuators
-    yield from _robot(actuators, compilation.robot.path)
+    yield from _robot(actuators, compilation.robot.path, compilation.targets)
     yield ""
     yield from table(list(_files(compilation.targets, files, written)))
     accept = dict(actuators.accept)
@@ -58,12 +61,14 @@ def summary(compilation: Compilation, files: Sequence[Output], *, written: bool)
     yield f"{_count(taken, open_)}; {many(warnings, 'warning')}"
 
 
-def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
+def _robot(actuators: ActuatorSet, path: str, targets: Sequence[TargetOptions]) -> Iterator[str]:
     groups = len({a.group for a in actuators.joints})
-    step = actuators.physics_dt
-    timing = f"physics {format_quantity(step.require() * 1e3, 'ms')}"
-    if actuators.assumed_step:
+    step = format_quantity(actuators.physics_dt.require() * 1e3, "ms")
+    timing = f"physics {step}"
+    if actuators.assumed_step and any(options.kind in _OF_MUJOCO for options in targets):
         timing += f" ({actuators.assumed_step})"
+    elif actuators.assumed_step:
+        timing = "no physics step stated" + (f", {step} taken" if _counts_steps(actuators) else "")
     if actuators.control_period is not None:
         timing += f", control {format_quantity(1.0 / actuators.control_period, 'Hz')}"
     yield (
@@ -73,6 +78,11 @@ def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
     if actuators.unmanaged:
         yield f"  unmanaged: {listed(actuators.unmanaged)}"
     yield from table(list(_rows(actuators.joints)), headings=2)
+
+
+def _counts_steps(actuators: ActuatorSet) -> bool:
+    """Whether a file may have something in physics steps: a delay, a filter or a network."""
+    return any(a.delay or a.filter_cutoff or a.level is Level.ACTUATOR_NET for a in actuators.joints)
 
 
 def _files(

@@ -147,6 +147,15 @@ def test_what_strict_refuses_is_counted_as_above(spec: Path, capsys: Any) -> Non
     ]
 
 
+def test_a_step_is_not_mujoco_s_for_isaac_lab_alone(spec: Path, capsys: Any) -> None:
+    """Isaac Lab has not MuJoCo's default: that no step is stated is said, and 2 ms only where a delay counts them."""
+    spec.write_text(SPEC.replace("timing: {physics_dt: 5 ms}\n", ""))
+    assert _said(capsys, "-t", "isaaclab")[0].endswith(", no physics step stated, 2 ms taken")
+    spec.write_text(re.sub(r"\n *delay: .*", "", spec.read_text()))
+    assert "delay" not in spec.read_text()
+    assert _said(capsys, "-t", "isaaclab")[0].endswith(", no physics step stated")
+
+
 @pytest.mark.parametrize("stated", [True, False])
 def test_a_step_that_nobody_states(spec: Path, stated: bool, capsys: Any) -> None:
     """Summary and files say whose the 2 ms are: a list of joints has no step, and the spec none."""

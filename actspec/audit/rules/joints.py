@@ -21,6 +21,10 @@ from actspec.units import format_quantity
 
 SPEEDS = ("velocity_limit", "no_load_speed")
 
+_DIGIT = 5.0
+"""From this ratio on a speed has a digit more. Chosen: between the ten of a slip, beside sources that round (140 and
+14.375), and a maker's figure beside a program's (2.7: Unitree's H2, an ankle of 100.7 in its URDF, 37 in training)."""
+
 
 def unit(row: LedgerRow, field: str) -> str:
     """SI unit of a field; a joint of unknown kind is taken for a hinge, as nearly all are."""
@@ -161,6 +165,30 @@ def is_nobodys(row: LedgerRow, field: str, least: float = PLACEHOLDER) -> bool:
         return False
     turns = field == "velocity_limit" and row.kind is not JointKind.SLIDE and not is_called_undriven(row)
     return least <= limit < math.inf or (turns and limit in PLACEHOLDER_SPEEDS)
+
+
+def leaves_speed_open(case: Case, row: LedgerRow, ratio: float) -> bool:
+    """Whether a URDF's speed limit is one that no joint reaches, which leaves the limit to others, and no slip.
+
+    Placeholders are powers of ten, on every joint alike (`PLACEHOLDER_SPEED`). A slip is none, has a digit more than
+    the other figure, and most hinges of its file have speeds that joints do reach.
+
+    Args:
+        case: The case.
+        row: Of the URDF.
+        ratio: Its speed over the other figure.
+    """
+    speed = row.velocity_limit or 0.0
+    if speed < PLACEHOLDER_SPEED:
+        return False
+    if ratio < _DIGIT or math.log10(speed).is_integer():
+        return True
+    speeds = [
+        other.velocity_limit
+        for other in case.rows_of(row.artifact)
+        if other.velocity_limit and "velocity_limit" in other.stated and other.kind is not JointKind.SLIDE
+    ]
+    return 2 * sum(speed < PLACEHOLDER_SPEED for speed in speeds) <= len(speeds)
 
 
 def clamp_of(joint: JointView | None) -> float | None:

@@ -10,6 +10,7 @@ from actspec.audit.rules.spec_pairs import (
     NO_SPEC,
     SpecJoint,
     counted_twice,
+    faster_than_line,
     is_sum,
     spec_joints,
     unit_confused,
@@ -63,6 +64,29 @@ class FigureDeparts(RuleOver[SpecJoint]):
             if not _is_explained(case, joint, field, tolerance):
                 yield self._finding(joint, field, mine, wanted)
         yield from self._turned(joint)
+        yield from self._faster(case, joint)
+
+    def _faster(self, case: Case, joint: SpecJoint) -> Iterator[Finding]:
+        """A URDF's speed limit that is `GRAVE` times the speed at which the spec's motor has no torque, or more."""
+        found = faster_than_line(case, joint)
+        if found is None:
+            return
+        mine, wanted = found
+        yield Finding(
+            self.code,
+            f"the velocity limit is {shown(mine.value, mine.unit)}, and by the spec the joint turns at "
+            f"{shown(wanted.value, wanted.unit)} without load{times(mine.value, wanted.value)}",
+            mine.place,
+            joint.rows[0].joint,
+            mine.value,
+            mine.unit or None,
+            expected=wanted.value,
+            help="correct the file or the spec's no-load speed, or state velocity_limit in the spec",
+            related=(wanted.place,),
+            severity=Severity.WARNING,
+            noted_in_folders=True,
+            fields=("velocity_limit",),
+        )
 
     def _turned(self, joint: SpecJoint) -> Iterator[Finding]:
         """Servos that go to minus their target; a gain that is not kp is SGN102's, with and without a spec."""

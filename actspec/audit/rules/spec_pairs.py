@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
-from actspec.audit.rules.joints import by_joint
+from actspec.audit.rules.joints import by_joint, leaves_speed_open
+from actspec.audit.rules.source_pairs import GRAVE
 from actspec.audit.rules.source_rule import shown
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
@@ -71,6 +72,24 @@ def spec_joints(case: Case) -> Iterator[SpecJoint]:
                 mine, wanted = rows.get((other, actuator.joint)), rows.get((index, actuator.joint))
                 if mine and wanted:
                     yield SpecJoint(mine, wanted[0], actuator, kind, drives.get(actuator.joint, ()))
+
+
+def faster_than_line(case: Case, joint: SpecJoint) -> tuple[Figure, Figure] | None:
+    """A URDF's speed limit of `GRAVE` times the speed or more at which the spec's motor has no torque, and that speed.
+
+    None where the spec states a speed limit beside its motor's line, and for a placeholder.
+
+    Args:
+        case: The case.
+        joint: The joint.
+    """
+    mine, wanted = joint.mine("velocity_limit"), joint.wanted("no_load_speed")
+    if joint.kind is not FileKind.URDF or joint.wanted("velocity_limit") is not None:
+        return None
+    if mine is None or wanted is None or not mine.value or not wanted.value:
+        return None
+    ratio = mine.value / wanted.value
+    return None if ratio < GRAVE or leaves_speed_open(case, joint.rows[0], ratio) else (mine, wanted)
 
 
 def counted_twice(joint: SpecJoint, tolerance: float) -> float | None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rules.joints import is_nobodys
+from actspec.audit.rules.joints import is_nobodys, leaves_speed_open
 from actspec.audit.rules.source_pairs import Disagreement
 from actspec.audit.rules.source_rule import (
     TIMES,
@@ -89,7 +89,8 @@ def _is_placeholder(figure: Figure) -> bool:
 def _is_quiet(case: Case, found: Disagreement) -> bool:
     """Whether one of two models is used, or a URDF leaves the limit to others."""
     is_urdf = case.artifacts[found.rows[0].artifact].kind is FileKind.URDF
-    return are_alternatives(case, found) or (is_urdf and _is_placeholder(found.mine))
+    left = is_urdf and leaves_speed_open(case, found.rows[0], found.ratio or 0.0)
+    return left or are_alternatives(case, found)
 
 
 def _is_line_beside_solver(case: Case, found: Disagreement) -> bool:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Collector, EmitError, listed, many
+from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Level
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.isaaclab import CLIPPING_AT_SOLVERS, IsaacLabDialect
@@ -19,6 +19,7 @@ from actspec.targets.kit.joint import (
     delta_action_loss,
     joint_by_joint,
     unknown_passive,
+    warn_unknown,
     warn_unknown_armature,
 )
 from actspec.targets.kit.network import NetworkWithManifest, check_joints, read_networks
@@ -84,7 +85,7 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
     # Files that the target writes itself.
     names: dict[str, bytes] = {"manifest.json": b"", f"{module_name(actuators.robot)}.py": b""}
     learned = (actuator for actuator in actuators.joints if actuator.level is Level.ACTUATOR_NET)
-    read = read_networks(actuators.joints, "torchscript", collector)
+    read = read_networks(actuators, "torchscript", collector)
     for group, members in grouped(learned, lambda actuator: actuator.group):
         file = read.get(members[0].network)
         if file is None:
@@ -100,7 +101,7 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
 
 
 def _check_network(file: NetworkWithManifest, stride: int | None, members: Sequence[JointActuator]) -> None:
-    """What Isaac Lab's classes take for granted of a group's network."""
+    """What Isaac Lab's classes take for granted of a group's network; `stride`: physics steps between its taps."""
     manifest = file.manifest
     takes = "the network's classes take the error of a position"
     for command in {actuator.command for actuator in members}:
@@ -121,13 +122,15 @@ def _check_network(file: NetworkWithManifest, stride: int | None, members: Seque
         if manifest.taps != (0,):
             wrong.append(f"taps {list(manifest.taps)}")
         if stride not in (None, 1):
-            wrong.append(f"a tap_period of {stride} physics steps")
+            whose = f" ({file.assumed_step})" if file.assumed_step else ""
+            wrong.append(f"a tap_period of {stride} physics steps{whose}")
         if wrong:
             file.place.error(
                 "ISL021",
                 "ActuatorNetLSTM takes the error and the velocity of each physics step unscaled; the manifest has "
                 f"{listed(wrong)}",
-                "put the scales into the network, and train at the physics step",
+                "put the scales into the network, and train at the physics step"
+                + (", which is timing.physics_dt" if file.assumed_step else ""),
             )
     check_joints(manifest, [a.joint for a in members], file.place)
 
@@ -140,25 +143,13 @@ def _warn(
     cfgs: list[JointCfg],
     collector: Collector,
 ) -> None:
-    warn_unknown_armature(actuators, target, "ISL030", "Isaac Lab takes the USD's", collector)
-    open_gains = [d.actuator for d in cfgs if any(f.value is None for f in d.fields)]
-    if open_gains:
-        collector.at(f"actuators.{open_gains[0].group}", open_gains[0].span).warning(
-            "ISL031",
-            f"gains of {many(len(open_gains), 'joint')} are unknown, and Isaac Lab takes the USD's: "
-            f"{listed([a.joint for a in open_gains])}",
-            "state kp and kd",
-        )
-    open_limits = [a for a in actuators.joints if not a.effort_limit.known]
-    if open_limits:
-        collector.warning(
-            "ISL034",
-            f"the effort limit of {many(len(open_limits), 'joint')} is unknown, and Isaac Lab takes the USD's: "
-            f"{listed([a.joint for a in open_limits])}",
-            where=f"actuators.{open_limits[0].group}.effort_limit",
-            span=open_limits[0].effort_limit.span or open_limits[0].span,
-            help="state effort_limit",
-        )
+    usd = "Isaac Lab takes the USD's"
+    warn_unknown_armature(actuators, target, "ISL030", usd, collector)
+    for lacking, members in grouped(cfgs, _open_gains):
+        if lacking:
+            warn_unknown([cfg.actuator for cfg in members], lacking, "ISL031", usd, collector)
+    if open_limits := [a for a in actuators.joints if not a.effort_limit.known]:
+        warn_unknown(open_limits, ("effort_limit",), "ISL034", usd, collector)
     renamed = [a.joint for a in actuators.joints if identifier(a.joint) != a.joint]
     if renamed:
         collector.at(
@@ -176,3 +167,9 @@ def _warn(
             f"Isaac Lab {dialect.text} may take other network files than TorchScript: not tested",
             help="its native actuators read ONNX with metadata; or set use_newton_actuators=False",
         )
+
+
+def _open_gains(cfg: JointCfg) -> tuple[str, ...]:
+    """The gains of a joint that its cfg leaves to the USD, by their names in `JointActuator`."""
+    names = {"stiffness": "kp", "damping": "kd"}
+    return tuple(names[field.name] for field in cfg.fields if field.value is None and field.name in names)

@@ -19,6 +19,7 @@ from actspec.resolution.quantities import Reports
 from actspec.robot.view import JointView, RobotView
 from actspec.targets.base import TargetOptions
 from actspec.targets.kit.network import network_clip
+from actspec.targets.kit.python_text import grouped
 from actspec.targets.kit.sizes import (
     Torque,
     command_range_error,
@@ -430,14 +431,44 @@ def warn_unknown_armature(
     """
     unknown = [actuator for actuator in actuators.joints if actuator.armature.value is None]
     if unknown and f"{target}.armature" not in dict(actuators.accept):
-        collector.at(
-            f"actuators.{unknown[0].group}.armature", unknown[0].armature.span or unknown[0].span
-        ).warning(
-            code,
-            f"the armature of {many(len(unknown), 'joint')} is unknown, and {simulator}: "
-            f"{listed([a.joint for a in unknown])}",
-            "state armature, or rotor_inertia and gear_ratio of the motor",
-        )
+        help = "state armature, or rotor_inertia and gear_ratio of the motor"
+        warn_unknown(unknown, ("armature",), code, simulator, collector, help)
+
+
+def warn_unknown(
+    joints: Sequence[JointActuator],
+    fields: Sequence[str],
+    code: str,
+    simulator: str,
+    collector: Collector,
+    help: str = "",
+) -> None:
+    """One warning about figures that nobody states, with each group that lacks them and its joints.
+
+    Args:
+        joints: Which lack them, at least one.
+        fields: Attributes of `JointActuator` that are unknown at each of them.
+        code: Of the warning.
+        simulator: What it takes: `Isaac Lab takes the USD's`.
+        collector: Takes the warning.
+        help: What to do; default: state them.
+    """
+    groups = grouped(joints, lambda actuator: actuator.group)
+    stated, alone = " and ".join(BY_IR[name].spec for name in fields), len(fields) == 1
+    where = "actuators"
+    if len(groups) == 1:
+        where += f".{groups[0][0]}" + (f".{fields[0]}" if alone else "")
+        names = listed(actuator.joint for actuator in joints)
+    else:
+        # Eight joints in all, but two of each group.
+        most = max(2, 8 // len(groups))
+        names = listed(f"{group} ({listed((a.joint for a in members), most)})" for group, members in groups)
+    what = f"the {BY_IR[fields[0]].noun}" if alone else stated
+    collector.at(where, getattr(joints[0], fields[0]).span or joints[0].span).warning(
+        code,
+        f"{what} of {many(len(joints), 'joint')} {'is' if alone else 'are'} unknown, and {simulator}: {names}",
+        help or f"state {stated}",
+    )
 
 
 def _ms(seconds: float) -> str:

@@ -40,12 +40,14 @@ class NetworkWithManifest:
         data: The file's bytes; never loaded here.
         manifest: Inputs, order, scales, period.
         place: Where the spec names it.
+        assumed_step: As of `ActuatorSet`.
     """
 
     name: str
     data: bytes
     manifest: NetworkManifest
     place: Place
+    assumed_step: str = ""
 
     @property
     def input_order(self) -> str:
@@ -92,11 +94,11 @@ class NetworkWithManifest:
         Args:
             step: Physics step h [s].
         """
-        return _stride(self.manifest, step, self.place)
+        return _stride(self.manifest, step, self.place, self.assumed_step)
 
 
-def _stride(manifest: NetworkManifest, step: float, place: Place) -> int | None:
-    """Physics steps of `step` seconds between two taps; None after an error."""
+def _stride(manifest: NetworkManifest, step: float, place: Place, assumed: str) -> int | None:
+    """Physics steps of `step` seconds between two taps; None after an error. `assumed`: whose, where nobody's."""
     from actspec.spec.network import MOST_STEPS
 
     # The period T at which the network was trained.
@@ -111,10 +113,12 @@ def _stride(manifest: NetworkManifest, step: float, place: Place) -> int | None:
     stride = manifest.stride(step)
     if stride is None:
         near = max(1, round(min(period / step, MOST_STEPS))) * step
+        whose = f", {assumed}" if assumed else ""
+        help = f"set timing.physics_dt to {period * 1e3:g} ms or a whole part of it"
         place.error(
             "NET007",
-            f"tap_period {period * 1e3:g} ms is not a whole number of physics steps of {step * 1e3:g} ms",
-            f"train at {near * 1e3:g} ms, or set timing.physics_dt to {period * 1e3:g} ms or a whole part of it",
+            f"tap_period {period * 1e3:g} ms is not a whole number of physics steps of {step * 1e3:g} ms{whose}",
+            help if assumed else f"train at {near * 1e3:g} ms, or {help}",
         )
     return stride
 
@@ -145,7 +149,8 @@ def check_manifests(actuators: ActuatorSet, spec: Spec, collector: Collector) ->
         manifest, spans = read
         # A network of several groups is judged by all of them, and told once.
         mine = members.pop(network.manifest, None)
-        if (step is None or _stride(manifest, step, place) is not None) and mine is not None:
+        steps = step is None or _stride(manifest, step, place, actuators.assumed_step) is not None
+        if steps and mine is not None:
             tell(manifest_doubts(manifest, spans, mine), kept_of(spec.document, spec.model.accept), collector)
         for doubt in manifest.doubts:
             place.warning(
@@ -156,16 +161,21 @@ def check_manifests(actuators: ActuatorSet, spec: Spec, collector: Collector) ->
 
 
 def read_networks(
-    actuators: Iterable[JointActuator], form: NetworkForm, collector: Collector
+    actuators: ActuatorSet, form: NetworkForm, collector: Collector
 ) -> dict[Network | None, NetworkWithManifest]:
     """The networks of all joints of level actuator_net, each read once; without those that have an error.
 
-    Args: as of `read_network`.
+    Args: of a joint, as of `read_network`.
     """
     read = {
-        network: read_network(actuator, form, collector) for network, actuator in _first_of(actuators).items()
+        network: read_network(actuator, form, collector)
+        for network, actuator in _first_of(actuators.joints).items()
     }
-    return {network: found for network, found in read.items() if found is not None}
+    return {
+        network: replace(found, assumed_step=actuators.assumed_step)
+        for network, found in read.items()
+        if found is not None
+    }
 
 
 def _first_of(actuators: Iterable[JointActuator]) -> dict[Network | None, JointActuator]:
@@ -279,11 +289,15 @@ def _known(path: str, data: bytes, place: Place) -> bool:
     if data[:2] == b"\x80\x02" or (data[:1] == b"\x80" and data[1:2] in b"\x03\x04\x05"):
         place.error("NET011", f"{shown} is a pickle, which is no network and may run anything", help)
         return False
+    if not data:
+        place.error("NET011", f"{shown} is empty", "put the network's own file there")
+        return False
     if not data.startswith(b"PK"):
         try:
             check_onnx(data)
         except NotOnnx:
-            place.error("NET011", f"{shown} cannot be read: it is no ONNX file, or it is cut off")
+            form = "no ONNX" if path.endswith(".onnx") else "neither a TorchScript nor an ONNX"
+            place.error("NET011", f"{shown} cannot be read: it is {form} file, or it is cut off")
             return False
         return True
     try:

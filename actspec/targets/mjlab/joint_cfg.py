@@ -117,7 +117,7 @@ def cfgs_of(
     Args: as of `cfg_of`.
     """
     step, described = actuators.physics_dt.require(), robot.format is not ModelFormat.NONE
-    networks = read_networks(actuators.joints, "torchscript", collector)
+    networks = read_networks(actuators, "torchscript", collector)
 
     def cfg(actuator: JointActuator, own: Collector) -> JointCfg | None:
         view = robot.joint(actuator.joint) if described else None

@@ -119,7 +119,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         if os.path.dirname(file.path) == options.folder
     )
     step = actuators.physics_dt.require()
-    emitted += tuple(runtime_files(actuators.joints, plan.drives, main_name, step, collector))
+    emitted += tuple(runtime_files(actuators, plan.drives, main_name, step, collector))
     collector.raise_if_failed(EmitError)
     # Its Euler integrator takes joint damping implicitly, and nothing of an actuator.
     euler = robot.integrator == "Euler" and plan.integrator is None
@@ -247,9 +247,7 @@ def _emit_fragment(
     )
     emitted = tuple(EmittedFile(os.path.basename(file.path), file.data) for file in files)
     step = actuators.physics_dt.require()
-    emitted += tuple(
-        runtime_files(actuators.joints, fragment.plan.drives, fragment.main_name, step, collector)
-    )
+    emitted += tuple(runtime_files(actuators, fragment.plan.drives, fragment.main_name, step, collector))
     collector.raise_if_failed(EmitError)
     return Emission(emitted, lost, collector.sorted(), unlimited=_unlimited(actuators, robot, plan))
 

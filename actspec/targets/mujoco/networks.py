@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from actspec.diagnostics import Collector
-from actspec.ir import JointActuator, Level, Network
+from actspec.ir import ActuatorSet, JointActuator, Level, Network
 from actspec.targets.base import EmittedFile
 from actspec.targets.kit.network import (
     NetworkWithManifest,
@@ -28,12 +29,12 @@ FORMAT = "actspec-runtime/1"
 
 
 def runtime_files(
-    joints: Iterable[JointActuator], drives: Sequence[Drive], model: str, step: float, collector: Collector
+    actuators: ActuatorSet, drives: Sequence[Drive], model: str, step: float, collector: Collector
 ) -> list[EmittedFile]:
     """What the runtime needs; nothing where no joint has a network with an ONNX file.
 
     Args:
-        joints: The spec's.
+        actuators: The spec's.
         drives: As they are written, for the actuators' names.
         model: Name of the main file.
         step: Physics step h [s].
@@ -41,13 +42,14 @@ def runtime_files(
     """
     names = {drive.joint: drive.name for drive in drives}
     groups: dict[Network, list[JointActuator]] = {}
-    for actuator in joints:
+    for actuator in actuators.joints:
         if actuator.level is Level.ACTUATOR_NET and actuator.network is not None:
             groups.setdefault(actuator.network, []).append(actuator)
     entries, files = [], []
     for members in groups.values():
         known = onnx_of(members[0])
         found = None if known is None else read_network(known, "onnx", collector)
+        found = None if found is None else replace(found, assumed_step=actuators.assumed_step)
         if found is None or found.stride(step) is None:
             continue
         found.check_command(members[0].group, members[0].command, "MJC030", "a network takes position errors")

@@ -39,7 +39,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     dialect = newton_row(options, collector)
     step = actuators.physics_dt.require()
 
-    read = read_networks(actuators.joints, "onnx", collector)
+    read = read_networks(actuators, "onnx", collector)
 
     def prims(actuator: JointActuator, own: Collector) -> JointPrims | None:
         return prims_of(actuator, dialect, step, options.name, own, read.get(actuator.network))

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from actspec import api
 from actspec.diagnostics import EmitError
 from tests.frameworks.isaaclab_asking import compiled
 from tests.network_files import torchscript
@@ -123,6 +124,89 @@ def test_the_solver_has_a_limit_of_its_own(command: str) -> None:
     assert "effort_limit_sim=9.0" in compiled(text, "2.3", "implicit").text
 
 
+GAINS = """actspec: 1
+robot: {name: bot, model: none, joints: [a1, a2, a3, f1, f2]}
+timing: {physics_dt: 5 ms}
+actuators:
+  arm: {joints: ["a.*"], level: ideal_pd, kp: 20 N*m/rad, kd: unknown, effort_limit: 9 N*m, armature: 0.01 kg*m^2}
+  hand: {joints: ["f.*"], level: ideal_pd, kp: 5 N*m/rad, kd: 0.1 N*m*s/rad, effort_limit: 2 N*m, armature: 0.01 kg*m^2}
+"""
+
+
+LIMITS = "kd: 1 N*m*s/rad, effort_limit: unknown, armature: unknown"
+
+
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        (
+            ("", ""),
+            [
+                (
+                    "ISL031",
+                    "actuators.arm.kd",
+                    "the drive gain kd of 3 joints is unknown, {}: a1, a2, a3",
+                    "state kd",
+                )
+            ],
+        ),
+        (
+            ("kd: 0.1 N*m*s/rad", "kd: unknown"),
+            [
+                (
+                    "ISL031",
+                    "actuators",
+                    "the drive gain kd of 5 joints is unknown, {}: arm (a1, a2, a3), hand (f1, f2)",
+                    "state kd",
+                )
+            ],
+        ),
+        (
+            ("kp: 5 N*m/rad, kd: 0.1 N*m*s/rad", "kp: unknown, kd: unknown"),
+            [
+                (
+                    "ISL031",
+                    "actuators.arm.kd",
+                    "the drive gain kd of 3 joints is unknown, {}: a1, a2, a3",
+                    "state kd",
+                ),
+                (
+                    "ISL031",
+                    "actuators.hand",
+                    "kp and kd of 2 joints are unknown, {}: f1, f2",
+                    "state kp and kd",
+                ),
+            ],
+        ),
+        (
+            ("kd: unknown, effort_limit: 9 N*m, armature: 0.01 kg*m^2", LIMITS),
+            [
+                (
+                    "ISL030",
+                    "actuators.arm.armature",
+                    "the armature of 3 joints is unknown, {}: a1, a2, a3",
+                    "state armature, or rotor_inertia and gear_ratio of the motor",
+                ),
+                (
+                    "ISL034",
+                    "actuators.arm.effort_limit",
+                    "the effort limit of 3 joints is unknown, {}: a1, a2, a3",
+                    "state effort_limit",
+                ),
+            ],
+        ),
+    ],
+    ids=["one-group", "two-groups", "groups-that-lack-other-gains", "no-gain"],
+)
+def test_what_is_left_to_the_usd(change: tuple[str, str], said: list[tuple[str, str, str, str]]) -> None:
+    """What lacks is named, where it does, and asked for; what is stated is not."""
+    found = compiled(GAINS.replace(*change), "2.3", "implicit").emission.diagnostics
+    usd = "and Isaac Lab takes the USD's"
+    assert {(d.code, d.where, d.message, d.help) for d in found} == {
+        (code, where, message.format(usd), help) for code, where, message, help in said
+    }
+
+
 def test_joints_of_a_group_share_a_message() -> None:
     """What is wrong with a group is said once, with its joints; a delay of years too."""
     three = PLAIN.replace("joints: [a]", "joints: [a, b, c]")
@@ -172,6 +256,42 @@ def test_network_without_manifest(tmp_path: Path) -> None:
     (said,) = faults(NET.replace(", manifest: net.json", ""), path=path)
     assert said.startswith("NET002 actuators.legs.network: the network has no manifest")
     assert "manifest: ..." in said
+
+
+@pytest.mark.parametrize(
+    "data, said",
+    [
+        (b"", "'net.pt' is empty | put the network's own file there"),
+        (
+            b"weights",
+            "'net.pt' cannot be read: it is neither a TorchScript nor an ONNX file, or it is cut off | None",
+        ),
+    ],
+    ids=["empty", "text"],
+)
+def test_network_file_that_is_none(tmp_path: Path, data: bytes, said: str) -> None:
+    """Of a `.pt` it is not said that it is no ONNX file, and an empty file is called that."""
+    path = written(tmp_path, MANIFEST)
+    (tmp_path / "net.pt").write_bytes(data)
+    assert faults(NET, path=path) == [f"NET011 actuators.legs.network: {said}"]
+
+
+def test_network_without_a_stated_step(tmp_path: Path) -> None:
+    """5 ms are no multiple of the 2 ms that are taken where nobody states a step: the step is asked for, once."""
+    path = written(tmp_path, {**MANIFEST, "tap_period": "5 ms"})
+    text = NET.replace("timing: {physics_dt: 5 ms}\n", "") + 'targets: {isaaclab: {version: "2.3"}}\n'
+    said = (
+        "NET007 actuators.legs.network: tap_period 5 ms is not a whole number of physics steps of 2 ms, MuJoCo's "
+        "default: neither the spec nor its model states one | set timing.physics_dt to 5 ms or a whole part of it"
+    )
+    assert faults(text, path=path) == [said]
+    Path(path).write_text(text)
+    with pytest.raises(EmitError) as caught:
+        api.compile(path)
+    assert [f"{d.code} {d.where}: {d.message} | {d.help}" for d in caught.value.diagnostics] == [said]
+    lstm = {**MANIFEST, "kind": "lstm", "taps": [0], "tap_period": "4 ms", "torque_scale": 1.0}
+    (found,) = faults(text, path=written(tmp_path, lstm))
+    assert "a tap_period of 2 physics steps (MuJoCo's default: neither" in found
 
 
 @pytest.mark.parametrize(
