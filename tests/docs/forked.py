@@ -72,7 +72,7 @@ def _serve(descriptor: int) -> None:
         if ".probes" not in module.name and not module.name.endswith("__main__"):
             with suppress(ImportError):
                 importlib.import_module(module.name)
-    for package in ("mujoco", "scipy.special"):
+    for package in ("mujoco", "scipy.signal"):
         with suppress(ImportError):
             importlib.import_module(package)
     with socket.socket(fileno=descriptor) as link:
