@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 FRAMEWORKS = Path(__file__).parent / "frameworks"
-ALONE = {"test_ablate.py", "test_playground.py", "test_mjlab_versions.py", "test_python_reader.py"}
+ALONE = {"test_playground.py", "test_mjlab_versions.py", "test_python_reader.py"}
 """Files of simulators that share no process with the others; see `forking`."""
 
 

@@ -31,7 +31,7 @@ def test_each_test_stands_in_one_part(count: int, quick: int) -> None:
         *file_of(here / "test_a.py", quick),
         *file_of(here / "test_slow.py", 4, True),
         *file_of(FRAMEWORKS / "test_mjlab.py", 30),
-        *file_of(FRAMEWORKS / "test_ablate.py", 2),
+        *file_of(FRAMEWORKS / "test_playground.py", 2),
         *file_of(here / "test_slower.py", 5, True),
         *file_of(here / "test_slowest.py", 2, True),
         *file_of(here / "test_b.py", 7),
@@ -48,5 +48,5 @@ def test_each_test_stands_in_one_part(count: int, quick: int) -> None:
     if count == 2:
         assert [item.name for item in found[1][:9]] == [
             *(f"test_slower.py::{i}" for i in range(5)), "test_slowest.py::0", "test_slowest.py::1",
-            "test_ablate.py::0", "test_ablate.py::1",
+            "test_playground.py::0", "test_playground.py::1",
         ]  # fmt: skip

@@ -45,6 +45,7 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "randomization_isaaclab_probe.py": ISAACLAB,
     "randomization_mjlab_probe.py": MJLAB,
     "rollout_probe.py": MUJOCO,
+    "training_probe.py": MJLAB,
 }
 """Probe to what is imported before it, any other runs as it always does."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 MODEL = """<mujoco model="leg">
+  <option solver="CG"/>
   <worldbody>
     <body>
       <joint name="base" type="ball"/>
@@ -37,7 +38,10 @@ MODEL = """<mujoco model="leg">
   <actuator><motor name="pull" tendon="three" gear="0.5"/></actuator>
 </mujoco>
 """
-"""A joint's number is neither that of its degree of freedom nor of its actuator; the tendon's is the hip's."""
+"""A joint's number is neither that of its degree of freedom nor of its actuator; the tendon's is the hip's.
+
+The solver is the one that takes JAX the least to compile.
+"""
 
 JOINTS = ("rest", "hip", 'it\'s "odd"', "knee", "toe")
 HIPS = JOINTS[1:3]

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from actspec.cli.main import main
-from actspec.verify.environments import EngineUnavailableError, run_probe
+from actspec.verify.environments import EngineUnavailableError
 from tests.frameworks.prepare import Frameworks, training
 
 PROBE = Path(__file__).with_name("training_probe.py")
@@ -22,7 +22,7 @@ SHORT = 0.1
 """Length of an episode [s], so that some end within an iteration."""
 SMALLER = {
     "  cfg.sim.mujoco.timestep = TIMESTEP\n": f"  cfg.episode_length_s = {SHORT}\n",
-    "  cfg.agent.max_iterations = iterations\n": "  cfg.agent.num_steps_per_env = 8\n",
+    "  cfg.agent.max_iterations = iterations\n": "  cfg.agent.num_steps_per_env = 6\n",
 }
 """Line of the script to what is put behind it: nothing is learned here."""
 
@@ -47,13 +47,8 @@ def test_training_in_mjlab(
         text = text.replace(line, line + more)
     script.write_text(text, encoding="utf-8")
     arguments = ["C_bandwidth", "--seed", "3", "--iterations", "1", "--envs", "4"]
-    said, arrays = run_probe(
-        frameworks.python(),
-        PROBE,
-        {"script": str(script), "arguments": arguments},
-        environment={"PYTHONPATH": str(packages), "WARP_CACHE_PATH": str(frameworks.folder / "warp")},
-        timeout=600,
-    )
+    request = {"script": str(script), "arguments": arguments, "packages": str(packages)}
+    said, arrays = frameworks.run_probe(PROBE, request, timeout=600)
     assert said["code"] == 0
     assert said["rates"] == [0.005, 4]
     position = ["BuiltinPositionActuatorCfg"]

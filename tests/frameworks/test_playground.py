@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from actspec.verify.environments import EngineUnavailableError, prepare_release
-from tests.frameworks.playground_asking import Run, dc_motor_faults, faults, job, motors, probed
+from tests.frameworks.playground_asking import dc_motor_faults, faults, job, motors, probed
 from tests.frameworks.playground_specs import FACTORS, FIELDS, GROUPS
 from tests.frameworks.prepare import RELEASES, Frameworks
 
@@ -35,7 +35,7 @@ MUTATIONS: dict[str, tuple[str, tuple[str, str], str]] = {
     "actuator-of-a-tendon": ("fields", ("np.where(onto_joint, np.asarray(model.actuator_trnid)[:, 0], -1)",
                                         "np.asarray(model.actuator_trnid)[:, 0]"), "hip kp"),
     "one-key-for-two": ("fields", ("keys[1]", "keys[0]"), "correlated"),
-    "field-not-batched": ("fields", ("dict.fromkeys(drawn, 0)", "dict.fromkeys(list(drawn)[1:], 0)"), "error"),
+    "field-not-batched": ("fields", ("dict.fromkeys(drawn, 0)", "dict.fromkeys(list(drawn)[1:], 0)"), "in_axes"),
     "kd-not-scaled": ("factors", ("kd = kd.at[SET_1].multiply(factor)", "pass"), "hip gains"),
     "strength-not-on-the-limit": ("factors", ("limit = limit * strength", "pass"), "hip limit"),
     "half-of-the-limit": ("factors", ("jnp.stack([-limit, limit]", "jnp.stack([-limit / strength, limit]"),
@@ -45,36 +45,26 @@ MUTATIONS: dict[str, tuple[str, tuple[str, str], str]] = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def ran(frameworks: Frameworks) -> dict[str, Run]:
-    """Every function of this file that the environment's own MJX takes, in one process.
+def test_what_the_environments_mjx_takes(frameworks: Frameworks) -> None:
+    """Each number is in its range, the others are the model's, the step has the law's torque; mistakes are found.
 
-    MJX steps FIELDS, whose batched fields are all that FACTORS has and more; the torque of FACTORS is MuJoCo's.
+    One test, not one each: several processes of a run would each compile all of it. MJX steps FIELDS, whose batched
+    fields are all that FACTORS has and more; the torque of FACTORS is MuJoCo's.
     """
     jobs = {"fields": job(GROUPS % FIELDS), "factors": job(GROUPS % FACTORS, step=False)}
     mutants = {
-        key: replace(jobs[name], mutation=change, step=fault == "error")
-        for key, (name, change, fault) in MUTATIONS.items()
+        key: replace(jobs[name], mutation=change, step=False) for key, (name, change, _) in MUTATIONS.items()
     }
-    return probed(frameworks, {**jobs, **mutants, "voltage": motors("3.11", "cpp")})
-
-
-@pytest.mark.parametrize("name", ["fields", "factors"])
-def test_drawn_numbers_and_torque(ran: dict[str, Run], name: str) -> None:
-    """Each number is in its range, the others are the model's, and the step has the law's torque."""
-    assert faults(name, ran[name]) == []
-
-
-@pytest.mark.parametrize("mutant", MUTATIONS)
-def test_a_seeded_mistake_is_found(ran: dict[str, Run], mutant: str) -> None:
-    """The comparisons above turn red when the function is wrong in one place."""
-    name, _, fault = MUTATIONS[mutant]
-    found = faults(name, ran[mutant])
-    assert any(item.startswith(fault) for item in found), found
-
-
-def test_dcmotor_in_volts(ran: dict[str, Run]) -> None:
-    """MuJoCo 3.11: drawn by MJX, stepped by MuJoCo, whose MJX takes a dcmotor in its Warp implementation alone."""
+    ran = probed(frameworks, {**jobs, **mutants, "voltage": motors("3.11", "cpp")})
+    assert {name: faults(name, ran[name]) for name in jobs} == {"fields": [], "factors": []}
+    # The same comparisons turn red when the function is wrong in one place.
+    missed = {}
+    for key, (name, _, fault) in MUTATIONS.items():
+        found = faults(name, ran[key])
+        if not any(item.startswith(fault) for item in found):
+            missed[key] = found
+    assert missed == {}
+    # A dcmotor in volts: drawn by MJX, stepped by MuJoCo, as MJX takes it in its Warp implementation alone.
     run = ran["voltage"]
     assert dc_motor_faults(run, run.arrays["own_force"], voltage=True) == []
     assert run.said["batched"] == run.said["replaced"] == ["actuator_forcerange", "actuator_gainprm"]

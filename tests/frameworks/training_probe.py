@@ -1,7 +1,7 @@
 """Run the train.py of an ablation in the frameworks' environment, and look at what it trains.
 
-The job names the script, a variant to train and the arguments; the answer has each variant's compiled robot, what the
-trained environment was like after its first reset, and the exit code.
+The job names the script, its arguments and the folder of what training imports; the answer has each variant's
+compiled robot, what the trained environment was like after its first reset, and the exit code.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ DOF = ("armature", "damping", "frictionloss")
 def main(job_path: str, _: str, said_path: str, out_path: str) -> None:
     """Compile the robot of every variant, then train one."""
     job = json.loads(Path(job_path).read_text(encoding="utf-8"))
+    sys.path.append(job["packages"])
     said: dict[str, Any] = {"classes": {}, "events": {}}
     out: dict[str, Any] = {}
     script = runpy.run_path(job["script"])
