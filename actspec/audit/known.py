@@ -155,6 +155,12 @@ def known_robots() -> tuple[KnownRobot, ...]:
     )
 
 
+@cache
+def _words() -> frozenset[str]:
+    """What files of any known robot are called."""
+    return frozenset(word for robot in known_robots() for word in robot.words)
+
+
 Rows = tuple[tuple[LedgerRow, tuple[str, ...]], ...]
 """Rows of an artifact, each with the joints of a known robot that it is of."""
 
@@ -203,6 +209,8 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
             continue
         words = distinctive(artifact)
         named = [robot for robot in known_robots() if robot.words & words]
+        if not named:
+            continue
         outside = _outside(artifact)
         copied = {robot.name for robot in named if outside and outside.isdisjoint(robot.words)}
         # A mini_cheetah.urdf of the robot "a1_description" may be either.
@@ -264,7 +272,7 @@ def _outside(artifact: Artifact) -> frozenset[str]:
     robot = artifact.robot
     if artifact.kind not in MODELS or robot is None:
         return frozenset()
-    every = frozenset(word for known in known_robots() for word in known.words)
+    every = _words()
     stems = [telling(os.path.splitext(os.path.basename(file.path))[0]) for file in robot.files]
     own = stems[0] if artifact.kind is FileKind.URDF else frozenset()
     if not any(words & every for words in stems):
@@ -279,8 +287,7 @@ def _is_a_copy(words: frozenset[str], robot: KnownRobot, rows: Rows) -> bool:
     Chosen: two thirds of the limits, of three figures or more. Whoever began with a copy for a robot of his own has
     motors of his own at most joints; two figures are those of many arms.
     """
-    others = {word for other in known_robots() for word in other.words}
-    if any(word[-2:-1] == "_" and word[:-2] in robot.words for word in words - others):
+    if any(word[-2:-1] == "_" and word[:-2] in robot.words for word in words - _words()):
         return True
     limits = [(row.effort_limit, robot.efforts(name)) for row, names in rows for name in names]
     right = [limit for limit, published in limits if limit and any(same(limit, one) for one in published)]

@@ -36,6 +36,7 @@ class _Pair:
 
     Attributes:
         left: Its rows; `right` likewise.
+        axes: Of the left and of the right joint, in the base's frame.
         turns: For each plane whether the right axis is the left's mirror image (1), its opposite (-1) or neither (0).
     """
 
