@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 
 from actspec.diagnostics import Diagnostic, Severity, Span, listed, one_line
 from actspec.files import FAULTS, read_regular
@@ -35,7 +36,7 @@ _MOST_FOLDERS = 500
 
 def including(path: str) -> str | None:
     """What to import in place of a part of a model: the files that include or attach it; None: there is none."""
-    return _wholes(path, (_INCLUDED, _ATTACHED))
+    return _wholes(path, _Around(path), (_INCLUDED, _ATTACHED))
 
 
 def as_part(path: str) -> Diagnostic | None:
@@ -48,12 +49,13 @@ def as_part(path: str) -> Diagnostic | None:
     Args:
         path: An MJCF.
     """
-    if whole := _wholes(path, (_INCLUDED,)):
+    around = _Around(path)
+    if whole := _wholes(path, around, (_INCLUDED,)):
         stated = "angles, classes and limits that are stated there are not read"
         message = f"has no <compiler>, and is a part of {whole}: {stated}"
         help = "import the whole model instead"
         return Diagnostic("DRF013", Severity.WARNING, message, "", Span(path), help)
-    if whole := _wholes(path, (_ATTACHED,)):
+    if whole := _wholes(path, around, (_ATTACHED,)):
         message = (
             f"{whole} attaches it: angles, classes and limits are those of this file there too, the names of its "
             f"joints may get a prefix, and the time step is that of {whole}"
@@ -62,24 +64,36 @@ def as_part(path: str) -> Diagnostic | None:
     return None
 
 
-def _wholes(path: str, ways: Sequence[re.Pattern[bytes]]) -> str | None:
+class _Around:
+    """The MJCF files around a part, by path, without comments: read once, and those of its project where asked for."""
+
+    def __init__(self, path: str) -> None:
+        self._above = _above(path)
+
+    @cached_property
+    def near(self) -> Mapping[str, bytes]:
+        return dict(_texts(self._above[: _FOLDERS_ABOVE + 1]))
+
+    @cached_property
+    def in_project(self) -> Mapping[str, bytes]:
+        return dict(_texts([*self._above[: _FOLDERS_ABOVE + 1], *_project(self._above)]))
+
+
+def _wholes(path: str, around: _Around, ways: Sequence[re.Pattern[bytes]]) -> str | None:
     """The files that name a part in one of some ways.
 
     Of files that are parts themselves, the models that these belong to. Links are passed over: they lead elsewhere.
 
     Args:
         path: An MJCF.
+        around: It.
         ways: What finds the names of files in a text.
     """
-    above = _above(path)
-    near = above[: _FOLDERS_ABOVE + 1]
-    found = _found(path, ways, near)
-    return listed(found or _found(path, ways, [*near, *_project(above)])) or None
+    return listed(_found(path, ways, around.near) or _found(path, ways, around.in_project)) or None
 
 
-def _found(path: str, ways: Sequence[re.Pattern[bytes]], folders: Sequence[str]) -> list[str]:
-    """As `_wholes`, among the files of some folders."""
-    texts = dict(_texts(folders))
+def _found(path: str, ways: Sequence[re.Pattern[bytes]], texts: Mapping[str, bytes]) -> list[str]:
+    """As `_wholes`, among some files."""
     named = {one: frozenset(_named(one, text, ways)) for one, text in texts.items()}
     found: dict[str, None] = {}
     pending, seen = [os.path.abspath(path)], set()

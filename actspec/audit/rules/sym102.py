@@ -24,7 +24,7 @@ _SAME = 0.05
 """Largest difference of the ends of ranges that are one [rad]. Chosen: as above."""
 
 _ALONG = math.cos(math.radians(5.0))
-"""Cosine from which two axes are parallel. Chosen: as SRC108's."""
+"""Cosine from which two axes are parallel. Chosen: wider than what rounded angles turn, narrower than a tilted hip."""
 
 _PLANES = ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
 """What a mirror across x, y or z makes of an axis: what turns about its normal turns on as before."""
