@@ -411,9 +411,11 @@ def test_a_reduction_that_another_variant_has_not(
         pytest.param((495.0, 495.0, 225.0, 87.0, 84.0, 81.0), Severity.INFO, id="rounded: 1.55 and 1.45"),
         pytest.param((495.0, 495.0, 270.0, 84.0, 84.0, 84.0), Severity.WARNING, id="one 1.8 times"),
         pytest.param((660.0, 660.0, 300.0, 112.0, 112.0, 112.0), Severity.WARNING, id="all twice"),
+        pytest.param((56e3,) * 6, Severity.INFO, id="none binds: 169 times the largest"),
+        pytest.param((56e3,) * 5 + (5000.0,), Severity.WARNING, id="one 89 times"),
     ],
 )
-def test_a_robot_that_is_taller_on_purpose(
+def test_limits_that_are_no_motor_s_on_purpose(
     limits: tuple[float, ...], severity: Severity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A UR10e has 330, 330, 150 and three times 56 N*m."""

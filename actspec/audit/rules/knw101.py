@@ -38,6 +38,10 @@ _OF_LIMITS = re.compile(
 _ROUNDED = 0.05
 """Share up to which a limit is another one times a factor. Chosen: 5 N*m times 1.23 is rounded to 6."""
 
+_FAR_BEYOND = 100.0
+"""Times a published limit from which, at every joint, one binds nothing. Chosen: 28 N*m with three zeros more; units
+that are taken for each other are 10 times apart."""
+
 _HELD = re.compile(r"(?:^|[^a-z])(?:locked|frozen|fixed|held|rigid)(?:[^a-z]|$)", re.IGNORECASE)
 """How a group of joints that are not to move is called. Chosen: from those in strangers' files."""
 
@@ -61,7 +65,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         rows = subject.read("effort_limit", "stall_torque")
         zeros, lows = _zeros(rows), _lows(subject, rows, self.option(case, "least"))
         as_before = _zeros(subject.joints)
-        scaled = _is_scaled(subject, rows)
+        scaled = _is_scaled(subject, rows) or _is_switched_off(subject, rows)
         for row, names in rows:
             # A drive without gains is how a configuration writes a bearing.
             if row.joint in zeros and not row.kp == row.kd == 0.0:
@@ -267,6 +271,16 @@ def _is_scaled(subject: Likeness, rows: Rows) -> bool:
             for limit, published in limits
         )
         for first in limits[0][1]
+    )
+
+
+def _is_switched_off(subject: Likeness, rows: Rows) -> bool:
+    """Whether every limit of a file is far beyond what is published: none is to bind, by intent."""
+    return all(
+        limit >= _FAR_BEYOND * _most(subject, name).effort
+        for row, names in rows
+        for name in names
+        if (limit := finite(driving_limit(row)[1])) is not None
     )
 
 
