@@ -400,6 +400,12 @@ class LegCfg(LeggedRobotCfg):
         ("m.json", json.dumps({"num": 4, "joints": [{"id": "a", "name": n} for n in NAMES]}), "from m.json", NAMES),
         ("t.csv", "joint index,name,limit\n" + "".join(f"{i},{n},1\n" for i, n in enumerate(NAMES)), "t.csv", NAMES),
         ("u.csv", '\ufeff"Joint";"Side"\r\n' + "".join(f'"{n}";"l"\r\n' for n in NAMES), "from u.csv", NAMES),
+        ("i.csv", "id,label\n" + "".join(f"{i},{n}\n" for i, n in enumerate(NAMES)), "4 joints are from i.csv", NAMES),
+        ("b.txt", "".join(f"{i} {n}\n" for i, n in enumerate(NAMES)), "the 4 joints are from b.txt", NAMES),
+        ("s.csv", "".join(f"{n},{n[0]},{i}.5\n" for i, n in enumerate(NAMES)), "4 joints are from s.csv", NAMES),
+        ("h.csv", "DOF name\n" + "\n".join(NAMES), "the 4 joints are from h.csv", NAMES),
+        ("two.txt", "left_hip, right_hip\nleft_knee, right_knee\n", "the 4 joints are from two.txt", NAMES),
+        ("d.txt", "\n".join([*NAMES, "1"]), "the names of the 5 joints are from d.txt", [*NAMES, "1"]),
         ("names.lst", "\n".join(NAMES), "the names of the 4 joints are from names.lst", NAMES),
         ("names", f"{NAMES}\n", "the names of the 4 joints are from names", NAMES),
         (
@@ -411,7 +417,8 @@ class LegCfg(LeggedRobotCfg):
     ],
     ids=[
         *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "mappings"),
-        *("CSV", "semicolons", "any ending"),
+        *("CSV", "semicolons", "numbers", "blanks", "sides", "one column", "two lines", "a number a line"),
+        "any ending",
         *("printed", "URDF"),
     ],
 )  # fmt: skip
@@ -461,6 +468,12 @@ def test_a_spec_that_compiles(
             "no list of joint names is in it",
         ),
         ("head.csv", "index,name\n", "no name of a joint is in it"),
+        (
+            "two.csv",
+            "id,a,b\n0,left_hip,x\n1,left_knee,y\n",
+            "which of its columns has the names is not told",
+        ),
+        ("id.txt", "id dof label\n0 left_hip\n", "0 is a number beside names"),
         ("loop.yaml", "a: &a [*a]\n", "no list of joint names is in it"),
         ("broken.yaml", "a: [", "it is not YAML"),
         ("leg_cfg.py", "", "no list of joint names is in it"),
