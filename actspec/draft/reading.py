@@ -148,7 +148,7 @@ def _check(reading: FileReading, out: Collector) -> None:
             for item in errors:
                 out.add(item)
         else:
-            help = whole_of(reading)
+            help = whole_of(reading) or reading.help
             out.error("DRF004", f"cannot be read: {reading.reason}", span=reading.place, help=help)
     elif reading.kind is FileKind.SPEC:
         out.error(

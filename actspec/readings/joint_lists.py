@@ -169,7 +169,7 @@ def _of_files(path: str) -> Iterator[Joints]:
         readings = pending.finish()
     for reading in readings:
         if not reading.readable:
-            raise _refusal(f"cannot be read: {reading.reason}", path, None, reading.refused)
+            raise _refusal(f"cannot be read: {reading.reason}", path, reading.help, reading.refused)
         for artifact in reading.artifacts:
             if artifact.robot is not None:
                 views = artifact.robot.joints

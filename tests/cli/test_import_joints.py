@@ -477,7 +477,7 @@ def test_a_spec_that_compiles(
         ("loop.yaml", "a: &a [*a]\n", "no list of joint names is in it"),
         ("broken.yaml", "a: [", "it is not YAML"),
         ("leg_cfg.py", "", "no list of joint names is in it"),
-        ("folder", "", "cannot be read"),
+        ("folder", "", "cannot be read: it has no file that ends in .xml, "),
         ("leg.stl", "solid\0\1", "is no text"),
         ("leg", "<robot", "cannot be read: "),
         ("a,b", "", "help: its joints: a, b\n"),
