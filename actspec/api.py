@@ -37,6 +37,21 @@ def load(path: str | os.PathLike[str], *, packages: Mapping[str, str] = MappingP
     return spec.with_packages({name: os.path.abspath(at) for name, at in packages.items()})
 
 
+def _loaded(spec: Spec | str | os.PathLike[str]) -> Spec:
+    """A spec by its path, or itself.
+
+    Raises:
+        TypeError: it is none of both.
+    """
+    from actspec.spec.validate import Spec
+
+    if isinstance(spec, (str, os.PathLike)):
+        return load(spec)
+    if not isinstance(spec, Spec):
+        raise TypeError(f"a spec is its path, or what actspec.load makes of it, got {type(spec).__name__}")
+    return spec
+
+
 def load_robot(spec: Spec) -> RobotView:
     """Read the robot that a spec names.
 
@@ -57,10 +72,11 @@ def resolve(spec: Spec | str | os.PathLike[str], robot: RobotView | None = None)
 
     Raises:
         SpecError, RobotError, ResolveError: with every error of the stage.
+        TypeError: `spec` is no spec.
     """
     from actspec.resolution import resolve as fit
 
-    loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
+    loaded = _loaded(spec)
     return fit(loaded, robot if robot is not None else load_robot(loaded))
 
 
@@ -83,6 +99,7 @@ def compile(
 
     Raises:
         SpecError, RobotError, ResolveError, EmitError: with every error of the stage.
+        TypeError: `spec` is no spec.
     """
     from actspec.audit.rules import check_actuators
     from actspec.robot.load import check_packages
@@ -90,7 +107,7 @@ def compile(
     from actspec.targets.choose import check_accepted, choose_targets, emitter, warn_unlimited
     from actspec.targets.kit.network import check_manifests
 
-    loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
+    loaded = _loaded(spec)
     collector = Collector()
     chosen = choose_targets(loaded, targets, output, canonical, collector)
     robot = load_robot(loaded)

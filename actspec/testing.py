@@ -123,7 +123,7 @@ def assert_agrees(
         AssertionError: a figure or the control period differs, with both, their units and their places; a joint is
             missing, or has no actuator in a model where others have one; nothing at all could be compared.
         ActspecError: the spec or the file cannot be read, or it is not known which robot is meant.
-        TypeError: the object is none of those above.
+        TypeError: the spec, or the object, is none of those above.
         ValueError: an unknown field, a pattern of joints that is none, or a tolerance that is no number of 0 or more.
     """
     __tracebackhide__ = True  # pytest shows the caller

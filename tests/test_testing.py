@@ -368,6 +368,12 @@ def test_wrong_arguments(leg: Path) -> None:
     """Each is an error of its own, before or beside any comparison."""
     with pytest.raises(TypeError, match=r"got set$"):
         assert_agrees("leg.yaml", {"leg.xml"})
+    for nothing in (None, b"leg.yaml", {"leg": 1}):
+        kind = type(nothing).__name__
+        with pytest.raises(
+            TypeError, match=rf"a spec is its path, or what actspec.load makes of it, got {kind}$"
+        ):
+            assert_agrees(nothing, "leg.xml")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"a spec has no figure 'stiffness'; it has kp, kd, "):
         assert_agrees("leg.yaml", "leg.xml", fields=["stiffness"])
     with pytest.raises(ValueError, match=r"a spec has no figure 'stiffness'; it has kp, kd, "):

@@ -192,9 +192,9 @@ def read_all(
             place = (
                 reading.place if reading.place.path != reading.path else replace(reading.place, path=shown)
             )
-            help = None if os.path.exists(reading.path) else gone
-            empty = folders and reason.startswith("nothing to audit")
-            said = reason.replace("audit", "record", 1) if empty else f"cannot be read: {reason}"
+            help = reading.help if os.path.exists(reading.path) else gone
+            empty = reading.names_nothing and os.path.isdir(reading.path)
+            said = f"{'nothing to record' if empty else 'cannot be read'}: {reason}"
             out.error("DIF001", one_line(said), span=place, help=help)
         elif not reading.artifacts:
             out.error("DIF001", "describes no robot", span=Span(shown))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import actspec
-from actspec.diagnostics import RobotError, Span, listed, one_line
+from actspec.diagnostics import RobotError, Span, listed, many, one_line
 from actspec.draft.combine import Combined
 from actspec.draft.damping import AS_KD, moved, question
 from actspec.draft.groups import DraftGroup, groups_of, motors_of
@@ -182,7 +182,7 @@ def _nothing(combined: Combined) -> RobotError:
         return _error(
             combined,
             "DRF002",
-            f"none of its {len(alone)} joints can go into a group: {'; '.join(reasons)}",
+            f"none of its {many(len(alone), 'joint')} can go into a group: {'; '.join(reasons)}",
             instead
             or "a spec describes joints that are driven one by one; `actspec init` alone writes an example",
         )

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 
 from actspec.diagnostics import (
     AuditError,
     Collector,
     Diagnostic,
-    Severity,
     Span,
     listed,
     many,
@@ -24,19 +22,25 @@ from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remar
 from actspec.draft.environment import are_one, in_environment, written_once
 from actspec.draft.including import as_part, whole_of
 from actspec.draft.sources import RobotReading, stated
+from actspec.draft.unselected import (
+    misspelt,
+    not_listed,
+    patterns_of,
+    robot_file_of,
+    selected_twice,
+    unselected,
+)
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
-from actspec.lift.config import asset_of
+from actspec.lift.config import asset_of, leaves_to_model
 from actspec.readings.artifact import (
     Artifact,
     FileKind,
     FileReading,
     Framework,
     RobotConfig,
-    Setting,
 )
-from actspec.readings.config import lost_keys, plain_name, selected
-from actspec.readings.dict_keys import POSE, again, meant_for, refuses_two
+from actspec.readings.config import plain_name
 from actspec.readings.joint_lists import environment_of, fitting, joint_lists, names_of, other_endings
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
@@ -49,10 +53,6 @@ _REFUSED = "MuJoCo refuses the model: "
 _PLUGIN = re.compile(r"\bplugin \S+ not found")
 _ROBOT_FILE = re.compile(r"\.(usd[acz]?|urdf|xml)$", re.IGNORECASE)
 _DESCRIPTORS = "Isaac Lab's IO_descriptors.yaml, "
-
-_WORD = re.compile("[A-Za-z]{3,}")
-_ALIKE = 0.75
-"""How alike a word and one of another name are, where it is misspelt. `knie` and `knee` are 0.75."""
 
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
 
@@ -148,7 +148,7 @@ def _check(reading: FileReading, out: Collector) -> None:
             for item in errors:
                 out.add(item)
         else:
-            help = whole_of(reading)
+            help = whole_of(reading) or reading.help
             out.error("DRF004", f"cannot be read: {reading.reason}", span=reading.place, help=help)
     elif reading.kind is FileKind.SPEC:
         out.error(
@@ -261,7 +261,7 @@ def _lifted(
     joints: Sequence[JointView | str] = ()
     if model is not None and model.robot is not None:
         joints = [j for j in model.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
-    of, renamed, follow = "the robot" if model is None else one_line(os.path.basename(model.path)), "", {}
+    of, renamed, follow = None if model is None else one_line(os.path.basename(model.path)), "", {}
     if names is not None:
         joints, renamed = names
         # What only names the joints says nothing of who drives them: the configuration does, of its USD.
@@ -303,16 +303,18 @@ def _lifted(
             ]
             typed = named is not None and not os.path.exists(named)
             every_name = names_of(joints) or beside or own
-            lost = list(_unmatched(config, every_name, of, typed))
-            lost += _twice(config, every_name)
+            lost = list(unselected(config, every_name, of, typed))
+            lost += selected_twice(config, every_name)
             if typed and not lost:
-                lost += _misspelt(config, names_of(joints))
+                lost += misspelt(config, names_of(joints))
             if model is None and named is not None and config.framework is Framework.DEPLOY:
-                lost += _not_listed(config, names_of(joints))
+                lost += not_listed(config, names_of(joints))
             more = (*part.actuators.diagnostics, *lost)
             part = replace(part, actuators=replace(part.actuators, diagnostics=more))
-        if config is not None and _is_left_alone(config, part, names_of(joints)):
-            _check_classes(artifact, config, part, out)
+        if config is not None and _is_left_alone(
+            config, part, names_of(joints) or _own_names(config, others)
+        ):
+            _check_classes(artifact, config, part, model, out)
         elif model is not None and artifact is not model:
             _check_joints(artifact, part, model, joints, out)
         yield part
@@ -324,17 +326,28 @@ def _stated_step(model: Artifact) -> float | None:
     return step.value if stated(step) else None
 
 
+def _own_names(config: RobotConfig, others: Sequence[Artifact]) -> list[str]:
+    """The joints of a configuration that names each, and that no other file with drives stands beside."""
+    if any(other.config is not None and other.config.groups for other in others):
+        return []
+    names = [plain_name(config.framework, pattern) for pattern in patterns_of(config)]
+    known = [name for name in names if name is not None]
+    return known if len(known) == len(names) else []
+
+
 def _is_left_alone(config: RobotConfig, part: Lifted, names: Sequence[str]) -> bool:
     """Whether a configuration selects joints of the robot, and none of them can go into a group."""
     return not part.actuators.joints and any(
-        matching(config.framework, pattern, names) for pattern in _patterns(config)
+        matching(config.framework, pattern, names) for pattern in patterns_of(config)
     )
 
 
-def _check_classes(artifact: Artifact, config: RobotConfig, part: Lifted, out: Collector) -> None:
+def _check_classes(
+    artifact: Artifact, config: RobotConfig, part: Lifted, model: Artifact | None, out: Collector
+) -> None:
     """A configuration without a joint for a group: beside it the robot file alone would speak."""
-    if all("xml" in group.cls.lower() for group in config.groups):
-        # mjlab: the robot file is to speak.
+    of_model = [leaves_to_model(config.framework, group) for group in config.groups]
+    if model is not None and all(of_model):
         return
     why = dict.fromkeys(item.why for item in part.left_alone)
     modules = dict.fromkeys(group.unread for group in config.groups if group.unread)
@@ -347,6 +360,8 @@ def _check_classes(artifact: Artifact, config: RobotConfig, part: Lifted, out: C
         span=Span(artifact.path),
         help=f"put {files} {here}, or import {one_line(artifact.path)} where its package is"
         if files
+        else f"name {robot_file_of(config)}"
+        if model is None and any(of_model)
         else None,
     )
 
@@ -359,7 +374,7 @@ def _check_joints(
     here = names_of(joints)
     theirs = [*mine, *(item.joint for item in part.left_alone)] if artifact.robot is not None else mine
     if not set(theirs) & set(here) and (artifact.config is None or artifact.config.groups):
-        names = mine if artifact.config is None else [*_patterns(artifact.config)]
+        names = mine if artifact.config is None else [*patterns_of(artifact.config)]
         ending = ""
         if artifact.config is not None and _differ_by_ending([artifact.config], here):
             ending = (
@@ -379,7 +394,7 @@ def _differ_by_ending(configs: Sequence[RobotConfig], names: Sequence[str]) -> b
     return any(
         matching(config.framework, pattern, others)
         for config in configs
-        for pattern in _patterns(config)
+        for pattern in patterns_of(config)
         for _, others in other_endings(names)
     )
 
@@ -398,7 +413,7 @@ def _named(
     lists = joint_lists(named)
     joints, renamed = fitting(lists, configs)
     if not joints and robot is None:
-        patterns = [one_line(pattern) for config in configs for pattern in _patterns(config)]
+        patterns = [one_line(pattern) for config in configs for pattern in patterns_of(config)]
         message = f"none of its joints is selected by {listed(patterns)}"
         names = names_of(max(lists, key=len))
         help = f"its joints: {listed(map(one_line, names), 4)}"
@@ -419,134 +434,6 @@ def _urdf_of(usd: str) -> str | None:
         return None
     beside = (os.path.join(folder, at, f"{stem}.urdf") for at in ("", os.path.join(os.pardir, "urdf")))
     return next((os.path.normpath(path) for path in beside if os.path.isfile(path)), None)
-
-
-def _unmatched(config: RobotConfig, joints: Sequence[str], of: str, typed: bool) -> Iterator[Diagnostic]:
-    """Patterns and keys that select no joint, for which the framework refuses the configuration: each once.
-
-    Args:
-        config: The configuration.
-        joints: The robot's.
-        of: What names them, in words.
-        typed: Whether the user did, who may have misspelt one.
-    """
-    framework = config.framework
-    if framework not in (Framework.ISAACLAB, Framework.MJLAB):
-        return
-    taken = {name for pattern in _patterns(config) for name in matching(framework, pattern, joints)}
-    free = [name for name in joints if name not in taken]
-    none = f"none of the {many(len(joints), 'joint')} of {of}"
-    lost: list[tuple[Span, str, str, list[str]]] = []
-    for group in config.groups:
-        patterns = [pattern for pattern in group.joints or () if not matching(framework, pattern, joints)]
-        lost.append((group.span, f"of {one_line(config.name)}", none, patterns))
-        for name, setting in group.settings.items():
-            keys = lost_keys(config, group, setting, joints)
-            # Where a pattern is misspelt, its keys are right.
-            keys = [key for key in keys if not (patterns and matching(framework, key, free))]
-            lost.append((setting.span, f"of {name}", f"no joint of group {one_line(group.name)}", keys))
-    for name, setting in config.settings.items():
-        keys = [key for key in _keys(setting) if not matching(framework, key, joints)]
-        lost.append((setting.span, f"of {name}", none, keys))
-    told = set[str]()
-    for span, owner, instead, keys in lost:
-        new = [key for key in dict.fromkeys(keys) if key not in told]
-        told.update(new)
-        if new:
-            near = {key: guess for key in new if (guess := meant_for(key, joints, free))}
-            meant = listed(
-                f"`{one_line(guess)}`" + f" for `{one_line(key)}`" * (len(new) > 1)
-                for key, guess in near.items()
-            )
-            guess = f"did you mean {meant}?" if near else "is it misspelt, or are joints missing?"
-            names = listed(f"`{one_line(key)}`" for key in new)
-            message = f"{names} {owner} select{'s' * (len(new) == 1)} {instead}"
-            refused = f"{one_line(config.name)} is refused for it when the robot is made"
-            help = f"{guess} {refused}"
-            if typed:
-                slips = {name: None for each in near.values() for name in matching(framework, each, joints)}
-                names = listed(f"`{one_line(name)}`" for name in slips)
-                guess = f"{'are' if len(slips) > 1 else 'is'} {names} misspelt in --joints"
-                help = (
-                    f"{guess if slips else 'is a joint misspelt in --joints, or missing'}? If not, {refused}"
-                )
-            yield Diagnostic("DRF012", Severity.WARNING, message, "", span, help)
-
-
-_CALLED = {POSE: "the pose", "action_scale": "the action scale"}
-
-
-def _twice(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
-    """Keys of values by joint that are for a joint which another key is for: each once, and which of them counts."""
-    framework, robot = config.framework, one_line(config.name)
-    every = [(name, setting, joints) for name, setting in {**config.settings, **config.looped}.items()]
-    for group in config.groups:
-        own = [joint for joint, _ in selected(config, group, joints)]
-        every += [(name, setting, own) for name, setting in group.settings.items()]
-    for name, setting, mine in every if framework is not Framework.DEPLOY else ():
-        # mjlab's classes take one number, and no dict; legged_gym looks damping up by the keys of stiffness.
-        if framework is Framework.MJLAB and name not in _CALLED:
-            continue
-        if framework is Framework.LEGGED_GYM and name == "damping":
-            continue
-        for key, taken in again(framework, name, setting, mine):
-            owner = _CALLED.get(name, name)
-            known = listed((joint for some in taken.values() for joint in some), 4)
-            others = listed(f"`{one_line(other)}`" for other in taken)
-            are = "are" if len(taken) > 1 else "is"
-            message = f"`{one_line(key)}` of {owner} is for {known}, which {others} {are} for already"
-            severity = Severity.WARNING
-            if refuses_two(framework, name):
-                help = f"let one key match each joint: {robot} is refused for it when the robot is made"
-            elif framework is Framework.MJLAB:
-                help = f"mjlab takes the first that matches: put `{one_line(key)}` before {others}"
-            else:
-                severity, help = Severity.INFO, "legged_gym takes the last that is part of the name"
-            yield Diagnostic("DRF014", severity, message, "", setting.place(key), help)
-
-
-def _misspelt(config: RobotConfig, typed: Sequence[str]) -> Iterator[Diagnostic]:
-    """Typed names that no group selects, and one would with a word as other names have it.
-
-    What would be another joint of the list then is a joint of its own: `FL_hip` beside `FR_hip`.
-    """
-    patterns = [pattern for group in config.groups for pattern in group.joints or ()]
-    taken = {name for pattern in patterns for name in matching(config.framework, pattern, typed)}
-    words = sorted({word for name in taken for word in _WORD.findall(name)})
-    for name in typed:
-        if name in taken:
-            continue
-        meant = (
-            name[: word.start()] + near + name[word.end() :]
-            for word in _WORD.finditer(name)
-            for near in get_close_matches(word[0], words, n=1, cutoff=_ALIKE)
-        )
-        for guess in meant:
-            if guess not in typed and any(matching(config.framework, each, (guess,)) for each in patterns):
-                message = f"no group of {one_line(config.name)} selects `{one_line(name)}` of --joints"
-                help = f"did you mean `{one_line(guess)}`? The joint is left alone as it is"
-                yield Diagnostic("DRF012", Severity.WARNING, message, "", config.groups[0].span, help)
-                break
-
-
-def _not_listed(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
-    """Joints of a deploy file that the list of all joints has not."""
-    lost = [group for group in config.groups if not matching(config.framework, group.name, joints)]
-    if lost:
-        names = listed((f"`{one_line(group.name)}`" for group in lost), 4)
-        message = f"{names} of {one_line(config.name)} {'are' if len(lost) > 1 else 'is'} not among --joints"
-        help = "its numbers are left out" if len(lost) == 1 else "their numbers are left out"
-        yield Diagnostic("DRF012", Severity.WARNING, message, "", lost[0].span, help)
-
-
-def _keys(setting: Setting) -> Sequence[str]:
-    """Keys of values by joint; none of any other value."""
-    return tuple(setting.value) if isinstance(setting.value, Mapping) else ()
-
-
-def _patterns(config: RobotConfig) -> Iterator[str]:
-    """What selects the joints of its groups."""
-    yield from (pattern for group in config.groups for pattern in group.joints or ())
 
 
 def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
@@ -580,8 +467,8 @@ def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
                 f"{one_line(artifact.name)} selects its joints by patterns ({listed(map(one_line, patterns))}), and "
                 f"no file names them{where}",
                 span=Span(artifact.path),
-                help=f"name {one_line(asset)} too, which it reads"
-                if asset
+                help=f"name {robot_file_of(config)}"
+                if config is not None and asset
                 else f"name {first}, or its joints: --joints FILE ({listing}a URDF, any file that "
                 "names them) or --joints a,b,c",
             )

@@ -135,7 +135,7 @@ def _unsupported(
     control = control_of_group(config.framework, group)
     if config.framework is Framework.LEGGED_GYM and control == "velocity":
         return "control_type V: its gains act on speeds and accelerations"
-    if config.framework is Framework.MJLAB and "xml" in group.cls.lower():
+    if leaves_to_model(config.framework, group):
         return f"{cls} leaves it to the model's own actuator"
     if control == "dcmotor":
         return f"the gains of {cls} are in volts"
@@ -145,6 +145,11 @@ def _unsupported(
     if control not in _DRIVES:
         return f"an actuator of another kind ({cls})"
     return None
+
+
+def leaves_to_model(framework: Framework, group: ActuatorGroup) -> bool:
+    """Whether a group takes the actuator that the robot's MJCF has, whose figures no configuration states."""
+    return framework is Framework.MJLAB and "xml" in group.cls.lower()
 
 
 def _randomizations(config: RobotConfig, joint: str, named: tuple[str, ...]) -> tuple[Randomization, ...]:

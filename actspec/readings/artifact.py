@@ -426,6 +426,11 @@ class FileReading:
         return self.refused or Span(self.path)
 
     @property
+    def help(self) -> str | None:
+        """What to do where it could not be read, if the reader says that."""
+        return next((item.help for item in self.diagnostics if item.severity is Severity.ERROR), None)
+
+    @property
     def told(self) -> str:
         """Why it could not be read, with the place ahead where that is less than the file."""
         place = "" if self.refused is None else f"{self.refused}: "

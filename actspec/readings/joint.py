@@ -278,10 +278,14 @@ class JointReading:
 
     @property
     def velocity_limit(self) -> Quantity:
-        """The joint's speed limit (URDF)."""
+        """The joint's speed limit (URDF); unknown with a place where the file states that there is none."""
         value, unit = self.joint.velocity_limit, self.units.speed
         if value is None:
-            return unknown(unit)
+            # As the effort's: a stand-in for none is told with its line.
+            written = "velocity" in self.joint.stated
+            return (
+                unknown(unit, "the file has no limit", self.place("velocity")) if written else unknown(unit)
+            )
         return stated(value, unit, self.place("velocity"))
 
     @property

@@ -35,8 +35,9 @@ _NUMBERED = re.compile(r"^[ \t]*(?:[-*][ \t]+)?(?:\d+[:.)][ \t]+)?", re.MULTILIN
 """Before a name in a list of lines: a dash, a number."""
 _PRINTED = re.compile(r"\s*\[([^\[\]]*)\]\s*")
 """A list as Python prints it."""
-_NAME_KEYS = ("name", "joint", "joint_name", "joint name")
+_NAME_KEYS = ("name", "joint", "joint_name", "joint name", "dof_name", "dof name")
 """What the name of a joint is called in a table, or in a list of mappings."""
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _PATTERN = re.compile(r"[\\*+?|()^$\[\]{}]")
 _HELP = (
     "a URDF, an MJCF, IO_descriptors.yaml of Isaac Lab, a deploy file, a text with one name a line, a CSV with a "
@@ -68,8 +69,8 @@ def joint_lists(text: str) -> tuple[Joints, ...]:
         found = tuple(_of_files(text))
     else:
         lines = _COMMENT.sub("", _data(text).decode("utf-8-sig", "replace"))
-        column = _column(lines)
-        found = (_distinct(_NUMBERED.sub("", lines) if column is None else "\n".join(column), text),)
+        column = _column(lines, text)
+        found = (_distinct(_listed(lines, text) if column is None else "\n".join(column), text),)
     if not found:
         raise _refusal("no list of joint names is in it", text, _HELP)
     return found
@@ -168,7 +169,7 @@ def _of_files(path: str) -> Iterator[Joints]:
         readings = pending.finish()
     for reading in readings:
         if not reading.readable:
-            raise _refusal(f"cannot be read: {reading.reason}", path, None, reading.refused)
+            raise _refusal(f"cannot be read: {reading.reason}", path, reading.help, reading.refused)
         for artifact in reading.artifacts:
             if artifact.robot is not None:
                 views = artifact.robot.joints
@@ -206,15 +207,49 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
                 pending += [("", item) for item in node.value]
 
 
-def _column(text: str) -> list[str] | None:
-    """The names of a table whose first line heads one column by `name` or the like; None of what is no such table."""
+def _column(text: str, path: str) -> list[str] | None:
+    """The names of a table; None of what is none.
+
+    Its first line heads one column by `name` or the like, or all columns are numbers but one.
+
+    Raises: AuditError: it has numbers, and several columns that may be the names.
+    """
     lines = [line for line in text.splitlines() if line.strip()]
-    for mark in ",;\t":
+    for mark in (",", ";", "\t", None):
         rows = [[cell.strip().strip("\"'") for cell in line.split(mark)] for line in lines]
-        heads = [head.lower() in _NAME_KEYS for head in rows[0]] if rows else []
-        if heads.count(True) == 1 < len(heads) and all(len(row) == len(heads) for row in rows):
+        if not rows or any(len(row) != len(rows[0]) for row in rows):
+            continue
+        heads = [head.lower() in _NAME_KEYS for head in rows[0]]
+        # A text of blanks and names has no heads, and one name alone is a name.
+        if heads.count(True) == 1 and (len(rows) > 1 if len(heads) == 1 else mark is not None):
             return [row[heads.index(True)] for row in rows[1:]]
+        columns = list(zip(*rows, strict=True))
+        counts = [len(rows) > 1 and all(map(_NUMBER.fullmatch, column[1:])) for column in columns]
+        if any(counts) and not all(counts):
+            own = zip(columns, counts, strict=True)
+            headed = any(count and not _NUMBER.fullmatch(column[0]) for column, count in own)
+            words = [column[headed:] for column, count in zip(columns, counts, strict=True) if not count]
+            names = [column for column in words if len(set(column)) == len(column)]
+            if len(names) != 1:
+                raise _refusal(
+                    "which of its columns has the names is not told", path, "head that column `name`"
+                )
+            return list(names[0])
     return None
+
+
+def _listed(text: str, path: str) -> str:
+    """A text with names, without what numbers its lines.
+
+    Raises: AuditError: a line has a number beside names.
+    """
+    names = _NUMBERED.sub("", text)
+    for line in names.splitlines():
+        words = [word for word in _NO_NAME.split(line) if word]
+        counts = [word for word in words if _NUMBER.fullmatch(word)]
+        if counts and len(counts) < len(words):
+            raise _refusal(f"{counts[0]} is a number beside names", path, _HELP)
+    return names
 
 
 def _data(path: str) -> bytes:

@@ -509,7 +509,7 @@ def counted_not_read(kinds: Sequence[str]) -> str:
 def _nothing(path: str, reason: str, help: str, where: str = "") -> FileReading:
     """What stands for nothing that can be audited."""
     fault = Diagnostic("AUD014", Severity.ERROR, f"nothing to audit{where}: {reason}", "", Span(path), help)
-    return FileReading(path, None, f"nothing to audit: {reason}", diagnostics=(fault,))
+    return FileReading(path, None, reason, diagnostics=(fault,))
 
 
 def _concerns(reading: FileReading) -> bool:

@@ -310,14 +310,14 @@ def test_a_folder_without_anything_says_so() -> None:
     (found,) = read_files(["d"])
     endings = ".xml, .urdf, .mjcf, .py, .yaml, .yml"
     reason = f"of its 1 file that ends in {endings} none is a robot file, configuration, deploy file or spec"
-    assert (found.path, found.reason) == ("d", f"nothing to audit: {reason}")
+    assert (found.path, found.reason) == ("d", reason)
     assert [str(item) for item in found.diagnostics] == [
         f"d: AUD014: nothing to audit in this folder: {reason}\n"
         "  help: links to folders are not followed and hidden folders are passed over; name those"
     ]
     Path("d/package.xml").rename("d/notes.txt")
     (found,) = read_files(["d"])
-    assert found.reason == f"nothing to audit: it has no file that ends in {endings}"
+    assert found.reason == f"it has no file that ends in {endings}"
 
 
 XACRO = (
@@ -332,6 +332,19 @@ def test_a_xacro_is_to_be_expanded_first(capsys: pytest.CaptureFixture[str]) -> 
     assert main(["audit", "r.urdf.xacro"]) == 2
     told = f"AUD014: nothing to audit: this is a xacro, which has to be expanded first\n{EXPAND}\n"
     assert capsys.readouterr().err == f"r.urdf.xacro: {told}"
+    Path("cfg.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        'CFG = {"a": ImplicitActuatorCfg(joint_names_expr=["a"], stiffness=9.0, damping=1.0)}\n'
+    )
+    told = f"cannot be read: this is a xacro, which has to be expanded first\n{EXPAND}\n"
+    for arguments, code in (
+        (["import", "r.urdf.xacro"], "DRF004"),
+        (["import", "cfg.py", "--joints", "r.urdf.xacro"], "DRF011 --joints"),
+        (["diff", "r.urdf.xacro", "cfg.py"], "DIF001"),
+        (["lock", "r.urdf.xacro"], "DIF001"),
+    ):
+        assert main(arguments) == 2
+        assert f"r.urdf.xacro: {code}: {told}" in capsys.readouterr().err
     Path("r.xacro").write_text(URDF)
     assert read_file("r.xacro").readable
 

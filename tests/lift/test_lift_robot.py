@@ -454,15 +454,28 @@ def test_urdf() -> None:
     assert said(elbow.friction_viscous) == (0.0, "N*s/m", "default")
     assert [(item.joint, item.why) for item in found.left_alone] == [("hook", "follows 'elbow' (mimic)")]
     assert found.actuators.physics_dt.origin is Origin.UNKNOWN
-    # What Gazebo writes of a limit that is not there is none either.
-    endless = URDF.replace('velocity="3.5"', 'velocity="1.79769e+308"')
-    assert endless != URDF
-    limit = (
-        lift_robot(read_urdf((ModelFile("arm.urdf", "", endless.encode()),)))
-        .actuators.joints[0]
-        .velocity_limit
-    )
-    assert (limit.value, limit.note) == (None, "1.79769e308 rad/s is no limit")
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        # What Gazebo writes of a limit that is not there is none either.
+        ("1.79769e+308", "1.79769e308 rad/s is no limit"),
+        # Beyond the largest number, which is 1.8e308, as without an end.
+        ("1e999", "the file has no limit"),
+        ("inf", "the file has no limit"),
+    ],
+)
+def test_a_speed_of_a_urdf_that_is_no_limit(text: str, note: str) -> None:
+    """It is told with its line, as an effort is: what nobody states has neither."""
+    endless = URDF.replace('velocity="3.5"', f'velocity="{text}"').replace('effort="40"', f'effort="{text}"')
+    (joint, *_) = lift_robot(read_urdf((ModelFile("arm.urdf", "", endless.encode()),))).actuators.joints
+    for limit, unit in ((joint.velocity_limit, "rad/s"), (joint.effort_limit, "N*m")):
+        assert (limit.value, limit.note) == (None, note.replace("rad/s", unit))
+        assert limit.span is not None and limit.span.line == 3
+    bare = URDF.replace(' velocity="3.5"', "")
+    (joint, *_) = lift_robot(read_urdf((ModelFile("arm.urdf", "", bare.encode()),))).actuators.joints
+    assert (joint.velocity_limit.value, joint.velocity_limit.span) == (None, None)
 
 
 def test_inertia_comes_along() -> None:

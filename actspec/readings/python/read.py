@@ -246,12 +246,10 @@ class _Reader:
         body = self.source.tree.body
         for name, place in list(self.places.items())[:MAX_CONFIGS]:
             prefix = name.removesuffix("_ACTION_SCALE")
-            loops = loops_of(name, body) if prefix != name else []
-            if not loops or not isinstance(place, (ast.Assign, ast.AnnAssign)) or place.value is None:
+            looped = prefix != name and loops_of(name, body)
+            if not looped or not isinstance(place, (ast.Assign, ast.AnnAssign)) or place.value is None:
                 continue
-            found = unrolled(name, place.value, body, self.interpreter, self.scope)
-            why = "it is computed in a loop, which is not run"
-            yield prefix, Setting(None, self.source.span(loops[0]), why) if found is None else setting(found)
+            yield prefix, setting(unrolled(name, place.value, body, self.interpreter, self.scope))
 
     def _beside(self) -> list[tuple[str, str, Value]]:
         """Prefix, setting and value of the constants that belong to a robot by their name."""

@@ -2,18 +2,19 @@
 
 The interpreter takes a loop once and leaves what it assigns unknown. Here a loop is taken for each element, where it
 does nothing but fill the dict: assignments to names of its own, tests that are known, and expressions that change
-nothing. Anything else gives None. Values are those at the module's end: nothing may be changed after the loop.
+nothing. Anything else is unknown. Values are those at the module's end: nothing may be changed after the loop.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from actspec.diagnostics import Span
 from actspec.readings.python import calls
 from actspec.readings.python.run import Interpreter
-from actspec.readings.python.values import Scope, Seq, Table, Value, truth
+from actspec.readings.python.values import Scope, Seq, Table, Unknown, Value, truth
 
 _CALLS = frozenset(
     {"values", "items", "keys", "get", "isinstance", "len", "float", "int", "abs", "min", "max", "sum"}
@@ -47,36 +48,52 @@ def loops_of(name: str, body: Statements) -> list[ast.For]:
     ]
 
 
-def unrolled(
-    name: str, start: ast.expr, body: Statements, interpreter: Interpreter, scope: Scope
-) -> Value | None:
-    """The dict that loops of a module fill; None where they do more than that, or where a value is not known.
+def unrolled(name: str, start: ast.expr, body: Statements, interpreter: Interpreter, scope: Scope) -> Value:
+    """The dict that loops of a module fill; unknown where they do more than that, or where a value is not known.
 
     Args:
         name: Of the dict.
         start: What it is before.
-        body: Statements of the module.
+        body: Statements of the module, loops of the dict among them.
         interpreter: Which has taken them.
         scope: Of the module.
 
-    Returns: A table, at the place of the first store.
+    Returns: A table, at the place of the first store; or why there is none, at that of the first loop.
     """
     made = interpreter.eval(start, scope).data
     loops = loops_of(name, body)
-    if not isinstance(made, Table) or made.open is not None or not loops:
-        return None
+    unread = Value(Unknown("it is computed in a loop, which is not run"), scope.source.span(loops[0]))
+    if not isinstance(made, Table) or made.open is not None:
+        return unread
     later = body[list(body).index(loops[0]) + 1 :]
-    if any(_changes(name, node) for one in later if one not in loops for node in _outside_definitions(one)):
-        return None
+    for one in _taken([one for one in later if one not in loops], interpreter, scope):
+        if any(_changes(name, node) for node in _outside_definitions(one)):
+            why = f"it is computed in a loop, and line {scope.source.span(one).line} may change it afterwards"
+            return replace(unread, data=Unknown(why))
     taking = _Taking(name, Table(dict(made.items)), interpreter, Scope("function", scope.source, scope))
     try:
         for loop in loops:
             if not all(map(_is_harmless, ast.walk(loop))):
-                return None
+                return unread
             taking.statement(loop)
     except _NotPlainError:
-        return None
-    return None if taking.place is None else Value(taking.table, taking.place)
+        return unread
+    return unread if taking.place is None else Value(taking.table, taking.place)
+
+
+def _taken(body: Statements, interpreter: Interpreter, scope: Scope) -> Iterator[ast.stmt]:
+    """Statements, and of `if __name__ == "__main__":`, which is of a program and not of a module, what is taken."""
+    for one in body:
+        if isinstance(one, ast.If) and _names_in(one.test) == {"__name__"}:
+            known = truth(interpreter.eval(one.test, scope))
+            if known is not None:
+                yield from _taken(one.body if known else one.orelse, interpreter, scope)
+                continue
+        yield one
+
+
+def _names_in(test: ast.expr) -> set[str]:
+    return {node.id for node in ast.walk(test) if isinstance(node, ast.Name)}
 
 
 def _fills(name: str, node: ast.AST) -> bool:
