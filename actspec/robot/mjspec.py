@@ -26,8 +26,10 @@ from actspec.files import note, read_regular
 from actspec.guest import at_work
 from actspec.robot.assets import (
     MOST_MESH_BYTES,
+    STAND_IN,
     MeshDependence,
     base_name,
+    decodes,
     give_placeholder_masses,
     mesh_dependence,
     mesh_path,
@@ -54,8 +56,6 @@ Before 3.7 the number had another form, 327 for 3.2.7, which is smaller too.
 
 _USE = re.compile(r"use '(\w+)' to fix")
 """Of MuJoCo's messages: an attribute of `<compiler>`, which they do not say."""
-
-_MESH_DECODERS = frozenset({".obj", ".stl", ".msh"})
 
 
 @contextmanager
@@ -95,7 +95,7 @@ def open_spec(
 ) -> mujoco.MjSpec:
     """Open a model from its files' bytes, uncompiled.
 
-    Mesh files that MuJoCo has no decoder for (`.dae`) get `.obj` appended to their name in the
+    Mesh files that MuJoCo has no decoder for (`.dae`) get `STAND_IN` appended to their name in the
     spec, and textures other than PNG the content type of a PNG, as no stand-in could serve them.
 
     Args:
@@ -137,14 +137,14 @@ def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
             continue
         path = mesh_path(spec, mesh)
         note([path])
-        if real_assets and usable_file(path):
+        if not decodes(mesh.file, mesh.content_type):
+            # A mesh without a name is called after its file.
+            mesh.name = mesh.name or stem(mesh.file)
+            mesh.file += STAND_IN
+        elif real_assets and usable_file(path):
             if not _takes(path):
                 _add_real(found, mesh.file, path)
             continue
-        if os.path.splitext(mesh.file)[1].lower() not in _MESH_DECODERS and not mesh.content_type:
-            # A mesh without a name is called after its file.
-            mesh.name = mesh.name or stem(mesh.file)
-            mesh.file += ".obj"
         found[key_of(mesh.file)] = stand_in("mesh", mesh.file, content_type=mesh.content_type)
     for texture in spec.textures:
         names = [name for name in (texture.file, *texture.cubefiles) if name]

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.files import FAULTS, read_regular
-from actspec.robot.assets import base_name, usable_file
+from actspec.robot.assets import DECODED, base_name, decodes, usable_file
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_edit import AppendChild, Edit, SetAttribute, escape_attribute
 from actspec.robot.xml_tree import Element, XmlDocument
@@ -186,6 +186,27 @@ def not_there(document: XmlDocument) -> Mapping[str, str]:
         path = os.path.normpath(os.path.join(start, base_name(name) if stripped else name))
         if name and not name.startswith(_PACKAGE) and not usable_file(path):
             found[name] = os.path.dirname(path)
+    return found
+
+
+def unread(document: XmlDocument, packages: Mapping[str, str]) -> Mapping[str, str]:
+    """Mesh files of a model that MuJoCo has no decoder for, there or not.
+
+    Returns: By name, as the model has it, the same with another ending where such a file is there; else "".
+    """
+    source = os.path.dirname(os.path.abspath(document.files[0].path))
+    start = os.path.join(source, _mesh_folder(document))
+    found: dict[str, str] = {}
+    for element in document.walk("mesh"):
+        name = element.get("file") or ""
+        if name and not decodes(name, element.get("content_type") or ""):
+            others = (os.path.splitext(name)[0] + ending for ending in DECODED)
+            there = (
+                other
+                for other in others
+                if package_file(other, source, packages) or usable_file(os.path.join(start, other))
+            )
+            found[name] = next(there, "")
     return found
 
 
