@@ -321,3 +321,14 @@ def test_a_mesh_of_an_mjcf_that_mujoco_does_not_read(tmp_path: Path, canonical: 
     )
     (text,) = [file.data.decode() for file in output.outputs(done) if file.path.endswith(".xml")]
     assert 'file="meshes/x.dae"' in text and 'file="y.Stl"' in text
+
+
+def test_the_line_of_a_mesh_that_is_seen_too(tmp_path: Path) -> None:
+    """A visual of the same file goes before it: the collision is told, which MuJoCo keeps."""
+    own = with_dae(tmp_path)
+    path = own / "urdf" / "r.urdf"
+    text = path.read_text(encoding="utf-8")
+    seen = '<visual><geometry><mesh filename="package://my_desc/meshes/x.dae"/></geometry></visual>'
+    path.write_text(text.replace('<link name="a"/>', f'<link name="a">{seen}</link>'), encoding="utf-8")
+    (item,) = [item for item in compiled(own).diagnostics if item.code == "MJC034"]
+    assert item.span is not None and item.span.line == 3
