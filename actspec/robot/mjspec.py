@@ -42,6 +42,7 @@ from actspec.robot.attached import key_of, opened_by
 from actspec.robot.sizes import check
 from actspec.robot.view import ModelFile, ModelFormat
 from actspec.robot.xml import parse_document
+from actspec.robot.xml_edit import SetAttribute, apply_edits
 from actspec.robot.xml_tree import NUMBER, Element, XmlDocument, legible
 
 if TYPE_CHECKING:
@@ -117,6 +118,8 @@ def open_spec(
             help="pip install 'mujoco>=3.7'; for an older simulator state `version` of the target",
         )
     document = document if document is not None else parse_document(files)
+    if format is ModelFormat.URDF:
+        document = _named_once(document)
     text = splice(document)
     folder = os.path.dirname(os.path.abspath(files[0].path))
     opened = {}
@@ -334,6 +337,43 @@ def _first_colours(files: Sequence[ModelFile]) -> tuple[ModelFile, ...]:
             pieces += [data[begin : extra.start], b"\n" * data.count(b"\n", extra.start, extra.end)]
             begin = extra.end
     return (replace(files[0], data=b"".join((*pieces, data[begin:]))), *files[1:])
+
+
+def _named_once(document: XmlDocument) -> XmlDocument:
+    """A URDF whose shapes have the names that MuJoCo gives them: what it drops it prints to standard error itself.
+
+    3.7 gives a shape without a name that of the shape before it in its link, and drops it, too.
+    """
+    bare = nameless_shapes(document)
+    for link in document.sections("link"):
+        shapes = [child for child in link.children if child.tag in _SHAPES]
+        if any(shape.get("name") for shape in shapes):
+            bare += [shape for shape in shapes if shape.get("name") is None]
+    edited = apply_edits(document, [SetAttribute(shape, "name", "") for shape in bare])
+    return parse_document(edited) if bare else document
+
+
+_SHAPES = ("visual", "collision")
+
+
+def nameless_shapes(document: XmlDocument) -> list[Element]:
+    """Shapes of a URDF that have the name of one before them: MuJoCo leaves them without one.
+
+    Measured with MuJoCo 3.7.0 and 4.0.0: links count in the order of the text, and visuals where they are kept.
+    """
+    compilers = (
+        part for own in document.sections("mujoco")[:1] for part in own.children if part.tag == "compiler"
+    )
+    kept = any(compiler.get("discardvisual") == "false" for compiler in compilers)
+    seen: set[str] = set()
+    found = []
+    for shape in (child for link in document.sections("link") for child in link.children):
+        name = shape.get("name")
+        if name and shape.tag in _SHAPES[not kept :]:
+            if name in seen:
+                found.append(shape)
+            seen.add(name)
+    return found
 
 
 @contextmanager

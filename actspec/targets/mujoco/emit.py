@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, EmitError, Place, RobotError, Span, listed, nearest, one_line
+from actspec.diagnostics import Collector, EmitError, Place, RobotError, Span, listed, many, nearest, one_line
 from actspec.fields import is_placeholder
 from actspec.ir import ActuatorSet
 from actspec.robot.assets import STAND_IN, base_name
@@ -385,7 +385,7 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
         RobotError: MuJoCo cannot open or compile the model.
     """
     from actspec.robot.assets import mesh_dependence
-    from actspec.robot.mjspec import compile_spec, open_spec, open_urdf, quiet
+    from actspec.robot.mjspec import compile_spec, nameless_shapes, open_spec, open_urdf, quiet
 
     files: Sequence[ModelFile] = robot.files
     if robot.format is ModelFormat.URDF:
@@ -418,7 +418,9 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
     view = read_mjcf((main,), inertia=False)
     if robot.format is ModelFormat.URDF:
         speeds = any(joint.velocity_limit is not None for joint in robot.joints)
-        visual = len(list(parse_document(robot.files).walk("visual"))) if discarded else 0
+        author = parse_document(robot.files)
+        visual = len(list(author.walk("visual"))) if discarded else 0
+        nameless = nameless_shapes(author)
         collector.at("", Span(robot.path)).info(
             "MJC015",
             "the URDF is written as an MJCF: its base is fixed to the world, as MuJoCo reads it"
@@ -426,6 +428,12 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
             + (
                 f"; {visual} visual{'s' * (visual > 1)} {'is' if visual == 1 else 'are'} left out"
                 if visual
+                else ""
+            )
+            + (
+                f"; {many(len(nameless), 'shape')} called as one before, in line {nameless[0].line} "
+                f"'{one_line(nameless[0].get('name') or '')}', {'has' if len(nameless) == 1 else 'have'} no name there"
+                if nameless
                 else ""
             ),
             'to keep what is only seen, write `<mujoco><compiler discardvisual="false"/></mujoco>` into the URDF'

@@ -332,3 +332,18 @@ def test_the_line_of_a_mesh_that_is_seen_too(tmp_path: Path) -> None:
     path.write_text(text.replace('<link name="a"/>', f'<link name="a">{seen}</link>'), encoding="utf-8")
     (item,) = [item for item in compiled(own).diagnostics if item.code == "MJC034"]
     assert item.span is not None and item.span.line == 3
+
+
+def test_shapes_of_one_name(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """MuJoCo leaves all but the first without a name; the note on the URDF says so, and nobody else prints."""
+    own = package(tmp_path, "my_desc")
+    shape = '<collision name="foot"><geometry><sphere radius="0.1"/></geometry></collision>\n'
+    text = (own / "urdf" / "r.urdf").read_text(encoding="utf-8")
+    (own / "urdf" / "r.urdf").write_text(
+        text.replace("    <collision>", f"{shape * 3}<collision>"), encoding="utf-8"
+    )
+    (item,) = [item for item in compiled(own).diagnostics if item.code == "MJC015"]
+    assert item.message.endswith("; 2 shapes called as one before, in line 4 'foot', have no name there")
+    assert capfd.readouterr() == ("", "")
+    written = (own / "out" / "mujoco" / "r.xml").read_text(encoding="utf-8")
+    assert written.count('<geom name="foot" size="0.1"') == 1 and written.count('<geom size="0.1"') == 2
