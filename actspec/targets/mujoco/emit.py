@@ -7,7 +7,19 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, EmitError, Place, RobotError, Span, listed, many, nearest, one_line
+from actspec.diagnostics import (
+    Collector,
+    Diagnostic,
+    EmitError,
+    Place,
+    RobotError,
+    Severity,
+    Span,
+    listed,
+    many,
+    nearest,
+    one_line,
+)
 from actspec.fields import is_placeholder
 from actspec.ir import ActuatorSet
 from actspec.robot.assets import STAND_IN, base_name
@@ -27,7 +39,15 @@ from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, tex
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.networks import runtime_files
-from actspec.targets.mujoco.paths import layout, not_there, package_of, unread, unresolved, written_files
+from actspec.targets.mujoco.paths import (
+    layout,
+    not_there,
+    package_of,
+    packages_named,
+    unread,
+    unresolved,
+    written_files,
+)
 from actspec.targets.mujoco.plan import Plan, integrator_for, plan_model, unchanged_controls, with_keys
 
 if TYPE_CHECKING:
@@ -62,6 +82,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     document = parse_document(robot.files)
     place = collector.at("robot.model", Span(given))
     _say_lacking_meshes(document, packages, place)
+    _say_unused_packages(document, author, packages, place)
     if is_urdf:
         _say_missing_meshes(document, place)
     _say_unread_meshes(document, author, packages, collector)
@@ -163,6 +184,27 @@ def _say_lacking_meshes(document: XmlDocument, packages: Mapping[str, str], plac
             f"MuJoCo cannot open: {listed(absent, 4)}",
             _near(absent) or _looked_in(absent),
         )
+
+
+def _say_unused_packages(
+    document: XmlDocument, author: XmlDocument, packages: Mapping[str, str], place: Place
+) -> None:
+    """Report packages that no file of the model is named by; of a mesh that is not found it is said there."""
+    named = packages_named(author)
+    told = frozenset(map(package_of, unresolved(document, packages)[0]))
+    for name in sorted(packages.keys() - named):
+        guess = nearest(name, sorted(named - packages.keys()))
+        if guess not in told:
+            place.collector.add(
+                Diagnostic(
+                    "MJC035",
+                    Severity.WARNING if guess else Severity.INFO,
+                    f"the model names no file by the package '{name}', which `robot.packages` or --package has",
+                    place.where,
+                    place.span,
+                    f"did you mean '{guess}'?" if guess else None,
+                )
+            )
 
 
 def _say_missing_meshes(document: XmlDocument, place: Place) -> None:

@@ -170,8 +170,7 @@ def unresolved(
         if root is None:
             strange.append(name)
         else:
-            inner = name.removeprefix(_PACKAGE).partition("/")[2]
-            folder = os.path.dirname(os.path.realpath(os.path.join(root, inner)))
+            folder = os.path.dirname(os.path.realpath(os.path.join(root, _parts(name)[1])))
             absent[name] = folder if folder.startswith(root + os.sep) else root
     return tuple(strange), absent
 
@@ -210,9 +209,21 @@ def unread(document: XmlDocument, packages: Mapping[str, str]) -> Mapping[str, s
     return found
 
 
+def packages_named(document: XmlDocument) -> frozenset[str]:
+    """The packages that a model names files by."""
+    names = (element.get("filename") or element.get("file") or "" for element in document.walk())
+    return frozenset(package_of(name) for name in names if name.startswith(_PACKAGE))
+
+
 def package_of(name: str) -> str:
     """The package that `package://NAME/path` is of."""
-    return name.removeprefix(_PACKAGE).partition("/")[0]
+    return _parts(name)[0]
+
+
+def _parts(name: str) -> tuple[str, str]:
+    """Package and path of `package://NAME/path`; with three slashes, as example-robot-data 6.0.0 has it, the same."""
+    package, _, inner = name.removeprefix(_PACKAGE).lstrip("/").partition("/")
+    return package, inner
 
 
 def package_file(name: str, source: str, packages: Mapping[str, str]) -> str | None:
@@ -228,7 +239,7 @@ def package_file(name: str, source: str, packages: Mapping[str, str]) -> str | N
     """
     if not name.startswith(_PACKAGE):
         return None
-    package, _, inner = name.removeprefix(_PACKAGE).partition("/")
+    package, inner = _parts(name)
     root = _package_folder(package, source, packages)
     if root is None:
         return None

@@ -178,6 +178,9 @@ def test_a_misspelt_package_of_the_spec(tmp_path: Path) -> None:
         ("package://my_desc/meshes/y.obj", False),
         ("package://my_desc/../secret.obj", False),
         ("package://my_desc/link.obj", False),
+        ("package:///my_desc/meshes/x.obj", True),
+        ("package:////my_desc/meshes/x.obj", True),
+        ("package:///my_desc//../secret.obj", False),
         ("package:///meshes/x.obj", False),
         ("meshes/x.obj", False),
     ],
@@ -347,3 +350,53 @@ def test_shapes_of_one_name(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -
     assert capfd.readouterr() == ("", "")
     written = (own / "out" / "mujoco" / "r.xml").read_text(encoding="utf-8")
     assert written.count('<geom name="foot" size="0.1"') == 1 and written.count('<geom size="0.1"') == 2
+
+
+def test_a_package_behind_three_slashes(tmp_path: Path) -> None:
+    """It is the one of the name behind them, around the file or of the spec; where it is strange it is asked for."""
+    import mujoco
+
+    own = package(tmp_path, "my_desc")
+    text = (own / "urdf" / "r.urdf").read_text(encoding="utf-8").replace("package://", "package:///")
+    (own / "urdf" / "r.urdf").write_text(text, encoding="utf-8")
+    assert "MJC029" not in [item.code for item in compiled(own).diagnostics]
+    assert mujoco.MjModel.from_xml_path(str(own / "out" / "mujoco" / "r.xml")).nmesh == 1
+    strange = package(tmp_path, "clone")
+    (strange / "urdf" / "r.urdf").write_text(text, encoding="utf-8")
+    spec = SPEC.replace("r.urdf}", "r.urdf, packages: {my_dsc: ../my_desc}}")
+    (strange / "s.yaml").write_text(spec, encoding="utf-8")
+    done = compiled(strange)
+    assert reported(done)[1] == "did you mean `my_desc` for `my_dsc` in `robot.packages` or --package?"
+    assert "MJC035" not in [item.code for item in done.diagnostics]
+    (strange / "s.yaml").write_text(spec.replace("my_dsc", "my_desc"), encoding="utf-8")
+    compiled(strange)
+    assert mujoco.MjModel.from_xml_path(str(strange / "out" / "mujoco" / "r.xml")).nmesh == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "severity", "help"),
+    [
+        ("my_dsc", "warning", "did you mean 'my_desc'?"),
+        ("other", "info", None),
+        ("my_desc", "", None),
+        ("seen", "", None),
+    ],
+)
+def test_a_package_that_the_model_does_not_name(
+    tmp_path: Path, name: str, severity: str, help: str | None
+) -> None:
+    """The meshes are found around the file without it: it is told, as a warning where it is nearly the right name."""
+    own = package(tmp_path, "my_desc")
+    seen = '<visual><geometry><mesh filename="package://seen/y.obj"/></geometry></visual><collision>'
+    text = (own / "urdf" / "r.urdf").read_text(encoding="utf-8").replace("<collision>", seen)
+    (own / "urdf" / "r.urdf").write_text(text, encoding="utf-8")
+    (own / "s.yaml").write_text(
+        SPEC.replace("r.urdf}", f"r.urdf, packages: {{{name}: .}}}}"), encoding="utf-8"
+    )
+    found = [item for item in compiled(own).diagnostics if item.code in ("MJC029", "MJC035")]
+    assert [(item.code, item.severity.value, item.help) for item in found] == [
+        ("MJC035", severity, help)
+    ] * bool(severity)
+    if found:
+        said = f"the model names no file by the package '{name}', which `robot.packages` or --package has"
+        assert found[0].message == said
