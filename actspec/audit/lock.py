@@ -113,7 +113,7 @@ def remarks(case: Case, lock: Mapping[str, Any], names: Mapping[str, str]) -> It
         names: Path of a file to its name in the lock.
     """
     for file in case.files:
-        for model in file.refused_models:
+        for model in file.refused_models if file.whole is None else ():
             message = f"the model does not compile, and is recorded from its text alone: {model.text_only}"
             yield Diagnostic("LCK004", Severity.WARNING, message, "", model.refused_at or Span(file.path))
         said = said_of(file)

@@ -23,7 +23,7 @@ from actspec.report.compile import summary
 from actspec.report.doubts import doubts, refusal, refused_losses
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named, split
-from actspec.targets.base import NO_LIMIT
+from actspec.targets.base import NO_LIMIT, NOT_LOADED
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -33,7 +33,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "Compile specs to the configuration of each target. Files go to build/ROBOT/TARGET/ and are replaced only "
         "when they differ.",
         "actspec compile robots/a1.yaml -t mujoco -o out",
-        "0 compiled; 1 stale files with --check or --diff, or what --strict refuses; 2 could not compile",
+        "0 compiled; 1 stale files with --check or --diff, what --strict refuses, or written files that MuJoCo cannot "
+        "load; 2 could not compile",
     )
     add_specs(command)
     command.add_argument("-o", "--output", metavar="DIR", help="write below DIR (default: build/ROBOT)")
@@ -48,7 +49,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--strict",
         action="store_true",
         help="write nothing and exit 1 on an approximation that the spec does not accept, a number that can hardly "
-        "be right, or a drive without an effort limit",
+        "be right, a drive without an effort limit, or a model that MuJoCo cannot load",
     )
     command.add_argument(
         "--canonical", action="store_true", help="write MuJoCo's own form, not the author's text"
@@ -78,10 +79,10 @@ def run(arguments: argparse.Namespace) -> int:
     doubtful = (
         [item for compilation in done for item in doubts(compilation.diagnostics)] if arguments.strict else []
     )
-    unlimited = arguments.strict and any(
-        item.code == NO_LIMIT for compilation in done for item in compilation.diagnostics
-    )
-    stopped = bool(refused or doubtful or unlimited)
+    codes = {item.code for compilation in done for item in compilation.diagnostics}
+    unlimited = arguments.strict and NO_LIMIT in codes
+    unloaded = NOT_LOADED in codes and not dry
+    stopped = bool(refused or doubtful or unlimited or (arguments.strict and NOT_LOADED in codes))
     if not dry and not stopped:
         output.write([file for group in files for file in group], force=arguments.force)
     if arguments.output_format == "json":
@@ -102,7 +103,14 @@ def run(arguments: argparse.Namespace) -> int:
             print(
                 f"--strict: drives without an effort limit, which nobody states ({NO_LIMIT})", file=sys.stderr
             )
-    if stopped or (dry and stale):
+        if unloaded:
+            said = (
+                "nothing was written: MuJoCo could not load it"
+                if stopped
+                else "MuJoCo does not load what was written"
+            )
+            print(f"{'--strict: ' * stopped}{said} ({NOT_LOADED})", file=sys.stderr)
+    if stopped or unloaded or (dry and stale):
         return EXIT_FINDINGS
     return EXIT_CLEAN
 

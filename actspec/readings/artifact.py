@@ -363,6 +363,7 @@ class FileReading:
         in_folder: Whether it was found in a folder that was named, and was not named itself.
         put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
         included: Whether another file of the audit includes it, which can be read or not.
+        whole: Of a model that MuJoCo refuses alone, a file beside those of the audit that includes it and compiles.
         refused: The place that `reason` is about; None: the file as a whole.
         unnamed: Of a model in a folder whose programs name models there: whether neither they nor a model that they
             name name it.
@@ -381,6 +382,7 @@ class FileReading:
     in_folder: bool = False
     put_aside: bool = False
     included: bool = False
+    whole: str | None = None
     refused: Span | None = None
     unnamed: bool = False
     written: frozenset[str] = frozenset()
@@ -398,6 +400,11 @@ class FileReading:
         if self.in_folder or self.included:
             return ()
         return tuple(artifact for artifact in self.artifacts if artifact.is_refused)
+
+    @property
+    def compiles(self) -> bool:
+        """Whether it is a robot file that MuJoCo takes."""
+        return bool(self.artifacts) and all(one.robot and one.text_only is None for one in self.artifacts)
 
     @property
     def not_taken(self) -> tuple[Diagnostic, ...]:

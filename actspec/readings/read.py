@@ -13,6 +13,7 @@ from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, listed, 
 from actspec.files import NotRegular, TooLarge, read_regular, why
 from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import Artifact, FileKind, FileReading, without_comments
+from actspec.readings.including import INCLUDED, MOST_WHOLES, Around
 from actspec.readings.programs import ASIDE, Idle, files_in, idle, programs_in
 from actspec.robot.sizes import TOO_LARGE
 from actspec.robot.view import ModelFile, RobotView
@@ -317,7 +318,13 @@ class PendingFiles:
         """
         found: dict[int, FileReading] = {}
         again: dict[int, int] = {}
+        around: dict[int, tuple[int, str]] = {}
         for task, answer in self._pool.results():
+            if task in around:
+                index, path = around[task]
+                if isinstance(answer, FileReading) and answer.compiles:
+                    found[index] = replace(found[index], whole=min(path, found[index].whole or path))
+                continue
             index = again.get(task, task)
             path, keep_matrices = self._tasks[index]
             if isinstance(answer, LostError):
@@ -326,6 +333,9 @@ class PendingFiles:
                     continue
                 answer = _lost(path, str(answer))
             found[index] = answer
+            if answer.refused_models and (self._files[index].named or self._files[index].folder is None):
+                wholes = Around(path).wholes(INCLUDED)[:MOST_WHOLES]
+                around.update((self._pool.add(one, False, None), (index, one)) for one in wholes)
             if progress is not None:
                 progress(len(found), len(self._files))
         chosen = _chosen(self._paths, self._files, found, self._skip_other, self.exclude, self._not_read)

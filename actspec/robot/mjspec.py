@@ -26,8 +26,10 @@ from actspec.files import note, read_regular
 from actspec.guest import at_work
 from actspec.robot.assets import (
     MOST_MESH_BYTES,
+    STAND_IN,
     MeshDependence,
     base_name,
+    decodes,
     give_placeholder_masses,
     mesh_dependence,
     mesh_path,
@@ -40,6 +42,7 @@ from actspec.robot.attached import key_of, opened_by
 from actspec.robot.sizes import check
 from actspec.robot.view import ModelFile, ModelFormat
 from actspec.robot.xml import parse_document
+from actspec.robot.xml_edit import SetAttribute, apply_edits
 from actspec.robot.xml_tree import NUMBER, Element, XmlDocument, legible
 
 if TYPE_CHECKING:
@@ -54,8 +57,6 @@ Before 3.7 the number had another form, 327 for 3.2.7, which is smaller too.
 
 _USE = re.compile(r"use '(\w+)' to fix")
 """Of MuJoCo's messages: an attribute of `<compiler>`, which they do not say."""
-
-_MESH_DECODERS = frozenset({".obj", ".stl", ".msh"})
 
 
 @contextmanager
@@ -95,7 +96,7 @@ def open_spec(
 ) -> mujoco.MjSpec:
     """Open a model from its files' bytes, uncompiled.
 
-    Mesh files that MuJoCo has no decoder for (`.dae`) get `.obj` appended to their name in the
+    Mesh files that MuJoCo has no decoder for (`.dae`) get `STAND_IN` appended to their name in the
     spec, and textures other than PNG the content type of a PNG, as no stand-in could serve them.
 
     Args:
@@ -117,6 +118,8 @@ def open_spec(
             help="pip install 'mujoco>=3.7'; for an older simulator state `version` of the target",
         )
     document = document if document is not None else parse_document(files)
+    if format is ModelFormat.URDF:
+        document = _named_once(document)
     text = splice(document)
     folder = os.path.dirname(os.path.abspath(files[0].path))
     opened = {}
@@ -137,14 +140,14 @@ def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
             continue
         path = mesh_path(spec, mesh)
         note([path])
-        if real_assets and usable_file(path):
+        if not decodes(mesh.file, mesh.content_type):
+            # A mesh without a name is called after its file.
+            mesh.name = mesh.name or stem(mesh.file)
+            mesh.file += STAND_IN
+        elif real_assets and usable_file(path):
             if not _takes(path):
                 _add_real(found, mesh.file, path)
             continue
-        if os.path.splitext(mesh.file)[1].lower() not in _MESH_DECODERS and not mesh.content_type:
-            # A mesh without a name is called after its file.
-            mesh.name = mesh.name or stem(mesh.file)
-            mesh.file += ".obj"
         found[key_of(mesh.file)] = stand_in("mesh", mesh.file, content_type=mesh.content_type)
     for texture in spec.textures:
         names = [name for name in (texture.file, *texture.cubefiles) if name]
@@ -334,6 +337,43 @@ def _first_colours(files: Sequence[ModelFile]) -> tuple[ModelFile, ...]:
             pieces += [data[begin : extra.start], b"\n" * data.count(b"\n", extra.start, extra.end)]
             begin = extra.end
     return (replace(files[0], data=b"".join((*pieces, data[begin:]))), *files[1:])
+
+
+def _named_once(document: XmlDocument) -> XmlDocument:
+    """A URDF whose shapes have the names that MuJoCo gives them: what it drops it prints to standard error itself.
+
+    3.7 gives a shape without a name that of the shape before it in its link, and drops it, too.
+    """
+    bare = nameless_shapes(document)
+    for link in document.sections("link"):
+        shapes = [child for child in link.children if child.tag in _SHAPES]
+        if any(shape.get("name") for shape in shapes):
+            bare += [shape for shape in shapes if shape.get("name") is None]
+    edited = apply_edits(document, [SetAttribute(shape, "name", "") for shape in bare])
+    return parse_document(edited) if bare else document
+
+
+_SHAPES = ("visual", "collision")
+
+
+def nameless_shapes(document: XmlDocument) -> list[Element]:
+    """Shapes of a URDF that have the name of one before them: MuJoCo leaves them without one.
+
+    Measured with MuJoCo 3.7.0 and 4.0.0: links count in the order of the text, and visuals where they are kept.
+    """
+    compilers = (
+        part for own in document.sections("mujoco")[:1] for part in own.children if part.tag == "compiler"
+    )
+    kept = any(compiler.get("discardvisual") == "false" for compiler in compilers)
+    seen: set[str] = set()
+    found = []
+    for shape in (child for link in document.sections("link") for child in link.children):
+        name = shape.get("name")
+        if name and shape.tag in _SHAPES[not kept :]:
+            if name in seen:
+                found.append(shape)
+            seen.add(name)
+    return found
 
 
 @contextmanager

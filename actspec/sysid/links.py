@@ -199,7 +199,7 @@ def _model(robot: RobotView, joints: Sequence[str]) -> Any:
             "SYS001",
             f"link inertia is unknown: {missing.reason}",
             where="robot.model",
-            help="put the meshes beside the model, or state masses and inertias in it",
+            help=missing.remedy,
         )
     model = compile_spec(spec, files)
     lacking = [n for n in joints if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, n) < 0]

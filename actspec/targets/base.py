@@ -121,6 +121,9 @@ class EmittedFile:
 NO_LIMIT = "SPEC166"
 """A drive is written without any limit of its torque, because nobody states one. `--strict` refuses it."""
 
+NOT_LOADED = "MJC034"
+"""A model is written that its simulator does not load, whatever is put beside it: the exit code says so, too."""
+
 
 @dataclass(frozen=True, slots=True)
 class Emission:

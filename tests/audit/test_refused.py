@@ -111,3 +111,53 @@ def test_a_part_with_a_compiler_is_judged_in_what_includes_it() -> None:
         "robots/leg.xml:7"
     ]
     assert report.for_people() == ()
+
+
+PART = """<mujoco><compiler angle="radian"/>
+<worldbody><body><joint name="knee"/><geom name="foot" size="0.1"/></body></worldbody>
+<contact><pair geom1="foot" geom2="floor"/></contact></mujoco>
+"""
+SCENE = '<mujoco><include file="{}"/><worldbody><geom name="floor" type="plane" size="1 1 1"/></worldbody></mujoco>'
+
+
+@pytest.mark.parametrize(
+    ("scene", "named"),
+    [
+        ("robots/scene.xml", "leg.xml"),
+        ("robots/scenes/scene.xml", "../leg.xml"),
+        ("robots/scenes/flat/scene.xml", "../../leg.xml"),
+        ("scenes/scene.xml", "../robots/leg.xml"),
+        ("scenes/flat/scene.xml", "../../robots/leg.xml"),
+    ],
+)
+def test_a_model_that_compiles_in_its_scene_alone(
+    scene: str, named: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is information, and a lock says nothing of it; where the scene does not compile either, the warning stays."""
+    Path("robots/leg.xml").write_text(PART)
+    Path(scene).parent.mkdir(parents=True, exist_ok=True)
+    Path(scene).write_text(SCENE.format(named))
+    report = audit(["robots/leg.xml"], Settings())
+    (found,) = [item for item in report.findings if item.finding.code == "AUD020"]
+    assert (found.severity.value, str(found.finding.span)) == ("info", "robots/leg.xml:3")
+    assert found.finding.message == (
+        f"the model compiles only in {scene}, which includes it, and is judged from its text alone: MuJoCo refuses the "
+        "model: geom 'floor' not found in collision 0"
+    )
+    assert found.finding.help == f"audit {scene} in its place"
+    assert report.for_people() == ()
+    assert main(["lock", "robots/leg.xml", "-o", "lock.json"]) == 0
+    assert "LCK004" not in capsys.readouterr().err
+    Path("robots/leg.xml").write_text(PART.replace('"foot" geom2', '"fot" geom2'))
+    (found,) = [i for i in audit(["robots/leg.xml"], Settings()).findings if i.finding.code == "AUD020"]
+    assert found.severity.value == "warning"
+
+
+def test_of_several_scenes_the_first_that_compiles() -> None:
+    """By its path, whichever is read first."""
+    Path("robots/leg.xml").write_text(PART)
+    Path("robots/a.xml").write_text('<mujoco><include file="leg.xml"/></mujoco>')
+    for name in ("c", "b"):
+        Path(f"robots/{name}.xml").write_text(SCENE.format("leg.xml"))
+    (found,) = [i for i in audit(["robots/leg.xml"], Settings()).findings if i.finding.code == "AUD020"]
+    assert found.finding.help == "audit robots/b.xml in its place"

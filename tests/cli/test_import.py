@@ -475,16 +475,26 @@ LEG = f'<mujocoinclude><worldbody><body name="b">{INERTIAL}<joint name="hip"/></
         ("a/b/c/legs.xml", "", {"main.xml": "a/b/c/legs.xml"}),
         ("parts/legs.xml", "", {"main.xml": "legs.xml"}),
         ("parts/legs.xml", "one.xml, two.xml", {"one.xml": "parts/legs.xml", "two.xml": "./parts/legs.xml"}),
+        ("a/legs.xml", "a/scenes/s.xml", {"a/scenes/s.xml": "../legs.xml", "a/scenes/t.xml": "legs.xml"}),
+        ("a/legs.xml", "a/tasks/flat/s.xml", {"a/tasks/flat/s.xml": "../../legs.xml"}),
+        ("a/legs.xml", "", {"a/b/c/d/s.xml": "../../../legs.xml"}),
+        ("a/legs.xml", "scenes/s.xml", {"scenes/s.xml": "../a/legs.xml", "a/.old/s.xml": "../legs.xml"}),
+        ("a/legs.xml", "scenes/flat/s.xml", {"scenes/flat/s.xml": "../../a/legs.xml"}),
+        ("a/legs.xml", "a/s.xml", {"a/s.xml": "legs.xml", "a/scenes/s.xml": "../legs.xml"}),
     ],
-    ids=["above", "two above", "beside is another", "three above", "another legs.xml", "two of them"],
+    ids=[
+        *("above", "two above", "beside is another", "three above", "another legs.xml", "two of them"),
+        *("below", "two below", "three below", "beside", "two beside", "near before below"),
+    ],
 )
-def test_a_part_below_its_whole(
+def test_a_part_and_its_whole(
     folder: Path, part: str, whole: str, files: dict[str, str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The model is looked for in two folders above too; where none is found, a part is still told as one."""
+    """The model is looked for up to two folders above, below and beside; where none is, a part is still told as one."""
     (folder / part).parent.mkdir(parents=True)
     (folder / part).write_text(LEG, encoding="utf-8")
     for name, file in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(ANGLE.format(file=file), encoding="utf-8")
     assert main(["import", part]) == 2
     said = capsys.readouterr().err
@@ -500,10 +510,10 @@ def test_a_part_below_its_whole(
 @pytest.mark.parametrize(
     ("mark", "found"), [("", False), ("project/.git", True), ("project/package.xml", True), (".git", True)]
 )
-def test_a_part_beside_its_whole(
+def test_a_part_far_from_its_whole(
     folder: Path, mark: str, found: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A model in a folder beside that of its parts is found in a project alone; hidden folders are not read."""
+    """A model in a folder beside one above its parts is found in a project alone; hidden folders are not read."""
     for name in ("project/shared/parts/legs/legs.xml", "project/robot/main.xml", "project/.old/main.xml"):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
     (folder / "project/shared/parts/legs/legs.xml").write_text(LEG, encoding="utf-8")

@@ -15,7 +15,7 @@ import pytest
 from actspec.audit.read import read_files
 from actspec.diagnostics import RobotError, Severity
 from actspec.ir import JointKind
-from actspec.robot.assets import mesh_dependence
+from actspec.robot.assets import decodes, mesh_dependence, stand_in
 from actspec.robot.load import load_robot
 from actspec.robot.mjspec import compile_spec, open_spec, quiet, splice
 from actspec.robot.read_mjcf import read_mjcf
@@ -576,8 +576,59 @@ def test_inertia_from_absent_meshes_is_unknown() -> None:
     """Without an explicit inertia the stand-ins would be weighed: the inertia is unknown instead."""
     view = read(ASSETS.format(""))
     assert view.inertia is None
-    assert view.inertia_reason == "the mass of body 'b' comes from mesh files that are not there"
+    assert view.inertia_reason == (
+        "the mass of body 'b' comes from mesh files that are not there or that MuJoCo cannot read (.dae)"
+    )
     assert [j.name for j in view.joints] == ["j"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "m.obj",
+        "m.OBJ",
+        "m.Obj",
+        "m.stl",
+        "m.STL",
+        "m.Stl",
+        "m.msh",
+        "m.MSH",
+        "m.mSh",
+        "m.dae",
+        "m.ply",
+        "m.glb",
+        "m",
+    ],
+)
+def test_meshes_that_mujoco_reads(tmp_path: Path, name: str) -> None:
+    """As MuJoCo itself has it: with the file there it loads the model, or has no decoder."""
+    text = f'<mujoco><asset><mesh name="m" file="{name}"/></asset><worldbody><body><joint name="j"/><geom type="mesh"'
+    text += ' mesh="m"/></body></worldbody></mujoco>'
+    (tmp_path / "r.xml").write_text(text)
+    (tmp_path / name).write_bytes(stand_in("mesh", name))
+    try:
+        mujoco.MjModel.from_xml_path(str(tmp_path / "r.xml"))
+    except ValueError as err:
+        assert "no decoder found for mesh file" in str(err)
+        assert not decodes(name)
+        # What it weighs nobody knows, though the file is there.
+        reason = load_robot(str(tmp_path / "r.xml")).inertia_reason
+        ending = os.path.splitext(name)[1] or "no ending"
+        assert reason == f"the mass of body '' comes from mesh files that MuJoCo cannot read ({ending})"
+    else:
+        assert decodes(name)
+        assert load_robot(str(tmp_path / "r.xml")).inertia is not None
+
+
+def test_a_mesh_that_is_read_beside_one_that_is_not(tmp_path: Path) -> None:
+    """The COLLADA weighs nothing: masses come from the other, which is there."""
+    (tmp_path / "r.xml").write_text(
+        '<mujoco><asset><mesh file="a.obj"/><mesh file="b.dae"/></asset><worldbody><body><joint name="j" axis="0 0 1"/>'
+        '<geom type="mesh" mesh="a"/><geom type="mesh" mesh="b" mass="0"/></body></worldbody></mujoco>'
+    )
+    for name in ("a.obj", "b.dae"):
+        (tmp_path / name).write_bytes(stand_in("mesh", "a.obj"))
+    assert load_robot(str(tmp_path / "r.xml")).inertia is not None
 
 
 @pytest.mark.parametrize(

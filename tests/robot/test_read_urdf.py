@@ -7,6 +7,7 @@ import os
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -334,6 +335,43 @@ def test_first_colour_stays() -> None:
     spec, files = open_urdf((ModelFile("r.urdf", "", text.encode()),))
     assert sorted(float(row[0]) for row in spec.compile().geom_rgba) == [0.125, 0.25]
     assert files[0].data.count(b"\n") == text.count("\n")
+
+
+def shape(tag: str, name: str | None, radius: float) -> str:
+    """A sphere that is seen or solid."""
+    called = "" if name is None else f' name="{name}"'
+    return f'<{tag}{called}><geometry><sphere radius="{radius}"/></geometry></{tag}>'
+
+
+KEEP = '<mujoco><compiler discardvisual="false"/></mujoco>'
+
+
+@pytest.mark.parametrize(
+    ("links", "names", "head"),
+    [
+        ([shape("collision", "f", 1) + shape("collision", "f", 2)], {1: "f", 2: ""}, ""),
+        ([shape("collision", "f", 1) + shape("collision", None, 2)], {1: "f", 2: ""}, ""),
+        ([shape("collision", "f", 1) + shape("collision", None, 2)], {1: "f", 2: ""}, KEEP),
+        ([shape("collision", "f", 1), shape("collision", "f", 2)], {1: "f", 2: ""}, ""),
+        ([shape("visual", "f", 1) + shape("collision", "f", 2)], {2: "f"}, ""),
+        ([shape("visual", "f", 1) + shape("collision", "f", 2)], {1: "f", 2: ""}, KEEP),
+        ([shape("collision", "f", 1) + shape("visual", "f", 2)], {1: "f", 2: ""}, KEEP),
+        ([shape("collision", "f", 1) + shape("collision", "g", 2)], {1: "f", 2: "g"}, ""),
+    ],
+)
+def test_mujoco_prints_nothing_of_shapes_with_one_name(
+    links: list[str], names: dict[float, str], head: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The names are those that MuJoCo gives, which it would print to standard error itself; the file's bytes stay."""
+    # `d` hangs on `c` and stands before it: the order of the text counts.
+    parts = [f'<link name="{n}">{inner}</link>' for n, inner in zip("dc", [*links, ""], strict=False)]
+    text = robot(joint(name="k", child="c") + joint(parent="c", child="d"), "".join(parts) + head)
+    spec, files = open_urdf((ModelFile("r.urdf", "", text.encode()),))
+    assert capfd.readouterr() == ("", "")
+    assert {float(geom.size[0]): geom.name for geom in spec.geoms} == names
+    assert files[0].data == text.encode()
+    theirs = mujoco.MjSpec.from_string(text)
+    assert {float(geom.size[0]): geom.name for geom in theirs.geoms} == names
 
 
 def test_mass_from_absent_mesh_is_unknown() -> None:

@@ -7,18 +7,31 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, EmitError, Place, RobotError, Span, listed, nearest, one_line
+from actspec.diagnostics import (
+    Collector,
+    Diagnostic,
+    EmitError,
+    Place,
+    RobotError,
+    Severity,
+    Span,
+    listed,
+    many,
+    nearest,
+    one_line,
+)
 from actspec.fields import is_placeholder
 from actspec.ir import ActuatorSet
+from actspec.robot.assets import STAND_IN, base_name
 from actspec.robot.load import names_in
 from actspec.robot.mjspec import compile_spec, open_spec
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
 from actspec.robot.xml import parse_document
-from actspec.robot.xml_edit import InsertBefore, apply_edits
+from actspec.robot.xml_edit import InsertBefore, SetAttribute, apply_edits
 from actspec.simulators import DEFAULT_VERSIONS, text_of
 from actspec.simulators.mujoco import KEYFRAME_ACT, MujocoDialect, installed_dialect
-from actspec.targets.base import Emission, EmittedFile, PathError, TargetOptions
+from actspec.targets.base import NOT_LOADED, Emission, EmittedFile, PathError, TargetOptions
 from actspec.targets.check import mujoco_row
 from actspec.targets.kit.joint import unlimited_joints
 from actspec.targets.mujoco.apply_spec import apply_to_spec
@@ -26,7 +39,15 @@ from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, tex
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.networks import runtime_files
-from actspec.targets.mujoco.paths import layout, not_there, package_of, unresolved, written_files
+from actspec.targets.mujoco.paths import (
+    layout,
+    not_there,
+    package_of,
+    packages_named,
+    unread,
+    unresolved,
+    written_files,
+)
 from actspec.targets.mujoco.plan import Plan, integrator_for, plan_model, unchanged_controls, with_keys
 
 if TYPE_CHECKING:
@@ -54,14 +75,17 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     if robot.format is ModelFormat.NONE:
         return _emit_fragment(actuators, robot, dialect, options, collector)
     given, source, packages = robot.path, os.path.basename(robot.path), robot.packages
+    author = parse_document(robot.files)
     is_urdf = robot.format is ModelFormat.URDF
     if options.canonical or is_urdf:
         robot = canonical_files(robot, collector)
     document = parse_document(robot.files)
     place = collector.at("robot.model", Span(given))
     _say_lacking_meshes(document, packages, place)
+    _say_unused_packages(document, author, packages, place)
     if is_urdf:
         _say_missing_meshes(document, place)
+    _say_unread_meshes(document, author, packages, collector)
     bare, lost = plan_model(actuators, robot, dialect, options.name, collector)
     collector.raise_if_failed(EmitError)
     bare = replace(bare, integrator=integrator_for(actuators, robot, document, collector))
@@ -162,6 +186,27 @@ def _say_lacking_meshes(document: XmlDocument, packages: Mapping[str, str], plac
         )
 
 
+def _say_unused_packages(
+    document: XmlDocument, author: XmlDocument, packages: Mapping[str, str], place: Place
+) -> None:
+    """Report packages that no file of the model is named by; of a mesh that is not found it is said there."""
+    named = packages_named(author)
+    told = frozenset(map(package_of, unresolved(document, packages)[0]))
+    for name in sorted(packages.keys() - named):
+        guess = nearest(name, sorted(named - packages.keys()))
+        if guess not in told:
+            place.collector.add(
+                Diagnostic(
+                    "MJC035",
+                    Severity.WARNING if guess else Severity.INFO,
+                    f"the model names no file by the package '{name}', which `robot.packages` or --package has",
+                    place.where,
+                    place.span,
+                    f"did you mean '{guess}'?" if guess else None,
+                )
+            )
+
+
 def _say_missing_meshes(document: XmlDocument, place: Place) -> None:
     """Report meshes that a URDF names by path and that are not there: an MJCF does not load without them either."""
     lost = not_there(document)
@@ -174,6 +219,45 @@ def _say_missing_meshes(document: XmlDocument, place: Place) -> None:
         place.warning(
             "MJC029", f"MuJoCo cannot open {_meshes(lost)}, {which}: {listed(lost, 4)}", _near(lost) or folder
         )
+
+
+def _say_unread_meshes(
+    document: XmlDocument, author: XmlDocument, packages: Mapping[str, str], collector: Collector
+) -> None:
+    """Report meshes that MuJoCo cannot read, at the first of them in the author's text; what is only seen may be none.
+
+    Args:
+        document: What is written: of a URDF MuJoCo's own form.
+        author: The robot's files.
+        packages: Package to its folder, as the spec has them.
+        collector: Takes the diagnostic.
+    """
+    lost = unread(document, packages)
+    if not lost:
+        return
+    named = frozenset(map(base_name, lost))
+    # The same file may be seen first, which MuJoCo leaves out.
+    solid = (mesh for shape in author.walk("collision") for form in shape.children for mesh in form.children)
+    meshes = (
+        e
+        for e in (*solid, *author.walk("mesh"))
+        if base_name(e.get("filename") or e.get("file") or "") in named
+    )
+    place = author.span(next(meshes, author.root))
+    endings = dict.fromkeys(os.path.splitext(name)[1] or "file without an ending" for name in lost)
+    no = listed(f"{end} (COLLADA)" if end.lower() == ".dae" else one_line(end) for end in endings)
+    there = [one_line(base_name(other)) for other in lost.values() if other]
+    it, that = ("it", "that") if len(lost) == 1 else ("them", "those")
+    help = f"convert {it} to .obj or .stl beside {it}, and name {that} in {one_line(place.path)}"
+    if there:
+        help = f"name {listed(there, 4)}, which {'is' if len(there) == 1 else 'are'} there, in {one_line(place.path)}"
+        help += "; convert the others to .obj or .stl" * (len(there) < len(lost))
+    collector.at("robot.model", place).warning(
+        NOT_LOADED,
+        f"MuJoCo reads .obj, .stl and .msh, and no {no}: it does not load what is written, for {_meshes(lost)}: "
+        f"{listed(map(one_line, lost), 4)}",
+        help,
+    )
 
 
 def _near(lacking: Mapping[str, str]) -> str:
@@ -343,7 +427,7 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
         RobotError: MuJoCo cannot open or compile the model.
     """
     from actspec.robot.assets import mesh_dependence
-    from actspec.robot.mjspec import compile_spec, open_spec, open_urdf, quiet
+    from actspec.robot.mjspec import compile_spec, nameless_shapes, open_spec, open_urdf, quiet
 
     files: Sequence[ModelFile] = robot.files
     if robot.format is ModelFormat.URDF:
@@ -369,10 +453,16 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
         text = spec.to_xml()
     path = f"{os.path.splitext(robot.path)[0]}.xml"
     main = ModelFile(path, "", text.encode("utf-8"))
+    document = parse_document((main,))
+    stood_in = (mesh for mesh in document.walk("mesh") if (mesh.get("file") or "").endswith(STAND_IN))
+    names = [SetAttribute(mesh, "file", (mesh.get("file") or "").removesuffix(STAND_IN)) for mesh in stood_in]
+    (main,) = apply_edits(document, names)
     view = read_mjcf((main,), inertia=False)
     if robot.format is ModelFormat.URDF:
         speeds = any(joint.velocity_limit is not None for joint in robot.joints)
-        visual = len(list(parse_document(robot.files).walk("visual"))) if discarded else 0
+        author = parse_document(robot.files)
+        visual = len(list(author.walk("visual"))) if discarded else 0
+        nameless = nameless_shapes(author)
         collector.at("", Span(robot.path)).info(
             "MJC015",
             "the URDF is written as an MJCF: its base is fixed to the world, as MuJoCo reads it"
@@ -380,6 +470,12 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
             + (
                 f"; {visual} visual{'s' * (visual > 1)} {'is' if visual == 1 else 'are'} left out"
                 if visual
+                else ""
+            )
+            + (
+                f"; {many(len(nameless), 'shape')} called as one before, in line {nameless[0].line} "
+                f"'{one_line(nameless[0].get('name') or '')}', {'has' if len(nameless) == 1 else 'have'} no name there"
+                if nameless
                 else ""
             ),
             'to keep what is only seen, write `<mujoco><compiler discardvisual="false"/></mujoco>` into the URDF'

@@ -50,7 +50,7 @@ def model_of(actuators: ActuatorSet, robot: RobotView) -> mujoco.MjModel:
             "SYS001",
             f"link inertia is unknown: {meshes.reason}",
             where="robot.model",
-            help="put the meshes beside the model, or state masses and inertias in it",
+            help=meshes.remedy,
         )
     apply_to_spec(spec, plan, installed_dialect(), f"actspec {actuators.robot}", explicit=True)
     return compile_spec(spec, robot.files)

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.files import FAULTS, read_regular
-from actspec.robot.assets import base_name, usable_file
+from actspec.robot.assets import DECODED, base_name, decodes, usable_file
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_edit import AppendChild, Edit, SetAttribute, escape_attribute
 from actspec.robot.xml_tree import Element, XmlDocument
@@ -170,8 +170,7 @@ def unresolved(
         if root is None:
             strange.append(name)
         else:
-            inner = name.removeprefix(_PACKAGE).partition("/")[2]
-            folder = os.path.dirname(os.path.realpath(os.path.join(root, inner)))
+            folder = os.path.dirname(os.path.realpath(os.path.join(root, _parts(name)[1])))
             absent[name] = folder if folder.startswith(root + os.sep) else root
     return tuple(strange), absent
 
@@ -189,9 +188,42 @@ def not_there(document: XmlDocument) -> Mapping[str, str]:
     return found
 
 
+def unread(document: XmlDocument, packages: Mapping[str, str]) -> Mapping[str, str]:
+    """Mesh files of a model that MuJoCo has no decoder for, there or not.
+
+    Returns: By name, as the model has it, the same with another ending where such a file is there; else "".
+    """
+    source = os.path.dirname(os.path.abspath(document.files[0].path))
+    start = os.path.join(source, _mesh_folder(document))
+    found: dict[str, str] = {}
+    for element in document.walk("mesh"):
+        name = element.get("file") or ""
+        if name and not decodes(name, element.get("content_type") or ""):
+            others = (os.path.splitext(name)[0] + ending for ending in DECODED)
+            there = (
+                other
+                for other in others
+                if package_file(other, source, packages) or usable_file(os.path.join(start, other))
+            )
+            found[name] = next(there, "")
+    return found
+
+
+def packages_named(document: XmlDocument) -> frozenset[str]:
+    """The packages that a model names files by."""
+    names = (element.get("filename") or element.get("file") or "" for element in document.walk())
+    return frozenset(package_of(name) for name in names if name.startswith(_PACKAGE))
+
+
 def package_of(name: str) -> str:
     """The package that `package://NAME/path` is of."""
-    return name.removeprefix(_PACKAGE).partition("/")[0]
+    return _parts(name)[0]
+
+
+def _parts(name: str) -> tuple[str, str]:
+    """Package and path of `package://NAME/path`; with three slashes, as example-robot-data 6.0.0 has it, the same."""
+    package, _, inner = name.removeprefix(_PACKAGE).lstrip("/").partition("/")
+    return package, inner
 
 
 def package_file(name: str, source: str, packages: Mapping[str, str]) -> str | None:
@@ -207,7 +239,7 @@ def package_file(name: str, source: str, packages: Mapping[str, str]) -> str | N
     """
     if not name.startswith(_PACKAGE):
         return None
-    package, _, inner = name.removeprefix(_PACKAGE).partition("/")
+    package, inner = _parts(name)
     root = _package_folder(package, source, packages)
     if root is None:
         return None

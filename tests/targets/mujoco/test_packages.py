@@ -178,6 +178,9 @@ def test_a_misspelt_package_of_the_spec(tmp_path: Path) -> None:
         ("package://my_desc/meshes/y.obj", False),
         ("package://my_desc/../secret.obj", False),
         ("package://my_desc/link.obj", False),
+        ("package:///my_desc/meshes/x.obj", True),
+        ("package:////my_desc/meshes/x.obj", True),
+        ("package:///my_desc//../secret.obj", False),
         ("package:///meshes/x.obj", False),
         ("meshes/x.obj", False),
     ],
@@ -223,3 +226,177 @@ def test_a_package_that_is_none(text: str, said: str, capsys: pytest.CaptureFixt
         main(["validate", "s.yaml", "--package", text])
     assert caught.value.code == 2
     assert said in capsys.readouterr().err
+
+
+def with_dae(tmp_path: Path, kind: str = "collision", head: str = "") -> Path:
+    """The package with a COLLADA in the place of its OBJ."""
+    own = package(tmp_path, "my_desc")
+    text = (
+        URDF.replace("x.obj", "x.dae").replace("collision>", f"{kind}>").replace("<link", f"{head}<link", 1)
+    )
+    (own / "urdf" / "r.urdf").write_text(text, encoding="utf-8")
+    (own / "meshes" / "x.obj").rename(own / "meshes" / "x.dae")
+    return own
+
+
+NOT_LOADED = (
+    "MuJoCo reads .obj, .stl and .msh, and no .dae (COLLADA): it does not load what is written, for 1 mesh file: "
+    "package://my_desc/meshes/x.dae"
+)
+KEPT = '<mujoco><compiler discardvisual="false"/></mujoco>'
+
+
+@pytest.mark.parametrize(("kind", "head"), [("collision", ""), ("collision", KEPT), ("visual", KEPT)])
+def test_a_mesh_that_mujoco_does_not_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, head: str
+) -> None:
+    """It is written by its true name, and MuJoCo does not load it: exit code 1 says so, and what is there instead."""
+    import mujoco
+
+    own = with_dae(tmp_path, kind, head)
+    command = ["compile", str(own / "s.yaml"), "-t", "mujoco", "-o", str(own / "out")]
+    assert main(command) == 1
+    said = capsys.readouterr().err
+    at = own / "urdf" / "r.urdf"
+    assert f"{at}:3:{URDF.splitlines()[2].index('<mesh') + 1 + len(kind) - 9}: MJC034 [warning] " in said
+    assert NOT_LOADED in said and "MJC029" not in said
+    assert f"  help: convert it to .obj or .stl beside it, and name that in {at}\n" in said
+    assert said.endswith("MuJoCo does not load what was written (MJC034)\n")
+    written = own / "out" / "mujoco" / "r.xml"
+    assert 'file="../meshes/x.dae"' in written.read_text(encoding="utf-8")
+    with pytest.raises(ValueError, match=r"no decoder found for mesh file .*x\.dae'"):
+        mujoco.MjModel.from_xml_path(str(written))
+    # As the help says; then there is nothing to say.
+    (own / "meshes" / "x.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    assert main(command) == 1
+    assert f"  help: name x.obj, which is there, in {at}\n" in capsys.readouterr().err
+    at.write_text(at.read_text(encoding="utf-8").replace("x.dae", "x.obj"), encoding="utf-8")
+    assert main(command) == 0
+    assert mujoco.MjModel.from_xml_path(str(written)).nmesh == 1
+
+
+def test_strict_does_not_write_what_mujoco_does_not_load(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`--check` is about files that are there alone: it finds none stale, and says it all the same."""
+    own = with_dae(tmp_path)
+    accepted = SPEC + 'accept: {mujoco.velocity_limit: "none"}\n'
+    (own / "s.yaml").write_text(accepted, encoding="utf-8")
+    command = ["compile", str(own / "s.yaml"), "-t", "mujoco", "-o", str(own / "out")]
+    assert main([*command, "--strict"]) == 1
+    assert "--strict: nothing was written: MuJoCo could not load it (MJC034)\n" in capsys.readouterr().err
+    assert not (own / "out").exists()
+    assert main(command) == 1
+    capsys.readouterr()
+    assert main([*command, "--check"]) == 0
+    assert NOT_LOADED in capsys.readouterr().err
+
+
+def test_a_mesh_that_is_only_seen(tmp_path: Path) -> None:
+    """MuJoCo leaves it out: it loads what is written, and nothing is said of the mesh."""
+    import mujoco
+
+    own = with_dae(tmp_path, "visual")
+    assert {"MJC029", "MJC034"}.isdisjoint(item.code for item in compiled(own).diagnostics)
+    assert mujoco.MjModel.from_xml_path(str(own / "out" / "mujoco" / "r.xml")).nmesh == 0
+
+
+@pytest.mark.parametrize("canonical", [False, True])
+def test_a_mesh_of_an_mjcf_that_mujoco_does_not_read(tmp_path: Path, canonical: bool) -> None:
+    """The MJCF keeps its name, in MuJoCo's own form too, and of two such endings both are told."""
+    own = package(tmp_path, "my_desc")
+    (own / "r.xml").write_text(
+        '<mujoco><asset><mesh file="meshes/x.dae"/><mesh name="y" file="y.Stl"/></asset>\n'
+        '<worldbody><body><joint name="j"/><inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>'
+        '<geom type="mesh" mesh="y"/></body></worldbody></mujoco>',
+        encoding="utf-8",
+    )
+    (own / "s.yaml").write_text(SPEC.replace("urdf/r.urdf", "r.xml"), encoding="utf-8")
+    done = api.compile(own / "s.yaml", targets=["mujoco"], output=str(own / "out"), canonical=canonical)
+    (item,) = [item for item in done.diagnostics if item.code == "MJC034"]
+    assert item.message == (
+        "MuJoCo reads .obj, .stl and .msh, and no .dae (COLLADA), .Stl: it does not load what is written, for 2 mesh "
+        "files: meshes/x.dae, y.Stl"
+    )
+    assert str(item.span).endswith("r.xml:1:16")
+    assert item.help == (
+        f"name x.obj, which is there, in {own / 'r.xml'}; convert the others to .obj or .stl"
+    )
+    (text,) = [file.data.decode() for file in output.outputs(done) if file.path.endswith(".xml")]
+    assert 'file="meshes/x.dae"' in text and 'file="y.Stl"' in text
+
+
+def test_the_line_of_a_mesh_that_is_seen_too(tmp_path: Path) -> None:
+    """A visual of the same file goes before it: the collision is told, which MuJoCo keeps."""
+    own = with_dae(tmp_path)
+    path = own / "urdf" / "r.urdf"
+    text = path.read_text(encoding="utf-8")
+    seen = '<visual><geometry><mesh filename="package://my_desc/meshes/x.dae"/></geometry></visual>'
+    path.write_text(text.replace('<link name="a"/>', f'<link name="a">{seen}</link>'), encoding="utf-8")
+    (item,) = [item for item in compiled(own).diagnostics if item.code == "MJC034"]
+    assert item.span is not None and item.span.line == 3
+
+
+def test_shapes_of_one_name(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """MuJoCo leaves all but the first without a name; the note on the URDF says so, and nobody else prints."""
+    own = package(tmp_path, "my_desc")
+    shape = '<collision name="foot"><geometry><sphere radius="0.1"/></geometry></collision>\n'
+    text = (own / "urdf" / "r.urdf").read_text(encoding="utf-8")
+    (own / "urdf" / "r.urdf").write_text(
+        text.replace("    <collision>", f"{shape * 3}<collision>"), encoding="utf-8"
+    )
+    (item,) = [item for item in compiled(own).diagnostics if item.code == "MJC015"]
+    assert item.message.endswith("; 2 shapes called as one before, in line 4 'foot', have no name there")
+    assert capfd.readouterr() == ("", "")
+    written = (own / "out" / "mujoco" / "r.xml").read_text(encoding="utf-8")
+    assert written.count('<geom name="foot" size="0.1"') == 1 and written.count('<geom size="0.1"') == 2
+
+
+def test_a_package_behind_three_slashes(tmp_path: Path) -> None:
+    """It is the one of the name behind them, around the file or of the spec; where it is strange it is asked for."""
+    import mujoco
+
+    own = package(tmp_path, "my_desc")
+    text = (own / "urdf" / "r.urdf").read_text(encoding="utf-8").replace("package://", "package:///")
+    (own / "urdf" / "r.urdf").write_text(text, encoding="utf-8")
+    assert "MJC029" not in [item.code for item in compiled(own).diagnostics]
+    assert mujoco.MjModel.from_xml_path(str(own / "out" / "mujoco" / "r.xml")).nmesh == 1
+    strange = package(tmp_path, "clone")
+    (strange / "urdf" / "r.urdf").write_text(text, encoding="utf-8")
+    spec = SPEC.replace("r.urdf}", "r.urdf, packages: {my_dsc: ../my_desc}}")
+    (strange / "s.yaml").write_text(spec, encoding="utf-8")
+    done = compiled(strange)
+    assert reported(done)[1] == "did you mean `my_desc` for `my_dsc` in `robot.packages` or --package?"
+    assert "MJC035" not in [item.code for item in done.diagnostics]
+    (strange / "s.yaml").write_text(spec.replace("my_dsc", "my_desc"), encoding="utf-8")
+    compiled(strange)
+    assert mujoco.MjModel.from_xml_path(str(strange / "out" / "mujoco" / "r.xml")).nmesh == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "severity", "help"),
+    [
+        ("my_dsc", "warning", "did you mean 'my_desc'?"),
+        ("other", "info", None),
+        ("my_desc", "", None),
+        ("seen", "", None),
+    ],
+)
+def test_a_package_that_the_model_does_not_name(
+    tmp_path: Path, name: str, severity: str, help: str | None
+) -> None:
+    """The meshes are found around the file without it: it is told, as a warning where it is nearly the right name."""
+    own = package(tmp_path, "my_desc")
+    seen = '<visual><geometry><mesh filename="package://seen/y.obj"/></geometry></visual><collision>'
+    text = (own / "urdf" / "r.urdf").read_text(encoding="utf-8").replace("<collision>", seen)
+    (own / "urdf" / "r.urdf").write_text(text, encoding="utf-8")
+    (own / "s.yaml").write_text(
+        SPEC.replace("r.urdf}", f"r.urdf, packages: {{{name}: .}}}}"), encoding="utf-8"
+    )
+    found = [item for item in compiled(own).diagnostics if item.code in ("MJC029", "MJC035")]
+    assert [(item.code, item.severity.value, item.help) for item in found] == [
+        ("MJC035", severity, help)
+    ] * bool(severity)
+    if found:
+        said = f"the model names no file by the package '{name}', which `robot.packages` or --package has"
+        assert found[0].message == said
