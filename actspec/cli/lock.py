@@ -31,6 +31,7 @@ from actspec.diagnostics import (
     AuditError,
     Collector,
     Span,
+    listed,
     many,
     one_line,
     shortened,
@@ -126,11 +127,15 @@ def _tell(path: str, case: Case, files: int) -> None:
                 else f"not in it: {one_line(what)} of {file} ({name})"
             )
             print(f"  {told}, {one_line(why_not)}", file=sys.stderr)
-    others = [len(robot.others) for robot in robots if robot.others]
-    if others:
-        values = many(sum(others), "other value")
+    others: dict[tuple[str, ...], list[str]] = {}
+    for robot in robots:
+        if robot.others:
+            others.setdefault(tuple(robot.others), []).append(
+                f"{one_line(robot.file)} ({one_line(robot.name)})"
+            )
+    for values, having in others.items():
         print(
-            f"  not in it: {values} of {many(len(others), 'robot')}, that no figure is made from",
+            f"  not in it, as part of no joint's figures: {listed(map(one_line, values), 4)} of {listed(having, 2)}",
             file=sys.stderr,
         )
 

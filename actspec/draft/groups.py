@@ -29,6 +29,11 @@ MOST_PATTERNS = 2
 """Patterns that an override may take. Chosen: with more than these a group of its own is shorter."""
 
 
+_MOST_TIMES = 8.0
+"""Ratio of torques up to which joints without gains are one group. Chosen: the G1's wrists have a fifth of its elbows'
+torque and nearly their gains, the Panda's 1 / 7.25 of its shoulder's and the same gains in Isaac Lab."""
+
+
 @dataclass(slots=True)
 class DraftGroup:
     """A group of a spec.
@@ -92,7 +97,13 @@ def groups_of(
     order = {name: place for place, name in enumerate(names)}
     classes = joint_classes_of(joints, kinds)
     find_motors(classes, above)
-    groups = _without_twins(_grouped(joined(classes), above, order), order)
+    groups = [
+        group
+        for limb in _grouped(joined(classes), above, order)
+        for part in _for_one_gain(limb.classes)
+        for group in (_grouped(part, above, order) if len(part) < len(limb.classes) else [limb])
+    ]
+    groups = _without_twins(groups, order)
     groups.sort(key=lambda group: min(order[name] for name in group.names))
     given = {joint.joint: joint.group for joint in joints}
     taken: list[str] = []
@@ -158,15 +169,58 @@ def _grouped(
     return groups
 
 
+def _for_one_gain(classes: list[JointClass]) -> list[list[JointClass]]:
+    """Classes that one kp and kd can be for: as they are where files state gains, else by part and by torque.
+
+    Who fills in the gains states them once for a group. Torques are cut where they are farthest apart.
+    """
+    if not all(_without_gains(cls) for cls in classes):
+        return [classes]
+    found: list[list[JointClass]] = []
+    for wheels in (False, True):
+        own = [cls for cls in classes if _is_wheel(cls) == wheels]
+        found.append([cls for cls in own if cls.torque is None])
+        found += _near_torques(sorted((cls for cls in own if cls.torque is not None), key=_torque))
+    return [[cls for cls in classes if any(cls is one for one in part)] for part in found if part]
+
+
+def _near_torques(classes: list[JointClass]) -> list[list[JointClass]]:
+    """Classes in the order of their torques, cut at the largest ratio until no part has more than `_MOST_TIMES`."""
+    torques = [_torque(cls) for cls in classes]
+    if not torques or torques[-1] <= _MOST_TIMES * torques[0]:
+        return [classes]
+    cut = max(range(1, len(torques)), key=lambda at: torques[at] / torques[at - 1])
+    return _near_torques(classes[:cut]) + _near_torques(classes[cut:])
+
+
+def _torque(cls: JointClass) -> float:
+    assert cls.torque is not None
+    return cls.torque
+
+
+def _told(one: JointClass) -> bool:
+    """Whether equal figures tell that two limbs are equal: without gains a torque does."""
+    return one.torque is not None or not _without_gains(one)
+
+
+def _is_wheel(cls: JointClass) -> bool:
+    return body_part(cls.names) == "wheels"
+
+
+def _without_gains(cls: JointClass) -> bool:
+    """Whether nobody states a gain that the drive needs."""
+    rows = [cls.rows[key] for key in ("kp", "kd") if key in cls.rows]
+    return bool(rows) and all(row.value == "unknown" for row in rows)
+
+
 def _without_twins(groups: Sequence[DraftGroup], order: Mapping[str, int]) -> list[DraftGroup]:
     """Groups of equal joints that no override has joined, as one."""
     kept: list[DraftGroup] = []
     every = [cls for group in groups for cls in group.classes]
     for group in groups:
         cls = group.classes[0]
-        twin = next(
-            (other for other in kept if len(other.classes) == 1 and _twins(other.classes[0], cls)), None
-        )
+        alike = [other for other in kept if len(other.classes) == 1 and _twins(other.classes[0], cls)]
+        twin = alike[0] if alike and _told(cls) else None
         if twin is None or len(group.classes) > 1:
             kept.append(group)
         else:
@@ -177,6 +231,8 @@ def _without_twins(groups: Sequence[DraftGroup], order: Mapping[str, int]) -> li
 
 def _twins(one: JointClass, other: JointClass) -> bool:
     motors = [(id(cls.base), cls.ratio, cls.lends) for cls in (one, other)]
+    if _without_gains(one) and _is_wheel(one) != _is_wheel(other):
+        return False
     return one.written == other.written and motors[0] == motors[1]
 
 
@@ -192,6 +248,9 @@ def _takes(
 ) -> bool:
     base = group.classes[0]
     if cls.kind != base.kind or not (one_limb(cls, base, above) or one_row(cls, base)):
+        return False
+    # A torso and fingers are each in one chain with what is between them, and no limb together.
+    if any(_two_limbs(body_part(cls.names), body_part(other.names)) for other in group.classes):
         return False
     keys = differing(base, cls)
     if not set(keys) <= set(cls.rows) or len(keys) + _other_motor(base, cls) > MOST_DIFFERENT:
@@ -270,6 +329,12 @@ class JointClass:
         """What only a group states: classes that differ in it never share one."""
         first = self.first
         return first.kind, first.level, first.command, self.network, self.randomize
+
+    @property
+    def torque(self) -> float | None:
+        """What bounds the torque of its joints [N*m or N]; None where no file has a number that bounds it."""
+        limit = self.first.effort_limit.value
+        return limit if _real(limit) else None
 
     @property
     def label(self) -> str:
@@ -373,10 +438,17 @@ def one_limb(cls: JointClass, other: JointClass, above: Mapping[str, frozenset[s
         other: The other.
         above: As in `find_motors`.
     """
-    parts = body_part(cls.names), body_part(other.names)
-    if None not in parts:
-        return parts[0] == parts[1]
+    part, another = body_part(cls.names), body_part(other.names)
+    if _two_limbs(part, another):
+        return False
+    if part is not None and part == another:
+        return True
     return all(any(b in above.get(a, ()) or a in above.get(b, ()) for b in other.names) for a in cls.names)
+
+
+def _two_limbs(part: str | None, another: str | None) -> bool:
+    """Whether two parts of a body are different limbs; a wheel at a leg is of the leg."""
+    return None not in (part, another) and part != another and {part, another} != {"legs", "wheels"}
 
 
 def one_row(cls: JointClass, other: JointClass) -> bool:

@@ -30,13 +30,32 @@ _SIDES = _words(
     "l r fl fr rl rr bl br hl hr lf rf lh rh lb rb ll lr la ra left right front rear hind back fore upper lower"
 )
 _HANDS = {"l": "left", "left": "left", "r": "right", "right": "right"}
+_ENDS = {
+    "f": "front",
+    "fore": "front",
+    "front": "front",
+    **dict.fromkeys(_words("b h back hind rear"), "rear"),
+}
+_PLACES = {
+    **{word: (end, "") for word, end in _ENDS.items() if len(word) > 1},
+    **{word: ("", hand) for word, hand in _HANDS.items()},
+    **{e + h: (_ENDS[e], _HANDS[h]) for e in "fbh" for h in "lr"},
+    **{h + e: (_ENDS[e], _HANDS[h]) for e in "fbh" for h in "lr"},
+    **dict.fromkeys(("rl", "lr"), ("rear", "left")),
+    "rr": ("rear", "right"),
+}
+"""Word of a joint's name to the end and the side of the robot that it may say; `B_wheel` says the end with a letter."""
+_END = re.compile(r"([bf])_([a-z]+)")
 _SHORT = {
     "haa": "hip_abduction", "hfe": "hip_flexion", "hr": "hip_rotation", "hx": "hip_x", "hy": "hip_y", "kfe": "knee",
     "kn": "knee", "ffe": "ankle_flexion", "faa": "ankle_abduction", "akp": "ankle_pitch", "akr": "ankle_roll",
     "wrj": "wrist", "thj": "thumb", "ffj": "finger", "mfj": "finger", "rfj": "finger", "lfj": "finger",
+    "grip": "gripper",
 }  # fmt: skip
 """Letters that joints are called by to the words of the robot. Source: ANYmal, Solo, Spot, Berkeley Humanoid, Shadow
 Hand; chosen: akp and akr, of an ankle alone."""
+_FINGER = re.compile(r"(?<![a-z])([lr]_(?:th|[fmrl]f))_(?=j[0-9])")
+"""A finger's letters between a hand's side and a joint's number: `R_rf_j1`, as `rh_RFJ1` of the Shadow Hand."""
 _OF_ARMS = {"sh": "shoulder", "el": "elbow", "fa": "forearm"}
 _TURNS = {"fle": "flexion", "rot": "rotation"}
 """What stands before these: `SH_ROT`, `EL_FLE` of ANYbotics' DynaArm. Elsewhere `el` may be an elevation."""
@@ -78,13 +97,18 @@ _BODY_PARTS = (
         ),
     ),
 )
+_HEAD = _words("head neck")
 _OTHER_PARTS = {"wheel": "wheels", "gripper": "hands"}
 _PART_OF = {**{word: name for name, known in _BODY_PARTS for word in known}, **_OTHER_PARTS}
 """Word of a robot to the part of its body."""
+_OF_A_PRODUCT = re.compile(r"[a-z]{3,}(arm|hand)")
+"""A product's name that says what it is, where nothing else does: `openarm_left_joint1`, `orcahand`."""
+_ONE_OR_MORE = _words("arm finger thumb wheel")
+"""Parts that may have several joints: a chain of them is one."""
 _AMBIGUOUS = _words("middle index ring little")
 """Fingers, beside words of a hand."""
 _JOINED = re.compile(
-    f"(?:left|right|lower|upper|[lrbf])?({'|'.join(sorted(_PART_OF, key=len, reverse=True))})(?:r?([xyz]))?"
+    f"(?P<side>left|right|lower|upper|[lrbfu])?({'|'.join(sorted(_PART_OF, key=len, reverse=True))})(?:r?([xyz]))?"
 )
 """A side, a part and an axis without anything between them: `lhumerusrx`."""
 _SIDE_AT_END = re.compile(r"(?<=[a-z]{3})(?:left|right)$")
@@ -95,7 +119,7 @@ _NO_GROUP = _words("all default dummy base main body")
 _NO_WORD = re.compile(r"^actuators?_(?=[a-z])|(?<=.)_?(?:actuators?)?_?(?:cfg)?$", re.IGNORECASE)
 _UNUSED = re.compile(r"not_?used?")
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
-_LONGEST_KEY = 40 - len("right_")
+_LONGEST_KEY = 40 - len("front_right_")
 _RESERVED = _words("y n yes no on off true false null none unknown")
 
 
@@ -239,9 +263,9 @@ def _class(characters: Iterable[str]) -> str:
 
 
 def body_part(joints: Sequence[str]) -> str | None:
-    """`legs`, `arms`, `hands` or `torso` where all names are of one; None where they are not."""
-    heads = {parts[0] for parts in map(_parts, joints) if parts}
-    return next((name for name, known in _BODY_PARTS if heads and known.issuperset(heads)), None)
+    """`legs`, `arms`, `hands`, `torso` or `wheels` where all names are of one; None where they are not."""
+    found = {_PART_OF.get(parts[0]) for parts in map(_parts, joints) if parts}
+    return found.pop() if len(found) == 1 else None
 
 
 def given_name(joints: Sequence[str], given: Mapping[str, str], robot: str, *, whole: bool = True) -> str:
@@ -302,9 +326,10 @@ def group_name(
     called = "" if called.lower() in {*_NO_GROUP, *_of_robot(robot)} else called
     choices = []
     if all(parts):
-        choices = [_PLURALS.get(c, c) if len(joints) > 1 else c for c in _common(parts)] + [*_mixed(parts)]
         one = called == "arm" or _is_one_arm(joints, above)
-        choices = ["arm" if c == "arms" and one else c for c in choices]
+        alone = _ONE_OR_MORE if above and one else ()
+        choices = [_PLURALS.get(c, c) if len(joints) > 1 and c not in alone else c for c in _common(parts)]
+        choices = ["arm" if c == "arms" and one else c for c in (*choices, *_mixed(parts))]
     if choices and len(choices[0]) == 1 < len(joints):
         # `a` of `L_A0`, `R_A1` tells nobody what it is.
         choices = []
@@ -324,6 +349,9 @@ def group_name(
     for choice in choices:
         if choice not in used:
             return choice
+    numbers = _numbers(joints)
+    if numbers and (numbered := f"{choices[0]}_{numbers[1]}") not in used and _is_key(numbered):
+        return numbered
     number = 2
     while f"{choices[0]}_{number}" in used:
         number += 1
@@ -340,21 +368,28 @@ def _is_code(key: str, called: str) -> bool:
 
 def _numbered(joints: Sequence[str]) -> list[str]:
     """What joints are of which only a number behind a letter tells: `j3`, `j4_j5`, `j0_to_j2`; nothing of others."""
+    told = _numbers(joints)
+    key = re.sub(r"[0-9]+", lambda found: f"{told[0]}{found[0]}", told[1]) if told else ""
+    return [key] if key and len(key) <= _LONGEST_KEY else []
+
+
+def _numbers(joints: Sequence[str]) -> tuple[str, str] | None:
+    """What stands before the numbers of joints that nothing else tells apart, and those: `4_5`, `0_to_2`."""
     split = [re.fullmatch(r"(.*?[a-z]+)_?([0-9]{1,3})", "_".join(_bare(name))) for name in joints]
     found = [(each[1], int(each[2])) for each in split if each is not None]
     numbers = sorted({number for _, number in found})
     if len(found) < len(joints) or len({stem for stem, _ in found}) > 1:
-        return []
+        return None
     if len(numbers) > 2 and numbers[-1] - numbers[0] >= len(numbers):
-        return []
-    ends = [f"{found[0][0]}{number}" for number in dict.fromkeys((numbers[0], numbers[-1]))]
-    key = ("_to_" if len(numbers) > 2 else "_").join(ends)
-    return [key] if len(key) <= _LONGEST_KEY else []
+        return None
+    ends = dict.fromkeys((str(numbers[0]), str(numbers[-1])))
+    return found[0][0], ("_to_" if len(numbers) > 2 else "_").join(ends)
 
 
 def _bare(name: str) -> list[str]:
-    """The words and numbers of a name without its sides: [j3] of `L_J3`."""
-    return [word for word in re.findall(r"[a-z0-9]+", name.lower()) if word not in _SIDES]
+    """The words and numbers of a name without its sides: [j3] of `L_J3`, [arm, 4] of `arm_left_4_joint`."""
+    words = [word for word in re.findall(r"[a-z0-9]+", name.lower()) if word not in _SIDES]
+    return words[:-1] if words[1:] and words[-1] in _GENERIC else words
 
 
 def _is_one_arm(joints: Sequence[str], above: Mapping[str, frozenset[str]]) -> bool:
@@ -368,17 +403,33 @@ def _is_one_arm(joints: Sequence[str], above: Mapping[str, frozenset[str]]) -> b
 
 
 def _own_side(joints: Sequence[str], parts: Sequence[list[str]], every: Iterable[str]) -> str:
-    """The side of joints of one side whose counterparts are in other groups: `right_` of a right hip alone; "" else."""
-    sides = {_side(name) for name in joints}
-    side = sides.pop() if len(sides) == 1 else ""
-    others = side and [name for name in every if name not in joints and _side(name) not in ("", side)]
-    return f"{side}_" if others and all(words in map(_parts, others) for words in parts) else ""
+    """End and side of joints that have both in common and whose counterparts are in other groups; "" else.
+
+    `right_` of a right hip alone, `rear_left_` of one of four.
+    """
+    places = {_place(name) for name in joints}
+    own = [one.pop() if len(one) == 1 else "" for one in ({place[at] for place in places} for at in (0, 1))]
+    others = [name for name in every if name not in joints and _place(name) not in (("", ""), *places)]
+    if not all(words in map(_parts, others) for words in parts):
+        return ""
+    alike = [_place(name) for name in others if _parts(name) in parts]
+    return "".join(f"{word}_" for at, word in enumerate(own) if word and any(o[at] != word for o in alike))
 
 
-def _side(name: str) -> str:
-    """`left` or `right`, where a word of a joint's name says so."""
-    found = {_HANDS[word] for word in _tokens(name) if word in _HANDS}
-    return found.pop() if len(found) == 1 else ""
+def _place(name: str) -> tuple[str, str]:
+    """`front` or `rear` and `left` or `right`, where words of a joint's name may say so; "" where none does."""
+    sides = [word for word in _tokens(name) if word in _SIDES]
+    # Behind another side, `hr` is a hip's rotation.
+    words = [_PLACES[word] for word in sides if word in _PLACES and (word not in _SHORT or len(sides) == 1)]
+    joined = [_JOINED.fullmatch(word) for word in _tokens(name) if word not in _PART_OF]
+    letters = [match["side"] for match in joined if match]
+    letter = _END.match(name.lower())
+    if letter and letter[2] in _PART_OF:
+        letters.append(letter[1])
+    words += [(_ENDS.get(each, ""), _HANDS.get(each, "")) for each in letters]
+    found = [{place[at] for place in words if place[at]} for at in (0, 1)]
+    end, hand = (one.pop() if len(one) == 1 else "" for one in found)
+    return end, hand
 
 
 def _limb(joints: Sequence[str], above: Mapping[str, frozenset[str]]) -> Iterator[str]:
@@ -396,8 +447,10 @@ def _limb(joints: Sequence[str], above: Mapping[str, frozenset[str]]) -> Iterato
         if own_chain := [name for name in joints if name in chains[arms[0]]]:
             single = f"arm_{joints[0]}"
             yield single if joints == own_chain and len(joints) == 1 and _is_key(single) else "arm"
-    elif own <= set(arms) and len(arms) == 2 and {len(chains[root]) for root in arms} == {_JOINTS_OF_ARMS}:
-        yield "arms"
+    elif own <= set(arms) and len(arms) == 2 and len({len(chains[root]) for root in arms}) == 1:
+        held = [any(body_part([name]) == "hands" for name in branches[root]) for root in arms]
+        if all(held) or len(chains[arms[0]]) == _JOINTS_OF_ARMS:
+            yield "arms"
     elif len(branches) == _FINGERS and len(above) > _FINGERS and not any(map(_has_part, above)):
         yield "finger" if len(own) == 1 else "fingers"
 
@@ -431,6 +484,13 @@ def _parts(name: str) -> list[str]:
     """`left_hip_pitch_joint` and `LHipPitch` to [hip, pitch]; `not_use_joint` to [unused]."""
     words = [part for word in _tokens(name) for part in _sideless(word)]
     known = [word for word in words if word not in _SIDES and word not in _GENERIC]
+    if known[1:] and known[0] in ("b", "f") and known[1] in _PART_OF:
+        known = known[1:]
+    product = None if not known or known[0] in _PART_OF else _OF_A_PRODUCT.fullmatch(known[0])
+    if product:
+        # What is mounted on an arm has a word of its own.
+        other = any(word in _PART_OF or len(word) > _LONGEST_CODE for word in known[1:] if word not in _AXES)
+        known = known[1:] if other and product[1] == "arm" else [product[1], *known[1:]]
     if "to" in known[1:-1] and known[-1] in _PART_OF:
         # `torso_to_thigh`: what it moves.
         known = known[len(known) - known[::-1].index("to") :]
@@ -446,6 +506,7 @@ def _parts(name: str) -> list[str]:
 def _tokens(name: str) -> list[str]:
     """The words of a name, in small letters, without numbers of models."""
     text = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z]{2})", "_", name).lower()
+    text = _FINGER.sub(r"\1", text)
     tokens = [token for token in re.split(r"[^a-z0-9]+", text) if not _MODEL.fullmatch(token)]
     return re.findall(r"[a-z]+", _UNUSED.sub("unused", "_".join(tokens)))
 
@@ -453,7 +514,7 @@ def _tokens(name: str) -> list[str]:
 def _sideless(word: str) -> list[str]:
     """`rleg`, `finright` and `lshoulderrx` without the side, the axis apart."""
     joined = None if word in _PART_OF else _JOINED.fullmatch(word)
-    return [_SIDE_AT_END.sub("", word)] if joined is None else [part for part in joined.groups() if part]
+    return [_SIDE_AT_END.sub("", word)] if joined is None else [part for part in joined.groups()[1:] if part]
 
 
 def _common(parts: Sequence[list[str]]) -> Iterator[str]:
@@ -463,9 +524,10 @@ def _common(parts: Sequence[list[str]]) -> Iterator[str]:
     heads = list(dict.fromkeys(p[0] for p in parts))
     yield from _keys(start)
     for name, known in _BODY_PARTS:
-        if len(heads) > 1 and known.issuperset(heads):
+        # A head and its neck are no torso.
+        if len(heads) > 1 and known.issuperset(heads) and not _HEAD.issuperset(heads):
             yield name
-    if end != parts[0][-1:] or end[0] not in "xyz":
+    if not _AXES.issuperset(end):
         yield from _keys(end)
     # Of a waist and what is mounted on it, the waist.
     heads = [word for word in heads if word in _PART_OF.keys() - _AMBIGUOUS] or heads

@@ -253,24 +253,23 @@ def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:
     frictions = [s for g in config.groups for name in fields if (s := g.settings.get(name)) is not None]
     if friction_unit_of(versions) is None and any(s.value for s in frictions):
         yield (
-            "what friction means depends on the versions of Isaac Lab and Isaac Sim (of 3.0 on the backend), and "
-            f"{_lacking(versions)}: it is left unknown"
+            "friction is left unknown: what it means depends on the versions of Isaac Lab and Isaac Sim (of 3.0 on the "
+            f"backend); {_lacking(versions)}"
         )
 
 
 def _lacking(versions: Versions) -> str:
-    """Which of the versions that tell what friction means is not stated, and how it would be."""
+    """What to state of the versions that tell what friction means, and how."""
     native = versions.isaaclab is not None and is_native(versions)
     asked = {
-        "that of Isaac Lab": (versions.isaaclab, "-t isaaclab==2.3"),
+        "the version of Isaac Lab": (versions.isaaclab, "-t isaaclab==2.3"),
         "the backend": (versions.backend if native else "", "-t backend==newton"),
-        "that of Isaac Sim": (versions.isaac_sim if not native else "", "-t isaac_sim==5.1"),
+        "the version of Isaac Sim": (versions.isaac_sim if not native else "", "-t isaac_sim==5.1"),
     }
     lacking = {name: option for name, (stated, option) in asked.items() if stated is None}
     if not lacking:
-        return "these do not tell it"
-    are = "is" if len(lacking) == 1 else "are"
-    return f"{' and '.join(lacking)} {are} not stated (such as {' '.join(lacking.values())})"
+        return "those stated do not tell it"
+    return f"state {' and '.join(lacking)}, such as {' '.join(lacking.values())}"
 
 
 def _refused(config: RobotConfig, group: ActuatorGroup) -> Iterator[str]:

@@ -135,6 +135,21 @@ ang_vel_scale: 0.25
 """As of unitree_rl_gym: which joint an entry is of, no file says."""
 
 
+def test_what_is_not_recorded_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    """Equal keys of several files are one line; four of them and two files, then how many more."""
+    more = "".join(f"{name}_scale: 1.0\n" for name in ("lin_vel", "height", "cmd", "gait"))
+    for name in "abc":
+        Path(f"{name}.yaml").write_text(DEPLOY + more)
+    Path("other.yaml").write_text(DEPLOY)
+    assert main(["lock", "a.yaml", "b.yaml", "c.yaml", "other.yaml"]) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("  not in it")]
+    assert lines == [
+        "  not in it, as part of no joint's figures: ang_vel_scale, lin_vel_scale, height_scale, cmd_scale and 1 more "
+        "of a.yaml (a), b.yaml (b) and 1 more",
+        "  not in it, as part of no joint's figures: ang_vel_scale of other.yaml (other)",
+    ]
+
+
 def test_lists_without_names(capsys: pytest.CaptureFixture[str]) -> None:
     """They are recorded by place, in the order of the file, and so are the motors that a joint is sent to."""
     Path("deploy.yaml").write_text(DEPLOY)
@@ -142,7 +157,7 @@ def test_lists_without_names(capsys: pytest.CaptureFixture[str]) -> None:
     # 3 places, 3 kp, 3 kd; the single number is of no joint.
     assert capsys.readouterr().err == (
         "actspec.lock: 0 joints, 9 numbers that no joint is named for of 1 file\n"
-        "  not in it: 1 other value of 1 robot, that no figure is made from\n"
+        "  not in it, as part of no joint's figures: ang_vel_scale of deploy.yaml (deploy)\n"
     )
     fits("lock", lock())
     assert main(["lock", "--check"]) == 0

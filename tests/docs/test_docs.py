@@ -8,7 +8,7 @@ How a block is read:
 - `text` right after a spec: exactly those diagnostics, without their place.
 - `xml` with `<mujoco`: leg.xml for the rest of its section. Else, after a spec: lines of the written model.
 - `python`: executed, unless its first line names a file; what each `print` line prints stands behind it as a comment.
-- `console`: run by bash, in order; a line `...` stands for any lines. In ```` ```console { data-within="0.05" } ````
+- `console`: run by bash, in order; a line `...` stands for any lines. In ```` ```console { data-within="0.02" } ````
   so much of a number with a point may differ, as the last digits of a fit do on another processor.
 - A fence with a title, ```` ```python title="leg_cfg.py" ````: lines of that file as the spec above compiles to it;
   a line `...` stands for any lines. Attributes name another spec and one target:

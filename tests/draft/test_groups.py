@@ -9,7 +9,7 @@ import pytest
 
 from actspec import api
 from actspec.draft.names import given_name, one_pattern
-from tests.importing import Imported, bare, imported, write
+from tests.importing import Imported, bare, imported, mjcf, write
 
 LINK = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
@@ -67,6 +67,86 @@ def test_limbs_that_share_limits(tmp_path: Path) -> None:
             {".*_pitch_joint": "40 N*m"},
         ),
     }
+
+
+VEGA = {
+    "torso_j1": ("base", 700), "torso_j2": ("torso_j1", 380), "head_j1": ("torso_j2", 6),
+    "L_arm_j1": ("torso_j2", 150), "L_arm_j2": ("L_arm_j1", 25),
+    **{f"L_{finger}_j1": ("L_arm_j2", 0.5) for finger in ("ff", "mf", "rf", "lf")}, "L_th_j0": ("L_arm_j2", 0.1),
+    "B_wheel_j1": ("base", 1), "L_wheel_j1": ("base", 16), "knee": ("base", 16),
+}  # fmt: skip
+"""Joints as of dexmate-urdf's vega_1p_f5d6, and a knee: the link before each, and its torque [N*m]."""
+
+
+def test_joints_without_gains_are_grouped_by_limb_and_torque(tmp_path: Path) -> None:
+    """kp and kd of a URDF are to be filled in, once a group: not for a torso, arms, fingers and a thumb together."""
+    text = '<robot name="vega"><link name="base"/>'
+    for name, (parent, effort) in VEGA.items():
+        text += (
+            f'<link name="{name}">{LINK}</link><joint name="{name}" type="revolute"><parent link="{parent}"/>'
+            f'<child link="{name}"/><limit lower="-1" upper="1" effort="{effort}" velocity="9"/></joint>'
+        )
+    found = imported(write(tmp_path, vega_urdf=text + "</robot>"), tmp_path)
+    assert groups(found) == {
+        "torso": (["torso_.*"], {"torso_j2": "380 N*m"}),
+        # 150 N*m are 6 times the wrist's 25.
+        "arm": (["L_arm_.*"], {"L_arm_j2": "25 N*m"}),
+        "head": (["head_j1"], {}),
+        "hands": (["L_[flmr]f_j1", "L_th_j0"], {"L_th_j0": "0.1 N*m"}),
+        "knee": (["knee"], {}),
+        "rear_wheel": (["B_wheel_j1"], {}),
+        "left_wheel": (["L_wheel_j1"], {}),
+    }
+
+
+def test_wheels_without_gains_are_no_legs(tmp_path: Path) -> None:
+    """As of Upkie: a wheel at a leg has gains of its own, also with the knee's torque; with gains all are one."""
+    legs = mjcf(
+        '<joint name="hip"/>\n<joint name="knee"/>\n<joint name="wheel"/>',
+        "".join(f'<position joint="{name}" kp="10" kv="1"/>' for name in ("hip", "knee", "wheel")),
+    ).replace("<joint ", '<joint actuatorfrcrange="-16 16" ')
+    assert list(groups(imported(write(tmp_path, leg_xml=legs), tmp_path))) == ["hip_knee_wheel"]
+    legs = legs[: legs.index("<actuator>")] + legs[legs.index("</actuator>") + len("</actuator>") :]
+    for text in (legs, legs.replace('16 16" name="wheel"', '16 16" name="wheel" frictionloss="1"')):
+        assert list(groups(imported(write(tmp_path, leg_xml=text), tmp_path))) == ["legs", "wheel"]
+
+
+def test_what_is_between_two_limbs_makes_no_limb_of_them(tmp_path: Path) -> None:
+    """A torso and fingers are in one chain with three joints without words, and no group with them both."""
+    names = ("torso", "a1", "b2", "c3", "finger")
+    chain = mjcf(
+        "\n".join(f'<joint name="{name}"/>' for name in names),
+        "".join(
+            f'<position joint="{name}" kp="10" kv="1" forcerange="-{effort} {effort}"/>'
+            for name, effort in zip(names, (70, 9, 9, 9, 1), strict=True)
+        ),
+    )
+    found = groups(imported(write(tmp_path, robot_xml=chain), tmp_path))
+    assert [joints for joints, _ in found.values()] == [["torso", "a1", "b2", "c3"], ["finger"]]
+
+
+def test_joints_with_gains_share_a_group_whatever_their_torques(tmp_path: Path) -> None:
+    """With kp and kd known nothing is to be filled in: a shoulder of 100 N*m and a wrist of 1 are one arm."""
+    arm = mjcf(
+        '<joint name="shoulder"/>\n<joint name="elbow"/>\n<joint name="wrist"/>',
+        "".join(
+            f'<position joint="{name}" kp="10" kv="1" forcerange="-{effort} {effort}"/>'
+            for name, effort in (("shoulder", 100), ("elbow", 100), ("wrist", 1))
+        ),
+    )
+    assert list(groups(imported(write(tmp_path, arm_xml=arm), tmp_path))) == ["arm"]
+    bare_arm = arm[: arm.index("<actuator>")] + arm[arm.index("</actuator>") + len("</actuator>") :]
+    limits = bare_arm.replace('name="wrist"', 'name="wrist" actuatorfrcrange="-1 1"')
+    for name in ("shoulder", "elbow"):
+        limits = limits.replace(f'name="{name}"', f'name="{name}" actuatorfrcrange="-100 100"')
+    assert list(groups(imported(write(tmp_path, arm_xml=limits), tmp_path))) == ["arm", "wrist"]
+
+
+def test_limbs_of_which_nothing_is_known(tmp_path: Path) -> None:
+    """Without gains and torques nobody says that a hip and a shoulder have one motor."""
+    text = humanoid(dict.fromkeys(HUMANOID, (200.0, 23.0))).replace('effort="200', 'effort="0')
+    found = imported(write(tmp_path, h1_urdf=text), tmp_path)
+    assert groups(found).keys() == {"torso", "legs", "arms"}
 
 
 def test_one_group_where_one_is_enough(tmp_path: Path) -> None:

@@ -114,6 +114,18 @@ def test_patterns_of_any_names(names: list[str], data: st.DataObject) -> None:
         (["shoulder_1", "elbow_1", "shoulder_2", "elbow_2"], "arms"),
         (["bthigh", "bshin", "bfoot"], "legs"),
         (["robot0_FFJ3", "robot0_MFJ2"], "fingers"),
+        (["L_ff_j1", "R_rf_j1"], "fingers"),
+        (["L_th_j0", "R_th_j1"], "thumbs"),
+        (["L_TH", "R_TH"], "th"),
+        (["RF_J1", "LF_J1"], "joints"),
+        (["R_UTHUMB", "L_UTHUMB"], "thumbs"),
+        (["openarm_left_joint1", "openarm_right_joint1"], "arms"),
+        (["openarm_lifter_joint"], "lifter"),
+        (["openarm_left_finger_joint1", "openarm_right_finger_joint1"], "fingers"),
+        (["orcahand_left_i-mcp", "orcahand_left_Carpals"], "hands"),
+        (["orcahand_left_Carpals", "orcahand_right_Carpals"], "hand_carpals"),
+        (["LNeckYaw", "HeadPitch"], "neck_head"),
+        (["left_hip_pitch", "left_knee_pitch"], "legs"),
         (["iiwa7_joint_1", "iiwa7_joint_2"], "iiwa"),
         ([f"iiwa7_joint_{n}" for n in range(1, 8)], "arm"),
         (["lhumerusrx", "rradiusrx", "lclaviclerz"], "arms"),
@@ -157,6 +169,11 @@ ARMS = {
     for side in ("left", "right")
     for at, part in enumerate(LETTERS)
 }
+GRIPPING = {name: chain for name, chain in ARMS.items() if "w2" not in name}
+GRIPPING |= {
+    f"{side}_grip_1": frozenset(name for name in GRIPPING if side in name) for side in ("left", "right")
+}
+"""Arms of six joints, as legs may have them, each with a gripper."""
 QUADRUPED = {name: chain for name, chain in HAND.items() if "_5" not in name}
 
 
@@ -180,20 +197,30 @@ QUADRUPED = {name: chain for name, chain in HAND.items() if "_5" not in name}
         (["Roll_21L", "Roll_32L"], HAND, "fingers"),
         (["Roll_21L", "Roll_32L"], QUADRUPED, "roll"),
         (["hip_1", "hip_2"], HAND, "hips"),
+        (["L_th_j0", "L_th_j1"], {"L_th_j0": frozenset(), "L_th_j1": frozenset({"L_th_j0"})}, "thumb"),
+        (["left_s0", "right_s1"], GRIPPING, "arms"),
     ],
 )
 def test_group_names_by_the_tree(joints: list[str], above: dict[str, frozenset[str]], expected: str) -> None:
     """Where names have no words, one chain of four joints is an arm, and five branches of a base are fingers."""
     assert group_name(joints, (), above) == expected
-    if len(joints) > 1 and expected in ("arm", "fingers"):
-        assert group_name(joints, [expected], above) == f"{expected}_2"
+    if len(joints) > 1 and expected == "fingers":
+        assert group_name(joints, [expected], above) == "fingers_2"
+
+
+def test_a_second_group_of_an_arm_has_its_joints_numbers() -> None:
+    """`arm_2` would be another arm."""
+    assert group_name(["joint2", "joint3"], ["arm"], CHAIN) == "arm_2_3"
+    assert group_name(["joint4", "joint5", "joint6"], ["arm"], CHAIN) == "arm_4_to_6"
+    assert group_name(["arm_left_5_joint", "arm_left_6_joint"], ["arm", "arms"]) == "arms_5_6"
+    assert group_name(["joint1", "joint3", "joint6"], ["arm"], CHAIN) == "arm_2"
 
 
 @pytest.mark.parametrize(
     "joints, taken, robot, expected",
     [
         (["joint_1", "joint_2"], (), "gen3", "arm"),
-        (["joint_1", "joint_2"], ("arm",), "gen3", "arm_2"),
+        (["joint_1", "joint_2"], ("arm",), "gen3", "arm_1_2"),
         (["joint_5", "knee"], (), "gen3", "joints"),
         (["joint_8", "joint_9"], (), "allegro_hand_left", "fingers"),
         (["cam_1", "cam_2"], (), "x", "cam"),
@@ -258,7 +285,15 @@ def test_group_names_of_codes(
         (["right_hip_X"], ["left_hip_Y"], "hip_x"),
         (["left_hip_X", "right_hip_X"], ["right_hip_Y"], "hip_x"),
         (["left_x", "left_y"], ["right_x", "right_y"], "left_joints"),
-        (["FL_knee"], ["FR_knee"], "knee"),
+        (["FL_knee"], ["FR_knee"], "left_knee"),
+        (["FL_knee"], ["FR_knee", "RL_knee", "RR_knee"], "front_left_knee"),
+        (["LH_HAA", "RH_HAA"], ["LF_HAA", "RF_HAA"], "rear_hip_abduction"),
+        (["FL_thigh", "RR_thigh"], ["FR_thigh", "RL_thigh"], "thighs"),
+        (["LL_HR"], ["LR_HR"], "hip_rotation"),
+        (["rh_THJ1"], ["lh_THJ1"], "right_thumb"),
+        (["B_wheel_j1"], ["L_wheel_j1", "R_wheel_j1"], "rear_wheel"),
+        (["L_wheel_j1", "R_wheel_j1"], ["B_wheel_j1"], "wheels"),
+        (["RLEG_KNEE"], ["LLEG_KNEE"], "right_leg_knee"),
     ],
 )
 def test_one_side_alone(joints: list[str], others: list[str], expected: str) -> None:
