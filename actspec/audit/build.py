@@ -20,6 +20,7 @@ def case_of(
     spec: str | None = None,
     *,
     whole: bool = False,
+    joints: Sequence[str] = (),
 ) -> Case:
     """Put together what the rules judge.
 
@@ -30,6 +31,7 @@ def case_of(
         spec: The spec that the other files are held to. Where its own model is not at hand, it is fitted to the
             first robot among the files that it fits.
         whole: As in `rows_of_config`.
+        joints: Likewise.
     """
     from actspec.readings.pair import pair
 
@@ -41,7 +43,7 @@ def case_of(
     by_hand = frozenset(index for index, met in enumerate(in_folder) if not met)
     paired = (part for robot in pair(artifacts, spec, by_hand) for part in _by_variant(robot, artifacts))
     robots = tuple(sorted(paired, key=lambda robot: robot.artifacts))
-    rows = _rows(artifacts, robots, versions, whole)
+    rows = _rows(artifacts, robots, versions, whole, joints)
     return Case(tuple(readings), artifacts, rows, robots, versions, options)
 
 
@@ -120,7 +122,11 @@ def _models_of(artifact: Artifact) -> frozenset[str]:
 
 
 def _rows(
-    artifacts: Sequence[Artifact], robots: Sequence[Robot], versions: Versions, whole: bool
+    artifacts: Sequence[Artifact],
+    robots: Sequence[Robot],
+    versions: Versions,
+    whole: bool,
+    joints: Sequence[str],
 ) -> tuple[LedgerRow, ...]:
     from actspec.readings.config import rows_of_config
     from actspec.readings.ledger import rows_of_robot, rows_of_spec
@@ -134,5 +140,6 @@ def _rows(
         else:
             members = next((robot.artifacts for robot in robots if index in robot.artifacts), ())
             partners = tuple(artifacts[other] for other in members if other != index)
-            rows += rows_of_config(artifact, index, partners, meant_for(versions, artifact), whole=whole)
+            target = meant_for(versions, artifact)
+            rows += rows_of_config(artifact, index, partners, target, whole=whole, joints=joints)
     return tuple(rows)

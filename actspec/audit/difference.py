@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.audit.build import case_of
+from actspec.audit.by_key import stated_by_key
 from actspec.audit.read import read_files
 from actspec.audit.same_robot import of_robot, pairs_of
 from actspec.diagnostics import AuditError, Collector, Span, one_line
@@ -37,7 +38,7 @@ motor to 0.06 deg."""
 AXIS = "axis in the base's frame"
 """In words. Of files of one kind alone: exporters choose the base's frame."""
 
-UNKNOWN, NONE, NOT_STATED = "unknown", "none", "not stated"
+UNKNOWN, NONE, NOT_STATED, BY_KEY = "unknown", "none", "not stated", "by pattern"
 
 _WITH_LINKS = {FileKind.MJCF, FileKind.URDF, FileKind.SPEC}
 """Kinds of files with a model, whose links have inertia."""
@@ -57,7 +58,7 @@ class Change:
     """One figure that is another one.
 
     Attributes:
-        joint: Whose; "" for the whole robot.
+        joint: Whose, or the pattern that it is stated for; "" for the whole robot.
         field: Of `FIELDS` or `SETTING_NOUNS`, or `control`, `network`, `randomize`, `axis`; of the whole robot also
             `order` (what stands at a place of a list of names), `entry` (a number that no figure is made from and that
             may be of a joint), `other` (any other such value), `unread`.
@@ -67,7 +68,7 @@ class Change:
         unit: SI unit; "" where there is none.
         old_place: Where it was written; None when nowhere.
         new_place: Where it is.
-        absent: What None means: `unknown`, `none`, or `not stated`.
+        absent: What None means: `unknown`, `none`, `not stated`, or `by pattern`: these are changes of their own.
     """
 
     joint: str
@@ -126,6 +127,7 @@ def compare_files(
     versions: Versions,
     robot: str | None = None,
     texts: Mapping[str, str] | None = None,
+    joints: str | None = None,
 ) -> tuple[Difference, ...]:
     """What is different between two files, robot by robot; of one kind of file also robots that only one of them has.
 
@@ -135,11 +137,15 @@ def compare_files(
         versions: What the files are meant for.
         robot: Only the robot of this name, which one of the files has, and each that has several; None: all.
         texts: Path to what the user called it, for messages.
+        joints: File or list that names the joints; None: the files do.
 
-    Raises: AuditError: a file cannot be read, or it is not known which robots of two files are the same.
+    Raises: AuditError: a file cannot be read, nothing names the joints as asked, or it is not known which robots of two
+        files are the same.
     """
     readings = read_all(tuple(dict.fromkeys((old, new))), texts or {})
-    case = case_of(of_robot(readings, robot), versions, {}, whole=True)
+    chosen = of_robot(readings, robot)
+    names = () if joints is None else _joints(chosen, joints)
+    case = case_of(chosen, versions, {}, whole=True, joints=names)
     before, after = ([i for i, a in enumerate(case.artifacts) if a.path == path] for path in (old, new))
     shown = tuple((texts or {}).get(path, path) for path in (old, new))
     pairs = pairs_of(case, before, after, robot, shown, "--robot NAME")
@@ -153,6 +159,16 @@ def compare_files(
             whole, none = dynamics[index], replace(dynamics[index], joints={})
             found.append(compare_robots(whole, none) if index in before else compare_robots(none, whole))
     return tuple(found)
+
+
+def _joints(readings: Sequence[FileReading], named: str) -> Sequence[str]:
+    # The audit, which asks for none of them, needs no yaml.
+    from actspec.readings.joint_lists import named_joints, names_of
+
+    out = Collector()
+    found, _ = named_joints([one for reading in readings for one in reading.artifacts], named, out)
+    out.raise_if_failed(AuditError)
+    return names_of(found)
 
 
 def read_all(
@@ -219,6 +235,9 @@ def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EX
     compared += count
     changes += found_beside
     left += left_beside
+    count, found_by_key = stated_by_key(old, new, tolerance)
+    compared += count
+    changes += [_by_key(*item) for item in found_by_key]
     effects: list[Change] = []
     for name, after in new.joints.items():
         before = old.joints.get(name)
@@ -371,6 +390,13 @@ def _beside(
     return len(every), changes, left
 
 
+def _by_key(key: str, noun: str, item: Deviation, absent: str) -> Change:
+    was, now = item.reference, item.figure
+    unit = next(one.unit for one in (now, was) if one is not None)
+    before, after = (None if one is None else one.place for one in (was, now))
+    return Change(key, item.field, noun, item.expected, item.value, unit, before, after, absent)
+
+
 def _setting(name: str, old: float | str | None, new: float | str | None, absent: str = UNKNOWN) -> Change:
     unit = "s" if name in ("physics_dt", "control_dt") else ""
     return Change("", name, SETTING_NOUNS[name], old, new, unit, absent=absent)
@@ -442,6 +468,8 @@ def _left(old: JointDynamics, new: JointDynamics, old_kind: FileKind, new_kind: 
             continue
         known = [states(old, name, old_kind), states(new, name, new_kind)]
         if alike and all(figure is not None and figure.value is None for figure in (one, other)):
+            if name in old.by_key & new.by_key:
+                continue
             yield _change(old, new, Deviation(name, other, one))
         elif not alike and known == [True, False]:
             yield _change(old, new, Deviation(name, None, one), NOT_STATED)
@@ -485,7 +513,14 @@ def _change(old: JointDynamics, new: JointDynamics, item: Deviation, absent: str
     if absent is None:
         without = old if item.expected is None else new
         undriven = field.role is Role.DRIVE and set(without.control.split("+")) <= _UNDRIVEN
-        absent = NONE if field.optional or field.role is Role.COMMAND or undriven else UNKNOWN
+        by_key = item.field in (old if item.expected is None else new).by_key
+        absent = (
+            BY_KEY
+            if by_key
+            else NONE
+            if field.optional or field.role is Role.COMMAND or undriven
+            else UNKNOWN
+        )
     old_place, new_place = (None if figure is None else figure.place for figure in figures)
     return Change(
         new.joint, item.field, field.noun, item.expected, item.value, unit, old_place, new_place, absent

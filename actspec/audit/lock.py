@@ -321,6 +321,15 @@ def _robot(robot: RobotDynamics) -> dict[str, Any]:
         record["orders"] = {name: list(names) for name, names in robot.orders.items()}
     if robot.entries is not None:
         record["entries"] = {where: _rounded(value) for where, value in robot.entries.items()}
+    if robot.by_key is not None:
+        record["by_key"] = {
+            name: [
+                {"key": key, "value": _rounded(figure.value)}
+                for key, figure in every
+                if figure.value is not None
+            ]
+            for name, every in robot.by_key.items()
+        }
     digest = _hash({**record, "joints": {name: joint["hash"] for name, joint in joints.items()}})
     return {"hash": digest, **record, "joints": joints}
 
@@ -366,7 +375,17 @@ def _dynamics(name: str, file: str, kind: FileKind, entry: Mapping[str, Any] | N
         entry["settings"],
         orders=None if orders is None else {key: tuple(names) for key, names in orders.items()},
         entries=entry.get("entries"),
+        by_key=_locked_keys(entry, file),
     )
+
+
+def _locked_keys(entry: Mapping[str, Any], file: str) -> dict[str, tuple[tuple[str, Figure], ...]] | None:
+    if "by_key" not in entry:
+        return None
+    return {
+        name: tuple((one["key"], Figure(float(one["value"]), "", Span(file), True)) for one in every)
+        for name, every in entry["by_key"].items()
+    }
 
 
 def _locked_joint(name: str, entry: Mapping[str, Any], file: str) -> JointDynamics:
@@ -439,12 +458,14 @@ def _robot_fault(record: Any) -> tuple[Path, str] | None:
         for key, value in settings.items()
     ):
         return ("settings",), shape
-    beside = {key: record[key] for key in ("orders", "entries") if key in record}
+    beside = {key: record[key] for key in ("orders", "entries", "by_key") if key in record}
     if not _is_orders(beside.get("orders", {})):
         return ("orders",), shape
     entries = beside.get("entries", {})
     if not isinstance(entries, dict) or not all(map(_is_figure, entries.values())):
         return ("entries",), shape
+    if not _is_by_key(beside.get("by_key", {})):
+        return ("by_key",), shape
     hashes = {}
     for name, joint in record["joints"].items():
         texts = (joint.get("control"), joint.get("network", "")) if isinstance(joint, dict) else (None,)
@@ -470,6 +491,21 @@ def _is_orders(value: object) -> bool:
     return isinstance(value, dict) and all(
         key in ORDERS and isinstance(names, list) and all(isinstance(name, str) for name in names)
         for key, names in value.items()
+    )
+
+
+def _is_by_key(value: object) -> bool:
+    return isinstance(value, dict) and all(
+        name in FIELDS
+        and isinstance(every, list)
+        and all(
+            isinstance(one, dict)
+            and set(one) == {"key", "value"}
+            and isinstance(one["key"], str)
+            and _is_figure(one["value"])
+            for one in every
+        )
+        for name, every in value.items()
     )
 
 

@@ -33,6 +33,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("new", metavar="NEW", help="likewise")
     command.add_argument("--robot", metavar="NAME", help="only this robot of files that have several")
+    command.add_argument(
+        "--joints",
+        metavar="FILE|LIST",
+        help="names of the joints, where configurations have patterns and no robot file is at hand, as of `import`",
+    )
     add_versions(command)
     add_format(command)
 
@@ -50,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
                 path = named(lay_out(file, tempfile.mkdtemp(dir=folder)).path, variant)
             texts[path] = side
             paths.append(path)
-        found = compare_files(paths[0], paths[1], versions, arguments.robot, texts)
+        found = compare_files(paths[0], paths[1], versions, arguments.robot, texts, arguments.joints)
     old, new = texts[paths[0]], texts[paths[1]]
     if arguments.output_format == "json":
         print_json({"format": FORMAT, "robots": [record(item, old, new) for item in found]})

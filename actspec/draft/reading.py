@@ -25,7 +25,6 @@ from actspec.draft.sources import RobotReading, stated
 from actspec.draft.unselected import (
     misspelt,
     not_listed,
-    patterns_of,
     robot_file_of,
     selected_twice,
     unselected,
@@ -40,8 +39,8 @@ from actspec.readings.artifact import (
     Framework,
     RobotConfig,
 )
-from actspec.readings.config import plain_name
-from actspec.readings.joint_lists import environment_of, fitting, joint_lists, names_of, other_endings
+from actspec.readings.dict_keys import plain_name
+from actspec.readings.joint_lists import differ_by_ending, environment_of, named_joints, names_of, patterns_of
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
@@ -91,7 +90,7 @@ def read_robot_files(
     out.raise_if_failed(AuditError)
     artifacts = list(_one_a_file(artifacts, robot, out))
     out.raise_if_failed(AuditError)
-    names = None if named is None else _named(artifacts, named, out)
+    names = None if named is None else named_joints(artifacts, named, out)
     out.raise_if_failed(AuditError)
     if named is not None and (environment := environment_of(named)) is not None:
         artifacts.append(environment)
@@ -376,7 +375,7 @@ def _check_joints(
     if not set(theirs) & set(here) and (artifact.config is None or artifact.config.groups):
         names = mine if artifact.config is None else [*patterns_of(artifact.config)]
         ending = ""
-        if artifact.config is not None and _differ_by_ending([artifact.config], here):
+        if artifact.config is not None and differ_by_ending([artifact.config], here):
             ending = (
                 "; they differ by their ending alone: a configuration has the names of its USD. Name the file by "
                 f"--joints {shell_word(model.path)}, which takes them as the configuration has them"
@@ -387,43 +386,6 @@ def _check_joints(
             span=Span(artifact.path),
             help=f"there: {listed(map(one_line, names), 4)}; here: {listed(map(one_line, here), 4)}{ending}",
         )
-
-
-def _differ_by_ending(configs: Sequence[RobotConfig], names: Sequence[str]) -> bool:
-    """Whether patterns would select joints that are called without the ending `_joint`, or with it."""
-    return any(
-        matching(config.framework, pattern, others)
-        for config in configs
-        for pattern in patterns_of(config)
-        for _, others in other_endings(names)
-    )
-
-
-def _named(
-    artifacts: Sequence[Artifact], named: str, out: Collector
-) -> tuple[Sequence[JointView | str], str]:
-    """The joints of the file or list that names them, and how their names were changed."""
-    robot = next((artifact for artifact in artifacts if artifact.robot is not None), None)
-    if robot is not None:
-        message = "not needed: the robot file names the joints"
-        out.error("DRF011", message, span=Span(robot.path), where="--joints", help="leave --joints out")
-    every = [a.config for a in artifacts if a.config is not None]
-    # A deploy file alone selects its joints by their names.
-    configs = [config for config in every if config.framework is not Framework.DEPLOY] or every
-    lists = joint_lists(named)
-    joints, renamed = fitting(lists, configs)
-    if not joints and robot is None:
-        patterns = [one_line(pattern) for config in configs for pattern in patterns_of(config)]
-        message = f"none of its joints is selected by {listed(patterns)}"
-        names = names_of(max(lists, key=len))
-        help = f"its joints: {listed(map(one_line, names), 4)}"
-        if _differ_by_ending(configs, names):
-            help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
-        if not patterns:
-            message = "no file selects joints: the lists of the deploy file have no names"
-            help = "add joint_names: [...] to it, in the order of its lists"
-        out.error("DRF011", message, span=Span(one_line(named)), where="--joints", help=help)
-    return joints, renamed
 
 
 def _urdf_of(usd: str) -> str | None:

@@ -9,8 +9,9 @@ from difflib import get_close_matches
 from actspec.diagnostics import Diagnostic, Severity, Span, listed, many, one_line
 from actspec.lift.config import asset_of
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
-from actspec.readings.config import lost_keys, plain_name, selected
-from actspec.readings.dict_keys import POSE, again, may_match, meant_for, meets, refuses_two
+from actspec.readings.config import lost_keys, selected
+from actspec.readings.dict_keys import POSE, again, may_match, meant_for, meets, plain_name, refuses_two
+from actspec.readings.joint_lists import patterns_of
 from actspec.readings.pair import matching
 
 _SCALE = "action_scale"
@@ -18,11 +19,6 @@ _SCALE = "action_scale"
 _WORD = re.compile("[A-Za-z]{3,}")
 _ALIKE = 0.75
 """How alike a word and one of another name are, where it is misspelt. `knie` and `knee` are 0.75."""
-
-
-def patterns_of(config: RobotConfig) -> Iterator[str]:
-    """What selects the joints of its groups."""
-    yield from (pattern for group in config.groups for pattern in group.joints or ())
 
 
 def robot_file_of(config: RobotConfig) -> str:

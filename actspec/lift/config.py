@@ -17,7 +17,8 @@ from actspec.lift.config_joint import ConfigJoint
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
-from actspec.readings.config import control_of_group, plain_name, selected
+from actspec.readings.config import control_of_group, selected
+from actspec.readings.dict_keys import plain_name
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.versions import Versions, friction_unit_of, is_native, meant_for
 from actspec.robot.view import JointView

@@ -24,8 +24,8 @@ from actspec.ir import (
     unknown,
 )
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.readings.config import Found, control_of_group, figures_of, is_own_class, lags_of
-from actspec.readings.dict_keys import settled
+from actspec.readings.config import control_of_group, figures_of, is_own_class, lags_of
+from actspec.readings.dict_keys import Found
 from actspec.readings.networks import stated_manifest
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
@@ -78,23 +78,10 @@ class ConfigJoint:
         config, group = self.config, self.group
         self._control = control_of_group(config.framework, group)
         self._idle = self._without_use()
-        # legged_gym looks both gains up by the keys of one.
-        order = group.settings.get("stiffness") if config.framework is Framework.LEGGED_GYM else None
-        keys = tuple(order.value) if order is not None and isinstance(order.value, Mapping) else ()
-        used = {
-            name: settled(
-                config.framework, name, setting, self.joint, keys if name in ("stiffness", "damping") else ()
-            )
-            for name, setting in group.settings.items()
-            if name not in self._idle
-        }
-        own = {
-            n: settled(config.framework, n, s, self.joint)
-            for n, s in {**config.settings, **config.looped}.items()
-        }
+        used = {name: setting for name, setting in group.settings.items() if name not in self._idle}
         acting = replace(group, settings=used)
         self._figures = figures_of(
-            replace(config, settings=own),
+            replace(config, settings={**config.settings, **config.looped}),
             acting,
             self.joint,
             self.pattern,

@@ -11,12 +11,9 @@ legged_gym's `_compute_torques`; measured.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from actspec.diagnostics import Span
 from actspec.fields import FIELDS
 from actspec.joints import JointKind
 from actspec.readings.artifact import (
@@ -28,7 +25,7 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
-from actspec.readings.dict_keys import may_match
+from actspec.readings.dict_keys import Found, may_match, plain_name, settled, value_of
 from actspec.readings.ledger import LedgerRow, dynamics_at
 from actspec.readings.overlap import has_last, laid_over, last_of_each
 from actspec.readings.pair import agreement, joint_names, matching
@@ -86,28 +83,8 @@ IN_FIGURES = frozenset(
 ) - {"class_type", "physics_dt"}  # fmt: skip
 """Settings that a figure is made from."""
 
-_NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)
-"""A pattern that means one name: characters without a meaning of their own, or escaped ones."""
-
 VOLTS = "in volts: constant and resistance of the motor make a torque of it"
 """Why the gains of mjlab's `BuiltinDcMotorActuatorCfg` are none at the joint. Source: mjlab 1.6.0, its docstring."""
-
-
-@dataclass(frozen=True, slots=True)
-class Found:
-    """A setting's value for one joint.
-
-    Attributes:
-        value: None is one that could not be folded, or that is no number of the joint.
-        span: Where it is written.
-        stated: Whether somebody wrote it; else it is what a mapping gives a joint that it misses, or unknown.
-        why: Why it is None.
-    """
-
-    value: float | None
-    span: Span
-    stated: bool = True
-    why: str | None = None
 
 
 def selected(config: RobotConfig, group: ActuatorGroup, named: Sequence[str] | None) -> list[tuple[str, str]]:
@@ -123,15 +100,6 @@ def selected(config: RobotConfig, group: ActuatorGroup, named: Sequence[str] | N
             for joint in matching(config.framework, pattern, named):
                 found.setdefault(joint, pattern)
     return list(found.items())
-
-
-def plain_name(framework: Framework, pattern: str) -> str | None:
-    """The one name that a pattern means; None where it means more, or a part of names."""
-    if framework is Framework.LEGGED_GYM or (framework is Framework.DEPLOY and pattern == ".*"):
-        return None
-    if framework is Framework.DEPLOY:
-        return pattern
-    return re.sub(r"\\(.)", r"\1", pattern, flags=re.DOTALL) if _NAME.fullmatch(pattern) else None
 
 
 def lost_keys(
@@ -278,13 +246,19 @@ def figures_of(
     """
     control = control_of_group(config.framework, group)
     values: dict[str, Found] = {}
+    known = named is not None or plain_name(config.framework, pattern) is not None
+    # legged_gym looks both gains up by the keys of one.
+    order = group.settings.get("stiffness") if config.framework is Framework.LEGGED_GYM else None
+    gains = tuple(order.value) if order is not None and isinstance(order.value, Mapping) else ()
 
     def take(field: str, *settings: str) -> None:
         for name in settings:
             setting = group.settings.get(name, config.settings.get(name))
             if setting is None or (setting.value is None and setting.unknown is None):
                 continue
-            found = value_of(config.framework, setting, joint, pattern, named)
+            keys = gains if name in ("stiffness", "damping") else ()
+            its = settled(config.framework, name, setting, joint, keys) if known else setting
+            found = value_of(config.framework, its, joint, pattern, named)
             if found is None:
                 continue
             lost = (
@@ -372,7 +346,12 @@ def _isaaclab_friction(values: dict[str, Found], versions: Versions) -> None:
     first, second = values.get("friction_setting"), values.get("dynamic_friction_setting")
     written, unit = first or second, friction_unit_of(versions)
     viscous = values.get("joint_damping")
-    if viscous is not None and viscous.value is not None and unit is not None and not unit.viscous:
+    if (
+        viscous is not None
+        and (viscous.value is not None or viscous.keys)
+        and unit is not None
+        and not unit.viscous
+    ):
         unwritten = "this Isaac Lab never writes viscous_friction to the solver"
         values["joint_damping"] = Found(None, viscous.span, False, unwritten)
     if written is None:
@@ -410,34 +389,6 @@ def lags_of(
     return high if framework is Framework.ISAACLAB and is_native(versions) else low, high
 
 
-def value_of(
-    framework: Framework, setting: Setting, joint: str, pattern: str, named: Sequence[str] | None
-) -> Found | None:
-    """A setting's value for a joint.
-
-    A mapping that misses a joint gives 0 in Isaac Lab (2.x, measured) and in legged_gym; elsewhere nothing.
-    Without a model only a key that is written like the group's pattern is known to cover it, unless that is a name.
-    """
-    if setting.unknown is not None:
-        return Found(None, setting.span, why=setting.unknown)
-    value = setting.value
-    if isinstance(value, bool):
-        return None
-    if isinstance(value, int | float):
-        return Found(float(value), setting.span)
-    if not isinstance(value, Mapping):
-        return None
-    numbers = {key: float(number) for key, number in value.items() if isinstance(number, int | float)}
-    if named is None and plain_name(framework, pattern) is None:
-        return Found(next((numbers[key] for key in numbers if key in (pattern, ".*")), None), setting.span)
-    chosen = next((key for key in numbers if matching(framework, key, (joint,))), None)
-    if chosen is not None:
-        return Found(numbers[chosen], setting.span)
-    if framework in (Framework.ISAACLAB, Framework.LEGGED_GYM) and len(numbers) == len(value):
-        return Found(0.0, setting.span, stated=False)
-    return None
-
-
 _PASSIVE = (Framework.ISAACLAB, Framework.MJLAB)
 """Frameworks whose viscous friction is the joint's, outside the drive's limit."""
 
@@ -445,7 +396,13 @@ _CLAMPED = ("implicit", "ideal_pd", "dc_motor", "position", "velocity", "dcmotor
 
 
 def rows_of_config(
-    artifact: Artifact, index: int, partners: Sequence[Artifact], versions: Versions, *, whole: bool = False
+    artifact: Artifact,
+    index: int,
+    partners: Sequence[Artifact],
+    versions: Versions,
+    *,
+    whole: bool = False,
+    joints: Sequence[str] = (),
 ) -> tuple[LedgerRow, ...]:
     """The rows of one configuration: what its actuator classes do with what is written.
 
@@ -458,12 +415,13 @@ def rows_of_config(
         versions: Decides what Isaac Lab's `friction` means; unknown without.
         whole: Give a row to each joint that legged_gym gives gains of 0 too. Its default pose, which must have all
             joints, names them where no model does.
+        joints: The robot's, where nothing else names them; empty: not known.
     """
     config = artifact.config
     assert config is not None
     models = models_of(config, partners)
     posed = _posed(config) if whole else ()
-    names_of = (*map(joint_names, models), posed, *map(joint_names, (artifact, *partners)))
+    names_of = (*map(joint_names, models), posed, *map(joint_names, (artifact, *partners)), joints)
     named = next((names for names in names_of if names), None)
     robots = [model.robot for model in models if model.robot is not None]
     massive = next((robot for robot in _simulated(config, models) if robot.inertia is not None), None)
@@ -558,6 +516,7 @@ def _of_group(
             for field, found in figures.items()
             if field not in columns and field in FIELDS and found.value is not None
         },
+        by_key={field: found.keys for field, found in figures.items() if found.keys},
         places={field: found.span for field, found in figures.items()},
         stated=frozenset(field for field, found in columns.items() if found.stated),
         **dynamics_at(numbers.get("kp"), total, held, free, config.physics_dt, kd if explicit else None),

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 
-from actspec.diagnostics import shortened
+from actspec.diagnostics import Span, shortened
 from actspec.patterns import PatternError, compile_pattern, match_names, suggest_pattern
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.pair import matching
@@ -28,6 +28,74 @@ _ALIKE_FREE = 0.8
 
 PLAIN = re.compile(r"[A-Za-z0-9_/:-]*")
 """A text that is no pattern."""
+
+
+_NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)
+"""A pattern that means one name: characters without a meaning of their own, or escaped ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A setting's value for one joint.
+
+    Attributes:
+        value: None is one that could not be folded, or that is no number of the joint.
+        span: Where it is written.
+        stated: Whether somebody wrote it; else it is what a mapping gives a joint that it misses, or unknown.
+        why: Why it is None.
+        keys: Of a pattern whose joints are not known, the numbers by key, in the author's order, where other keys than
+            the one that is `value` may be for some of them; where each stands.
+    """
+
+    value: float | None
+    span: Span
+    stated: bool = True
+    why: str | None = None
+    keys: Mapping[str, tuple[float, Span]] = field(default_factory=dict)
+
+
+def plain_name(framework: Framework, pattern: str) -> str | None:
+    """The one name that a pattern means; None where it means more, or a part of names."""
+    if framework is Framework.LEGGED_GYM or (framework is Framework.DEPLOY and pattern == ".*"):
+        return None
+    if framework is Framework.DEPLOY:
+        return pattern
+    return re.sub(r"\\(.)", r"\1", pattern, flags=re.DOTALL) if _NAME.fullmatch(pattern) else None
+
+
+def value_of(
+    framework: Framework, setting: Setting, joint: str, pattern: str, named: Sequence[str] | None
+) -> Found | None:
+    """A setting's value for a joint.
+
+    A mapping that misses a joint gives 0 in Isaac Lab (2.x, measured) and in legged_gym; elsewhere nothing.
+    Without a model only a key that is written like the group's pattern is known to cover it, unless that is a name.
+    """
+    if setting.unknown is not None:
+        return Found(None, setting.span, why=setting.unknown)
+    value = setting.value
+    if isinstance(value, bool):
+        return None
+    if isinstance(value, int | float):
+        return Found(float(value), setting.span)
+    if not isinstance(value, Mapping):
+        return None
+    numbers = {key: float(number) for key, number in value.items() if isinstance(number, int | float)}
+    if named is None and plain_name(framework, pattern) is None:
+        own = next((key for key in numbers if key in (pattern, ".*")), None)
+        keys = {key: (number, setting.place(key)) for key, number in numbers.items()}
+        rest = {} if list(keys) == [own] else keys
+        if own is None:
+            return Found(None, setting.span, keys=rest)
+        # As of a joint that is known: `settled` leaves Isaac Lab's dict whole.
+        place = setting.span if framework is Framework.ISAACLAB else setting.place(own)
+        return Found(numbers[own], place, keys=rest)
+    chosen = next((key for key in numbers if matching(framework, key, (joint,))), None)
+    if chosen is not None:
+        return Found(numbers[chosen], setting.span)
+    if framework in (Framework.ISAACLAB, Framework.LEGGED_GYM) and len(numbers) == len(value):
+        return Found(0.0, setting.span, stated=False)
+    return None
 
 
 def dead_keys(framework: Framework, keys: Sequence[str], joints: Sequence[str]) -> list[str]:
@@ -72,6 +140,11 @@ _NAMES = {Framework.ISAACLAB: "Isaac Lab", Framework.MJLAB: "mjlab"}
 def refuses_two(framework: Framework, name: str) -> bool:
     """Whether a framework raises an error where two keys of a setting match one joint."""
     return framework is Framework.ISAACLAB or (framework is Framework.MJLAB and name == "action_scale")
+
+
+def order_counts(framework: Framework | None, field: str) -> bool:
+    """Whether one of two keys of a field that match one joint counts by its place: mjlab's first, legged_gym's last."""
+    return (framework, field) in ((Framework.MJLAB, POSE), (Framework.LEGGED_GYM, "kp"))
 
 
 def meets(framework: Framework, name: str, key: str, joint: str) -> bool:

@@ -15,7 +15,7 @@ from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import JointActuator, Origin, Quantity
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.compare import Figure, same
-from actspec.readings.config import plain_name
+from actspec.readings.dict_keys import plain_name
 from actspec.readings.joint import read_joints
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.networks import network_paths
@@ -49,6 +49,9 @@ _BOUNDS = LIMITS | {"command_low", "command_high", "position_low", "position_hig
 _SERVOS = frozenset({"position", "dcmotor", "pid"})
 """Controls that are a target of the position where they have a kp."""
 
+_FRICTION_AS_WRITTEN = frozenset({"friction_setting", "dynamic_friction_setting"})
+"""Friction in the unit that the file's Isaac Lab reads it in."""
+
 _MOST_NETWORK_BYTES = 1 << 28
 """Chosen: actuator networks have some 10 kB."""
 _OF_ROW = tuple(
@@ -73,6 +76,7 @@ class JointDynamics:
         damping_ratio: [-]; None when unknown.
         ranges: What is randomised to how, in words; None where nobody knows.
         axis: As in `JointView`; None when unknown.
+        by_key: Fields of which `RobotDynamics.by_key` has what is known of a pattern.
     """
 
     joint: str
@@ -85,6 +89,7 @@ class JointDynamics:
     damping_ratio: float | None = None
     ranges: Mapping[str, str] | None = None
     axis: tuple[float, float, float] | None = None
+    by_key: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +111,9 @@ class RobotDynamics:
         patterns: Those of `joints` that are patterns of a configuration whose robot is not at hand.
         undriven: Joints of a model that no actuator drives, where others have one.
         framework: Whose conventions a configuration follows; None of other files.
+        by_key: Field to keys and figures of the dicts of a configuration of which nobody knows which joints they are
+            for, in the order that counts; a key of several dicts once for each figure. None where joints are known, or
+            in a lock of an older actspec.
     """
 
     name: str
@@ -121,6 +129,7 @@ class RobotDynamics:
     patterns: frozenset[str] = frozenset()
     undriven: frozenset[str] = frozenset()
     framework: Framework | None = None
+    by_key: Mapping[str, Sequence[tuple[str, Figure]]] | None = None
 
 
 def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
@@ -137,6 +146,7 @@ def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
     joints = {name: _joint(artifact, found) for name, found in rows.items()}
     joints.update((loose.joint, loose) for loose in _loose(artifact))
     entries, others = _beside(artifact.config)
+    patterns = _patterns(artifact.config, own)
     return RobotDynamics(
         artifact.name,
         artifact.path,
@@ -148,9 +158,10 @@ def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
         entries,
         others,
         unread_of(artifact.config),
-        _patterns(artifact.config, own),
+        patterns,
         undriven(artifact.robot),
         None if artifact.config is None else artifact.config.framework,
+        _by_key(own) if patterns else None,
     )
 
 
@@ -297,6 +308,21 @@ def _patterns(config: RobotConfig | None, rows: Sequence[LedgerRow]) -> frozense
     )
 
 
+def _by_key(rows: Sequence[LedgerRow]) -> dict[str, tuple[tuple[str, Figure], ...]]:
+    """What dicts have by pattern; friction as it is written only where it is no torque."""
+    found: dict[str, dict[tuple[str, float], Figure]] = {}
+    for row in rows:
+        for name, numbers in row.by_key.items():
+            if not (name in _FRICTION_AS_WRITTEN and "frictionloss" in row.by_key):
+                for key, (number, place) in numbers.items():
+                    figure = Figure(number, unit_of(name, row.kind), place, True)
+                    found.setdefault(name, {}).setdefault((key, number), figure)
+    return {
+        name: tuple((key, one) for (key, _), one in every.items() if is_figure(name, one.value))
+        for name, every in found.items()
+    }
+
+
 def unread_of(config: RobotConfig | None) -> dict[str, str]:
     """What of a configuration is not read, and why; without what figures of its joints are unknown for."""
     if config is None:
@@ -370,7 +396,7 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         network = _network_name(artifact, first)
         for name, value in first.more.items():
             # Friction as it is written is of interest where it is no torque.
-            if name not in ("friction_setting", "dynamic_friction_setting") or first.frictionloss is None:
+            if name not in _FRICTION_AS_WRITTEN or first.frictionloss is None:
                 add(name, value, first.place(name))
     return JointDynamics(
         first.joint,
@@ -383,6 +409,7 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         first.damping_ratio,
         ranges,
         axis,
+        frozenset().union(*(row.by_key for row in rows)),
     )
 
 

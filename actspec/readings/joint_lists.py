@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import yaml
 
-from actspec.diagnostics import AuditError, Span, one_line
+from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.files import FAULTS, read_regular, why
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
@@ -156,6 +156,54 @@ def other_endings(names: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
         yield from (("without", bare),) if bare != list(names) else ()
         full = [name + _ENDING for name in bare]
         yield from (("with", full),) if full != list(names) else ()
+
+
+def patterns_of(config: RobotConfig) -> Iterator[str]:
+    """What selects the joints of its groups."""
+    yield from (pattern for group in config.groups for pattern in group.joints or ())
+
+
+def differ_by_ending(configs: Sequence[RobotConfig], names: Sequence[str]) -> bool:
+    """Whether patterns would select joints that are called without the ending `_joint`, or with it."""
+    return any(
+        matching(config.framework, pattern, others)
+        for config in configs
+        for pattern in patterns_of(config)
+        for _, others in other_endings(names)
+    )
+
+
+def named_joints(
+    artifacts: Sequence[Artifact], named: str, out: Collector
+) -> tuple[Sequence[JointView | str], str]:
+    """The joints of the file or list that names them, and how their names were changed.
+
+    Args:
+        artifacts: Whose joints.
+        named: As of `joint_lists`.
+        out: Gets the error that no artifact needs or selects them.
+    """
+    robot = next((artifact for artifact in artifacts if artifact.config is None), None)
+    if robot is not None:
+        message = f"not needed: the {'robot file' if robot.spec is None else 'spec'} names the joints"
+        out.error("DRF011", message, span=Span(robot.path), where="--joints", help="leave --joints out")
+    every = [a.config for a in artifacts if a.config is not None]
+    # A deploy file alone selects its joints by their names.
+    configs = [config for config in every if config.framework is not Framework.DEPLOY] or every
+    lists = joint_lists(named)
+    joints, renamed = fitting(lists, configs)
+    if not joints and robot is None:
+        patterns = [one_line(pattern) for config in configs for pattern in patterns_of(config)]
+        message = f"none of its joints is selected by {listed(dict.fromkeys(patterns))}"
+        names = names_of(max(lists, key=len))
+        help = f"its joints: {listed(map(one_line, names), 4)}"
+        if differ_by_ending(configs, names):
+            help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
+        if not patterns:
+            message = "no file selects joints: the lists of the deploy file have no names"
+            help = "add joint_names: [...] to it, in the order of its lists"
+        out.error("DRF011", message, span=Span(one_line(named)), where="--joints", help=help)
+    return joints, renamed
 
 
 def names_of(joints: Sequence[JointView | str]) -> list[str]:

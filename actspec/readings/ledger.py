@@ -96,6 +96,8 @@ class LedgerRow:
         action_scale: Command unit per action unit.
         default_position: Default pose.
         more: Other fields of `FIELDS` that a configuration has of the joint, as a range of its delay.
+        by_key: Field to the numbers that a dict has of it by pattern, in its order, and where each stands, where nobody
+            knows which of them are this pattern's.
         places: Field to where it is written, for fields that have a place of their own.
         stated: Fields that the file states itself; the others are an engine's default or computed.
         overruled: Of other groups of a configuration that have the joint too, and lose it to this one.
@@ -140,6 +142,7 @@ class LedgerRow:
     action_scale: float | None = None
     default_position: float | None = None
     more: Mapping[str, float] = field(default_factory=dict)
+    by_key: Mapping[str, Mapping[str, tuple[float, Span]]] = field(default_factory=dict)
     places: Mapping[str, Span] = field(default_factory=dict)
     stated: frozenset[str] = frozenset()
     overruled: tuple[LedgerRow, ...] = ()

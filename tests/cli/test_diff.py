@@ -217,3 +217,30 @@ def test_long_names(change: tuple[str, str], folder: Path, capsys: pytest.Captur
     assert max(map(len, (said.out + said.err).splitlines())) < 200
     if old:
         assert "k" * 57 + "..." in said.out
+
+
+def test_joints_that_are_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """From a file or a list: what is stated by pattern is then the joints'; a file that names them needs no names."""
+    text = CFG.replace('["hip", "knee"]', '[".*hip", ".*knee"]').replace(
+        "=100.0", '={"l_.*": 100.0, "r_.*": 120.0}'
+    )
+    (folder / "a.py").write_text(text)
+    (folder / "b.py").write_text(text.replace("120.0", "150.0"))
+    assert main(["diff", "a.py", "b.py"]) == 1
+    told = "stiffness kp 120 -> 150 N*m/rad (+25 %)\n"
+    assert capsys.readouterr().out == f"a.py -> b.py (LEG_CFG)\n  r_.*:\n    {told}"
+    (folder / "names.txt").write_text("l_hip\nr_hip\nl_knee\nr_knee\n")
+    for names in ("names.txt", "l_hip,r_hip,l_knee,r_knee"):
+        assert main(["diff", "a.py", "b.py", "--joints", names]) == 1
+        assert capsys.readouterr().out == f"a.py -> b.py (LEG_CFG)\n  r_hip, r_knee:\n    {told}"
+    assert main(["diff", "a.py", "b.py", "--joints", "ankle"]) == 2
+    said = "DRF011 --joints: none of its joints is selected by .*hip, .*knee\n  help: its joints: ankle\n"
+    assert said in capsys.readouterr().err
+    (folder / "leg.xml").write_text(LEG)
+    (folder / "leg.yaml").write_text(SPEC)
+    assert main(["diff", "leg.xml", "leg.xml", "--joints", "hip"]) == 2
+    assert (
+        "leg.xml: DRF011 --joints: not needed: the robot file names the joints\n" in capsys.readouterr().err
+    )
+    assert main(["diff", "leg.yaml", "leg.yaml", "--joints", "hip"]) == 2
+    assert "leg.yaml: DRF011 --joints: not needed: the spec names the joints\n" in capsys.readouterr().err

@@ -567,6 +567,68 @@ def test_a_lock_from_before_dt(dt: str, told: str, capsys: pytest.CaptureFixture
     assert told in capsys.readouterr().out
 
 
+BY_KEY = CFG.replace('["hip", "knee"]', '["[a-z]*_hip", "[a-z]*_knee"]').replace(
+    "    actuators=",
+    '    init_state=ArticulationCfg.InitialStateCfg(joint_pos={"left_.*": 0.1, "right_.*": 0.3}),\n    actuators=',
+)
+"""A pose by keys that are no patterns of the group."""
+
+
+def test_what_is_stated_by_pattern(capsys: pytest.CaptureFixture[str]) -> None:
+    """A pose whose joints no file names is in it, key by key."""
+    Path("leg_cfg.py").write_text(BY_KEY)
+    main(["lock", "leg_cfg.py"])
+    fits("lock", lock())
+    robot = lock()["files"]["leg_cfg.py"]["robots"]["LEG_CFG"]
+    assert robot["by_key"]["default_position"] == [
+        {"key": "left_.*", "value": 0.1},
+        {"key": "right_.*", "value": 0.3},
+    ]
+    assert main(["lock", "--check"]) == 0
+    Path("leg_cfg.py").write_text(BY_KEY.replace("0.3", "-0.3"))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    since = "leg_cfg.py (LEG_CFG) since actspec.lock:\n"
+    assert capsys.readouterr().out == f"{since}  right_.*:\n    default position 0.3 -> -0.3 rad\n{LAST}"
+
+
+def test_a_lock_from_before_what_is_stated_by_pattern(capsys: pytest.CaptureFixture[str]) -> None:
+    """It has none of it, which is no change; a new lock has it."""
+    Path("leg_cfg.py").write_text(BY_KEY)
+    main(["lock", "leg_cfg.py"])
+    found = lock()
+    robot = found["files"]["leg_cfg.py"]["robots"]["LEG_CFG"]
+    del robot["by_key"]
+    robot["hash"] = _hash(
+        {
+            **{key: robot[key] for key in ("settings", "orders", "entries")},
+            "joints": {name: one["hash"] for name, one in robot["joints"].items()},
+        }
+    )
+    Path("actspec.lock").write_text(json.dumps(found))
+    fits("lock", found)
+    Path("leg_cfg.py").write_text(BY_KEY.replace("0.3", "-0.3"))
+    assert main(["lock", "--check"]) == 0
+    Path("leg_cfg.py").write_text(BY_KEY.replace("30.0", "31.0"))
+    assert main(["lock", "--check"]) == 1
+    assert "effort limit 30 -> 31 N*m" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "by_key", [[], {"kp": {}}, {"nope": []}, {"kp": [{"key": "a"}]}, {"kp": [{"key": 1, "value": 2.0}]}]
+)
+def test_what_is_stated_by_pattern_is_checked(by_key: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    """What actspec never writes there is an error at its line."""
+    Path("leg_cfg.py").write_text(BY_KEY)
+    main(["lock", "leg_cfg.py"])
+    found = lock()
+    found["files"]["leg_cfg.py"]["robots"]["LEG_CFG"]["by_key"] = by_key
+    Path("actspec.lock").write_text(json.dumps(found, indent=2))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 2
+    assert "LCK002: leg_cfg.py, LEG_CFG: is not as actspec writes it" in capsys.readouterr().err
+
+
 GYM = """from legged_gym.envs.base.legged_robot_config import LeggedRobotCfg
 
 
