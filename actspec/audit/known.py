@@ -196,10 +196,6 @@ class Likeness:
         """`joints`, less those for which a key has one of these fields, and these one by one."""
         return _read(self.joints, self.parts, *fields)
 
-    def is_of_key(self, row: LedgerRow) -> bool:
-        """Whether a row is none of the ledger's, but one of `parts`."""
-        return any(row is part for parts in self.parts for part in parts.values())
-
 
 def likenesses(case: Case) -> tuple[Likeness, ...]:
     """The artifacts that are known robots; those beside a spec are left to it."""

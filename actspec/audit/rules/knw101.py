@@ -79,7 +79,6 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             quiet = (
                 subject.copied
                 or scaled
-                or subject.is_of_key(row)
                 or kind is FileKind.DEPLOY
                 or (kind is FileKind.URDF and is_exporters(row))
                 or _says_raised(case, row.place("effort_limit"))
