@@ -33,6 +33,10 @@ GRAVITY = 9.81
 LONGEST_LEVER = 4.0
 """Effort limit over the weight of the robot that no robot has [m]. Published: 1.55 (Z1 arm), 0.9 (A2), 0.59 (H1)."""
 
+FRICTION_SHARE = 0.5
+"""Dry friction over the effort limit from which too little is left to drive the joint. Published: to 0.42, of a mobile
+base."""
+
 
 class Role(Enum):
     """What a figure is, which decides who may state it and with what it is compared."""

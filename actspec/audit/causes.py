@@ -14,30 +14,32 @@ from actspec.diagnostics import SEVERITIES, Severity, Span
 from actspec.fields import LIMITS
 
 ORDER = (
-    *("ORD103", "ORD102", "UNT103"),
+    *("SGN101", "ORD103", "ORD102", "UNT103", "UNT104", "UNT105", "UNT107"),
     *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101", "KNW103"),
+    *("LIM107", "GEA102"),
     *("VER106", "DMP105", "DMP101", "DMP103"),
     *("FRC101", "SRC105"),
     *("LIM111", "SRC103", "SRC104", "SRC106"),
 )
-"""Rules about a figure, the nearest to its cause first: of two groups that have a joint one gives it the wrong
-figures, and a list in another order gives many; degrees in the place of radians are why a joint diverges, is out of
-its range, or differs; a gear says by what a limit or a gain is off, a file that contradicts itself which side is
-wrong, a limit that nobody stated why files differ, two files that differ why one is not the published one; a servo
-that lost its gains, or damping that is counted twice, in two files or in one, why a joint is slow; friction that no
-motor overcomes why another file has less; a position that the joint cannot take why two files differ. Chosen: from the
-findings of docs/survey.md that were true and told a second time."""
+"""Rules about a figure, the nearest to its cause first: a wrong sign is wrong whatever others have; of two groups
+that have a joint one gives it the wrong figures, and a list in another order gives many; degrees in the place of
+radians, or another unit, are why a joint diverges, is out of its range, or differs; a gear says by what a limit or a
+gain is off, a file that contradicts itself which side is wrong, a limit that nobody stated why files differ, two
+files that differ why one is not the published one, which tells why a torque-speed line begins below its limit; a
+servo that lost its gains, or damping that is counted twice, in two files or in one, why a joint is slow; friction
+that no motor overcomes why another file has less; a position that the joint cannot take why two files differ. Chosen:
+from the findings of docs/survey.md that were true and told a second time."""
 
 _ALONE_BY = {
-    "SRC103": frozenset({"ORD102", "ORD103", "UNT103"}),
-    "SRC104": frozenset({"ORD103"}),
+    "SRC103": frozenset({"SGN101", "ORD102", "ORD103", "UNT103", "UNT107"}),
+    "SRC104": frozenset({"SGN101", "ORD103", "UNT105", "KNW103"}),
     "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "LIM111"}),
 }
 """What alone explains that gains, armatures or poses differ: others that have the figure say nothing of the
 other file."""
 
 _GEAR, _SIDES, _FRICTION, _LOST_GAINS, _PUBLISHED = "GEA101", "SYM101", "FRC101", "VER106", "KNW101"
-_DEGREES = "UNT103"
+_DEGREES, _UNIT, _GAINS, _NO_JOINT = "UNT103", "UNT105", "SRC103", "UNT107"
 
 PUBLISHED = 1.2
 """How many times the published figure another one is that still is that figure. Chosen: KNW101's `times`."""
@@ -125,8 +127,15 @@ class _Findings:
                 causes[at] = causes.get(first, first)
         return causes
 
-    def _rank(self, at: int) -> int:
-        return self._ranks[self._found[at].finding.code]
+    def _rank(self, at: int) -> float:
+        one = self._found[at].finding
+        if one.code == _UNIT and one.expected is None:
+            # What looks like another unit by itself says less than who knows the right figure.
+            return len(ORDER)
+        if one.code == _GAINS and len(one.fields) > 1:
+            # Of gains that are exchanged in one of two files it has the right ones too.
+            return self._ranks[_NO_JOINT] - 0.5
+        return self._ranks[one.code]
 
     def _apart(self, one: Finding, other: Finding) -> bool:
         """Whether all that two findings have in common are files, in each of which they are of other robots."""

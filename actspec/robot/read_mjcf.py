@@ -23,6 +23,7 @@ from actspec.robot.compiled import (
 )
 from actspec.robot.inertia import POSES, known_inertia, reference_pose
 from actspec.robot.mjcf_elements import Written, read_elements
+from actspec.robot.turned import report_turned
 from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, RobotView
 from actspec.robot.xml_tree import report_behind
 
@@ -113,6 +114,7 @@ def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, pose
         out.warning("ROBOT112", f"MuJoCo warns: {'; '.join(text.splitlines())}", span=main)
     report_behind(document, out)
     written = read_elements(document, attached_models(document))
+    report_turned(written, out)
     masses, reason = known_inertia(model, compiled.meshes, poses) if inertia else (None, "not asked for")
     lists = ModelLists(model)
     weightless = unknown_inertia(model, compiled.meshes)

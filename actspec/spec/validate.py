@@ -23,7 +23,7 @@ from actspec.spec.models import (
     SpecModel,
     Target,
 )
-from actspec.spec.plausible import check_numbers
+from actspec.spec.plausible.numbers import check_numbers
 from actspec.spec.rules import check_spec
 from actspec.spec.shape import misplaced, misspelt, model_at
 from actspec.spec.values import short

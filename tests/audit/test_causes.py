@@ -299,3 +299,128 @@ def test_the_lesser_rule_alone_speaks_for_itself(tmp_path: Path) -> None:
     assert "(explained by SYM101 at " in render(report, "concise", ReportOptions(least=INFO))
     alone = audit([str(path)], Settings(select=("LIM101",)))
     assert [(item.severity, item.cause) for item in alone.findings] == [(WARNING, None)]
+
+
+GO2_CFG = """from isaaclab.actuators import DCMotorCfg
+from isaaclab.assets import ArticulationCfg
+GO2_CFG = ArticulationCfg(
+    init_state=ArticulationCfg.InitialStateCfg(
+        joint_pos={"F[L,R]_hip_joint": 0.1, ".*_thigh_joint": 0.8, ".*_calf_joint": -1.5}
+    ),
+    actuators={
+        "hips": DCMotorCfg(joint_names_expr=[".*_hip_joint", ".*_thigh_joint"], effort_limit=23.7,
+            saturation_effort=23.7, velocity_limit=30.1, stiffness=25.0, damping=0.5, armature=0.01),
+        "knees": DCMotorCfg(joint_names_expr=[".*_calf_joint"], effort_limit=45.43,
+            saturation_effort=@STALL@, velocity_limit=@SPEED@, stiffness=@KP@, damping=@KD@, armature=@ARMATURE@),
+    }
+)
+"""
+FIGURES = {"STALL": "45.43", "SPEED": "15.7", "KP": "25.0", "KD": "0.5", "ARMATURE": "0.01"}
+LEGS = [f"{side}_{part}_joint" for side in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")]
+GO2_URDF = (
+    '<robot name="go2"><link name="base"/>'
+    + "".join(
+        f'<link name="{leg}_link"/><joint name="{leg}" type="revolute"><parent link="base"/><child link="{leg}_link"/>'
+        f'<limit lower="-3" upper="3" effort="{effort}" velocity="{speed}"/></joint>'
+        for leg in LEGS
+        for effort, speed in [(45.43, 15.7) if "calf" in leg else (23.7, 30.1)]
+    )
+    + "</robot>"
+)
+GO2_XML = (
+    '<mujoco model="go2"><worldbody>'
+    + "".join(f'<body><joint name="{leg}" armature="0.01"/><geom size="0.1"/></body>' for leg in LEGS)
+    + "</worldbody><actuator>"
+    + "".join(
+        f'<motor joint="{leg}" ctrlrange="-{effort} {effort}"/>'
+        for leg in LEGS
+        for effort in [45.43 if "calf" in leg else 23.7]
+    )
+    + "</actuator></mujoco>"
+)
+
+
+@pytest.mark.parametrize(
+    ("changed", "beside", "told", "notes"),
+    [
+        ({}, "", set(), set()),
+        # 15.7 rad/s is 150 rpm and 900 deg/s.
+        ({"SPEED": "150.0"}, "urdf", {"UNT104"}, {"KNW103"}),
+        ({"SPEED": "900.0"}, "urdf", {"UNT103"}, {"KNW103"}),
+        ({"SPEED": "900.0"}, "", {"KNW103"}, set()),
+        # 20 N*m at standstill is below the limit of 45.43, and nobody's.
+        ({"STALL": "20.0"}, "", {"LIM107"}, set()),
+        ({"STALL": "23.7"}, "", {"KNW101"}, {"LIM107"}),
+        # 45.43 N*m over 10 kg*m^2 are 4.5 rad/s^2.
+        ({"ARMATURE": "10.0"}, "", {"KNW103"}, {"GEA102", "UNT105"}),
+        ({"ARMATURE": "10.0"}, "xml", {"KNW103"}, {"SRC104", "UNT105"}),
+        ({"ARMATURE": "-0.01"}, "", {"SGN101"}, {"GEA102"}),
+        ({"ARMATURE": "-0.01"}, "xml", {"SGN101"}, {"SRC104"}),
+        ({"KP": "0.5", "KD": "25.0"}, "", {"UNT107"}, set()),
+    ],
+)
+def test_one_figure_is_told_by_the_rule_that_says_most(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    changed: dict[str, str],
+    beside: str,
+    told: set[str],
+    notes: set[str],
+) -> None:
+    """The others of these rules name it, as notes."""
+    monkeypatch.chdir(tmp_path)
+    text = GO2_CFG
+    for name, figure in {**FIGURES, **changed}.items():
+        text = text.replace(f"@{name}@", figure)
+    files = {"cfg.py": text} | (
+        {f"robot.{beside}": GO2_URDF if beside == "urdf" else GO2_XML} if beside else {}
+    )
+    for name, content in files.items():
+        Path(name).write_text(content)
+    report = audit(list(files), Settings())
+    assert {item.finding.code for item in report.at_or_above(WARNING)} == told
+    explained = {item.finding.code for item in report.findings if item.cause is not None}
+    assert explained == notes
+    assert {item.cause.code for item in report.findings if item.cause is not None} <= told
+
+
+def test_a_pose_in_degrees_is_told_of_each_joint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """5.7 degrees are 0.1 rad (5.73) as 45.8 are 0.8 (45.84): no other rule has the two hips, nor the other file."""
+    monkeypatch.chdir(tmp_path)
+    text = GO2_CFG
+    for name, figure in FIGURES.items():
+        text = text.replace(f"@{name}@", figure)
+    Path("cfg.py").write_text(text)
+    degrees = {"hip": 5.7, "thigh": 45.8, "calf": -85.9}
+    pose = [
+        degrees[part] if leg[0] == "F" or part != "hip" else 0.0
+        for leg in LEGS
+        for part in [leg.split("_")[1]]
+    ]
+    Path("deploy.yaml").write_text(
+        f"joint_names: [{', '.join(LEGS)}]\nkp: {[25] * 12}\nkd: {[0.5] * 12}\ndefault_joint_pos: {pose}\n"
+    )
+    found = audit(["cfg.py", "deploy.yaml"], Settings()).at_or_above(WARNING)
+    assert {(item.finding.code, item.finding.span.path) for item in found} == {("UNT103", "deploy.yaml")}
+    assert {item.finding.joint for item in found} == {
+        leg for leg in LEGS if leg[0] == "F" or "hip" not in leg
+    }
+
+
+def test_one_joint_that_is_nearly_57_times_another_file_is_no_pose_in_degrees(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """5.7 for 0.1 is 57 times, half a per cent from 57.3: of a file whose other joints agree that is SRC106's."""
+    monkeypatch.chdir(tmp_path)
+    text = GO2_CFG
+    for name, figure in FIGURES.items():
+        text = text.replace(f"@{name}@", figure)
+    Path("cfg.py").write_text(text)
+    radians = {"hip": 0.0, "thigh": 0.8, "calf": -1.5}
+    pose = [5.7 if leg == "FL_hip_joint" else radians[leg.split("_")[1]] for leg in LEGS]
+    pose[LEGS.index("FR_hip_joint")] = 0.1
+    Path("deploy.yaml").write_text(
+        f"joint_names: [{', '.join(LEGS)}]\nkp: {[25] * 12}\nkd: {[0.5] * 12}\ndefault_joint_pos: {pose}\n"
+    )
+    found = audit(["cfg.py", "deploy.yaml"], Settings()).at_or_above(WARNING)
+    assert {(item.finding.code, item.finding.joint) for item in found} == {("SRC106", "FL_hip_joint")}

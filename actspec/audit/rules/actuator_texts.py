@@ -11,6 +11,7 @@ from actspec.audit.case import Case
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.ledger import LedgerRow
 from actspec.robot.mjcf_actuator_text import ActuatorText, actuator_text, class_text, numbers
 from actspec.robot.mjcf_elements import read_elements
 from actspec.robot.view import ActuatorView, JointView, RobotView
@@ -177,3 +178,53 @@ def drives_kind(found: WrittenActuator, kind: JointKind) -> bool:
     robot = found.artifact.robot
     joint: JointView | None = robot.joint(found.view.target) if robot is not None else None
     return joint is not None and joint.kind is kind
+
+
+def ranges_not_in_force(case: Case, name: str) -> dict[Span, tuple[float, float]]:
+    """Ranges that are written at actuators which have none, by the actuators' places.
+
+    Args:
+        case: The case.
+        name: What they are ranges of: `force` or `ctrl`.
+    """
+    written, limited = f"{name}range", f"{name}limited"
+
+    def is_free(_: object, view: ActuatorView) -> bool:
+        none = (view.force_range if name == "force" else view.control_range) is None
+        return none and written in view.stated
+
+    ranges = {}
+    for found in written_actuators(case, written.encode(), which=is_free):
+        owner = found.owner(written)
+        ends = numbers(owner.get(written), 2) if owner is not None else ()
+        off = _last(found, limited) == "false" or (name == "force" and ends[:1] == ends[1:])
+        if len(ends) == 2 and off and all(map(math.isfinite, ends)):
+            ranges[found.view.span] = (ends[0], ends[1])
+    return ranges
+
+
+def is_turned(case: Case, row: LedgerRow, view: ActuatorView | None) -> bool:
+    """Whether a range that was meant to limit an actuator begins above its end, which AUD022 has."""
+    robot = case.artifacts[row.artifact].robot
+    joint = None if robot is None else robot.joint(row.joint)
+    places = {joint.places.get("effort", joint.span)} if joint and "effort" in joint.stated else set()
+    stated = (
+        () if view is None else ((view, name) for name in ("forcerange", "ctrlrange") if name in view.stated)
+    )
+    places.update(one.places.get(name, one.span) for one, name in stated)
+    return bool(places & case.once(_turned))
+
+
+def _turned(case: Case) -> frozenset[Span | None]:
+    """Where such ranges are written."""
+    return frozenset(
+        item.span
+        for file in case.files
+        for item in file.diagnostics
+        if item.code == "ROBOT123" and file.kind is FileKind.MJCF
+    )
+
+
+def _last(found: WrittenActuator, name: str) -> str | None:
+    owner = found.owner(name)
+    return owner.get(name) if owner is not None else None

@@ -9,14 +9,16 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, keeps_for_model, limiting_row, shown, unit
 from actspec.audit.rules.sym101 import doubted_limits
 from actspec.diagnostics import Span
+from actspec.fields import FRICTION_SHARE
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
+from actspec.units import format_number
 
 _Subject = tuple[LedgerRow, float, LedgerRow, float]
 
 _SURE = 2.0
-"""Dry friction over the effort limit from which it is a warning. Chosen: MuJoCo's is soft, and a light gripper whose
-friction is its limit closes at four fifths of its speed."""
+"""Dry friction over the effort limit from which it is a warning where another file has the limit, or it is none of an
+MJCF. Chosen: published grippers have 1 (Talos), where nobody acted on it."""
 
 _CREEPS = 0.01
 """Speed from which a joint that the drive moves against MuJoCo's friction is said to creep [rad/s or m/s]. Chosen."""
@@ -51,11 +53,19 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare dry friction with the effort limit."""
         row, friction, limiting, limit = subject
-        if friction < limit:
+        # Whoever states both in one MJCF has them act on each other.
+        own = limiting.artifact == row.artifact and case.artifacts[row.artifact].kind is FileKind.MJCF
+        if friction < (FRICTION_SHARE if own else 1.0) * limit:
             return
         speed, held = self._creep(case, row, limit)
+        share = f"is not below the effort limit of {shown(row, 'effort_limit', limit)}"
         effect = "the drive cannot move the joint"
-        if speed >= _CREEPS:
+        if friction < limit:
+            left = shown(row, "effort_limit", limit - friction)
+            share = f"takes {format_number(100.0 * friction / limit, 3)} % of the effort limit of "
+            share += shown(row, "effort_limit", limit)
+            effect = f"that leaves {left} to drive the joint"
+        elif speed >= _CREEPS:
             effect = (
                 "a real drive cannot move the joint, and MuJoCo's, whose friction is soft, has it creep at "
                 f"{shown(row, 'velocity_limit', speed, 2)}"
@@ -63,8 +73,7 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
         where = "" if limiting.file == row.file else f" in {basename(limiting.file)}"
         yield Finding(
             self.code,
-            f"the dry friction of {shown(row, 'effort_limit', friction)} is not below the effort limit of "
-            f"{shown(row, 'effort_limit', limit)}{where}: {effect}",
+            f"the dry friction of {shown(row, 'effort_limit', friction)} {share}{where}: {effect}",
             row.place("frictionloss"),
             row.joint,
             friction,
@@ -73,9 +82,9 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
             "dimensionless coefficient?",
             related=(limiting.place("effort_limit"),),
             fields=("frictionloss",),
-            # It is the limit that is wrong where SYM101 tells so; and a dry friction just as large leaves a motion.
+            # It is the limit that is wrong where SYM101 tells so; and other importers make little of a URDF's friction.
             severity=Severity.INFO
-            if friction < _SURE * limit
+            if friction < (FRICTION_SHARE if own else _SURE) * limit
             or not held
             or (limiting.artifact, limiting.joint) in case.once(doubted_limits)
             else None,

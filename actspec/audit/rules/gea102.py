@@ -106,6 +106,7 @@ class NotGearSquared(RuleInParts):
                             expected,
                             "rotor inertia times the square of the whole reduction, for each joint",
                             (one.joint.place, one.base.place),
+                            fields=("armature",),
                             # One figure for all was never multiplied out, which GEA103 tells.
                             severity=Severity.INFO if same(row.armature, less.armature) else None,
                         )

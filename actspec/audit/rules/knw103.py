@@ -4,10 +4,13 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
-from actspec.audit.known import Likeness, likenesses
+from actspec.audit.known import KnownJoint, Likeness, likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import SPEEDS, shown, top_speed, unit
+from actspec.audit.rules.joints import SPEEDS, finite, is_exporters, shown, top_speed, unit
+from actspec.fields import PLACEHOLDER
+from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import DEGREES, RPM
 from actspec.readings.ledger import LedgerRow
 from actspec.units import format_number
 
@@ -43,7 +46,7 @@ class FarFromPublished(RuleOver[Likeness]):
         for row, names in subject.read("armature"):
             yield from self._armature(subject, row, names, self.option(case, "armature"))
         for row, names in subject.read(*SPEEDS):
-            yield from self._speed(subject, row, names, self.option(case, "speed"))
+            yield from self._speed(case, subject, row, names, self.option(case, "speed"))
 
     def _armature(
         self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], times: float
@@ -55,8 +58,9 @@ class FarFromPublished(RuleOver[Likeness]):
             if one.armature:
                 figures[one.armature] = one.source_of("armature")
                 gears.add((one.armature, one.gear))
-        mine = row.armature
-        if not figures or not mine or not math.isfinite(mine):
+        # One below 0 is SGN101's.
+        mine = finite(row.armature)
+        if not figures or mine is None:
             return
         nearest = min(figures) if mine < min(figures) else max(figures)
         if min(figures) < times * mine and mine < times * max(figures):
@@ -83,16 +87,11 @@ class FarFromPublished(RuleOver[Likeness]):
         )
 
     def _speed(
-        self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], times: float
+        self, case: Case, subject: Likeness, row: LedgerRow, names: tuple[str, ...], times: float
     ) -> Iterator[Finding]:
         """A top speed above all that any source gives; a lower one may be chosen."""
-        published = [
-            one
-            for joints in subject.robot.variants.values()
-            for one in (joints[name] for name in names)
-            if one.top_speed
-        ]
-        mine = top_speed(row)
+        published = _with_speed(subject, names)
+        mine = top_speed(row) or _beyond_any(case, subject, row)
         if not published or mine is None:
             return
         best = max(published, key=lambda one: one.top_speed or 0.0)
@@ -111,6 +110,60 @@ class FarFromPublished(RuleOver[Likeness]):
             mine,
             unit(row, field),
             limit,
-            help=f"{text}: {best.source_of('speed')}",
+            help=f"{_meant(mine, row, field, limit)}{text}: {best.source_of('speed')}",
             fields=(field,),
         )
+
+
+def _with_speed(subject: Likeness, names: tuple[str, ...]) -> list[KnownJoint]:
+    """What is published of joints, of all variants, as far as a top speed is."""
+    variants = subject.robot.variants.values()
+    return [one for joints in variants for one in (joints[name] for name in names) if one.top_speed]
+
+
+def _beyond_any(case: Case, subject: Likeness, row: LedgerRow) -> float | None:
+    """A hinge's speed limit that no joint reaches [rad/s], where it is no placeholder.
+
+    Those are powers of ten, or one figure for all joints of a file: unless it is at each of them what a wrong unit
+    makes of the published one.
+    """
+    limit = finite(row.velocity_limit)
+    if limit is None or limit >= PLACEHOLDER or row.kind is JointKind.SLIDE or is_exporters(row):
+        return None
+    if math.log10(limit).is_integer():
+        return None
+    rows = case.rows_of(row.artifact)
+    every = {one.velocity_limit for one in rows if one.kind is not JointKind.SLIDE and one.velocity_limit}
+    of_known = [_with_speed(subject, names) for _, names in subject.read(*SPEEDS)]
+    if len(every) == 1 and not all(
+        any(_slip(limit, joint.top_speed or 0.0) for joint in published)
+        for published in of_known
+        if published
+    ):
+        return None
+    return limit
+
+
+_SLIPS = ((DEGREES, "deg/s"), (RPM, "rpm"))
+_SLIP = 0.02
+"""Relative difference up to which a speed is another one in another unit, or with its point in the wrong place. Chosen:
+makers round to three digits, and files to two."""
+
+
+def _slip(speed: float, published: float) -> str | None:
+    """What makes a speed of another one: a unit; "" of the point; None: nothing does."""
+    for times, words in (*_SLIPS, (10.0, "")):
+        if published and math.isclose(speed, times * published, rel_tol=_SLIP):
+            return words
+    return None
+
+
+def _meant(speed: float, row: LedgerRow, field: str, published: float) -> str:
+    """What a speed may be that is so far from the published one, for the beginning of a help."""
+    slip = _slip(speed, published)
+    if slip is None or row.kind is JointKind.SLIDE:
+        return ""
+    if slip:
+        in_si = speed / {words: times for times, words in _SLIPS}[slip]
+        return f"is it in {slip}? Then it is {shown(row, field, in_si, 4)}; "
+    return "is the point in the wrong place? "

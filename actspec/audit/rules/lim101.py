@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
+from actspec.audit.rules.actuator_texts import is_turned, ranges_not_in_force
 from actspec.audit.rules.joints import (
     is_called_undriven,
     is_driven_by_mjlab,
@@ -26,7 +26,6 @@ from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow, bound_of_command
-from actspec.robot.mjcf_actuator_text import numbers
 from actspec.robot.view import ActuatorView
 from actspec.units import format_quantity
 
@@ -69,7 +68,7 @@ class NoEffectiveLimit(RuleInParts):
     paired = True
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
-        written, clamps = (_ranges_not_in_force(case, name) for name in ("force", "ctrl"))
+        written, clamps = (ranges_not_in_force(case, name) for name in ("force", "ctrl"))
         held: dict[Span, tuple[str, LedgerRow | None]] = {}
         for index, artifact in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
@@ -88,6 +87,7 @@ class NoEffectiveLimit(RuleInParts):
                         free = False
                     view = views.get(row.span)
                     looked = free and not _is_bounded(row, view) and not _is_empty(written.get(row.span))
+                    looked = looked and not is_turned(case, row, view)
                     missing = (
                         self._missing(case, row, view, written.get(row.span), clamps.get(row.span))
                         if looked
@@ -334,14 +334,11 @@ class NoEffectiveLimit(RuleInParts):
         )
 
     def _empty(self, row: LedgerRow, ends: tuple[float, float]) -> Finding:
-        """Of a force range whose upper end is not above its lower one."""
+        """Of a force range whose ends are one."""
         low, high = ends
         message = f'forcerange="{low:g} {high:g}" is no limit: MuJoCo takes an empty range for none'
         found = self._zero(row, "effort_limit", message)
-        if low == high:
-            return found if low == 0.0 else replace(found, value=None, unit=None)
-        turned = f'the lower end comes first: forcerange="{high:g} {low:g}"'
-        return replace(found, value=None, unit=None, help=turned)
+        return found if low == 0.0 else replace(found, value=None, unit=None)
 
 
 def _by_command(case: Case, row: LedgerRow, bound: float, how: str) -> tuple[str, LedgerRow | None]:
@@ -531,7 +528,11 @@ def _round_for_all(case: Case) -> frozenset[int]:
         if not (mass and motors and len(rows) > 1 and len(efforts) == 1 and all(r.inertia_max for r in rows)):
             continue
         effort = efforts.pop() or 0.0
-        if effort >= _ROUND and effort == float(f"{effort:.0e}") and effort > LONGEST_LEVER * mass * GRAVITY:
+        if (
+            _ROUND <= effort < math.inf
+            and effort == float(f"{effort:.0e}")
+            and effort > LONGEST_LEVER * mass * GRAVITY
+        ):
             found.add(index)
     return frozenset(found)
 
@@ -562,39 +563,11 @@ def _mimics(case: Case) -> set[tuple[int, str]]:
     }
 
 
-def _ranges_not_in_force(case: Case, name: str) -> dict[Span, tuple[float, float]]:
-    """Ranges that are written at actuators which have none, by the actuators' places.
-
-    Args:
-        case: The case.
-        name: What they are ranges of: `force` or `ctrl`.
-    """
-    written, limited = f"{name}range", f"{name}limited"
-
-    def is_free(_: object, view: ActuatorView) -> bool:
-        none = (view.force_range if name == "force" else view.control_range) is None
-        return none and written in view.stated
-
-    ranges = {}
-    for found in written_actuators(case, written.encode(), which=is_free):
-        owner = found.owner(written)
-        ends = numbers(owner.get(written), 2) if owner is not None else ()
-        off = _last(found, limited) == "false" or (name == "force" and ends[:1] >= ends[1:])
-        if len(ends) == 2 and off and all(map(math.isfinite, ends)):
-            ranges[found.view.span] = (ends[0], ends[1])
-    return ranges
-
-
 def _is_empty(ends: tuple[float, float] | None) -> bool:
-    """Whether a range is one that MuJoCo takes for none."""
-    return ends is not None and ends[0] >= ends[1]
+    """Whether a range is one that MuJoCo takes for none: of one that begins above its end AUD022 tells."""
+    return ends is not None and ends[0] == ends[1]
 
 
 def _switched_off(name: str, ends: tuple[float, float]) -> str:
     """That a range of `force` or `ctrl` is written in vain."""
     return f'{name}range="{ends[0]:g} {ends[1]:g}" is switched off by {name}limited="false"'
-
-
-def _last(found: WrittenActuator, name: str) -> str | None:
-    owner = found.owner(name)
-    return owner.get(name) if owner is not None else None

@@ -41,4 +41,5 @@ class LineBelowLimit(RuleOver[_Subject]):
                 unit(row, "effort_limit"),
                 help="the stall torque is the larger figure, the continuous limit the smaller one",
                 related=(row.place("effort_limit"),),
+                fields=("stall_torque",),
             )

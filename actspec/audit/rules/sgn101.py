@@ -77,6 +77,7 @@ class NegativeFigure(RuleOver[_Subject]):
             unit(row, field),
             -value,
             help,
+            fields=(field,),
             severity=severity,
         )
 

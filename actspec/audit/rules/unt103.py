@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
@@ -37,16 +39,9 @@ class Factor57(RuleInParts):
         ranges: dict[tuple[int, int], list[Finding]] = {}
         found_at: set[tuple[Span, str, str]] = set()
 
-        def off_pairs(one: LedgerRow, other: LedgerRow) -> list[_Pair]:
-            if JointKind.SLIDE in (one.kind, other.kind):
-                return []
-            return [pair for pair in _angular(one, other) if _off_by(*pair.values, DEGREES, relative)]
-
-        for one, other in joint_pairs(case, _figures, lambda one, other: bool(off_pairs(one, other))):
-            off = off_pairs(one, other)
-            severity = Severity.ERROR if len({pair.place for pair in off}) > 1 else self.severity
-            for pair in off:
-                wrong, right, pair, is_known = _sides(case, one, other, pair)
+        for sides in _departures(case, relative):
+            severity = Severity.ERROR if len({pair.place for _, _, pair, _ in sides}) > 1 else self.severity
+            for wrong, right, pair, is_known in sides:
                 found = self._finding(wrong, right, pair, severity, is_known)
                 at = (found.span, found.joint, pair.place)
                 if pair.place == "position_range":
@@ -103,14 +98,14 @@ class Factor57(RuleInParts):
         return Finding(
             self.code,
             f"the {pair.name} of {shown(one, pair.unit, first, 4)} is {factor} the "
-            f"{shown(one, pair.unit, second, 4)} in {other.place(pair.place).path}: {what}",
+            f"{shown(one, pair.unit, second, 4)} in {other.place(pair.its_place).path}: {what}",
             one.place(pair.place),
             one.joint,
             first,
             unit(one, pair.unit),
             second if is_known else None,
             "1 rad is 57.3 degrees: convert the figure, or correct the other file",
-            (other.place(pair.place),),
+            (other.place(pair.its_place),),
             severity=severity,
             # An end of a range is no figure of the joint by itself.
             fields=() if pair.place == "position_range" else (pair.place,),
@@ -122,16 +117,25 @@ class _Pair:
     """A figure of one joint in two files.
 
     Attributes:
-        place: Field of the row that tells where it is written.
+        place: Field of the one row that tells where it is written.
+        its_place: The same of the other row: the end of a torque-speed line is a speed limit too.
         unit: Field of the row that has its unit.
         name: For messages.
         values: In the one file and in the other.
     """
 
     place: str
+    its_place: str
     unit: str
     name: str
     values: tuple[float, float]
+
+    @property
+    def turned(self) -> _Pair:
+        """The same, with the other row first."""
+        return replace(
+            self, place=self.its_place, its_place=self.place, values=(self.values[1], self.values[0])
+        )
 
 
 _MANY = 3
@@ -153,18 +157,58 @@ _OTHERS = 2
 """Other joints of a file from which it speaks. Chosen: one may be the wrong one."""
 
 
-def _sides(
-    case: Case, one: LedgerRow, other: LedgerRow, pair: _Pair
-) -> tuple[LedgerRow, LedgerRow, _Pair, bool]:
+_Sides = tuple[LedgerRow, LedgerRow, "_Pair", bool]
+"""Two rows of a joint, first the one whose figure deviates, the pair in that order, and whether that is known."""
+
+
+def _departures(case: Case, relative: float) -> Iterator[list[_Sides]]:
+    """For each joint of two files, the figures that differ by the degrees of a radian.
+
+    A pose is in one unit: of three joints or more that tell it, the others of the two files, which may be rounded to
+    less, as 0.1 rad to 5.7 degrees, are taken the same way.
+    """
+
+    def off_pairs(one: LedgerRow, other: LedgerRow) -> list[_Pair]:
+        if JointKind.SLIDE in (one.kind, other.kind):
+            return []
+        return [pair for pair in _angular(one, other) if is_exact(pair) or _is_rounded_pose(pair)]
+
+    def is_exact(pair: _Pair) -> bool:
+        return _off_by(*pair.values, DEGREES, relative)
+
+    joints = [
+        [_sides(case, one, other, pair) for pair in off_pairs(one, other)]
+        for one, other in joint_pairs(case, _figures, lambda one, other: bool(off_pairs(one, other)))
+    ]
+    known: dict[frozenset[int], Counter[int]] = {}
+    for wrong, right, pair, is_known in (sides for joint in joints for sides in joint):
+        if is_known and pair.place == "default_position" and is_exact(pair):
+            known.setdefault(frozenset((wrong.artifact, right.artifact)), Counter())[wrong.artifact] += 1
+    for joint in joints:
+        told = []
+        for wrong, right, pair, is_known in joint:
+            of_pose = known.get(frozenset((wrong.artifact, right.artifact)), Counter())
+            if pair.place == "default_position" and len(of_pose) == 1 and sum(of_pose.values()) >= _MANY:
+                if wrong.artifact not in of_pose:
+                    wrong, right, pair = right, wrong, pair.turned
+                is_known = True
+            elif not is_exact(pair):
+                continue
+            told.append((wrong, right, pair, is_known))
+        if told:
+            yield told
+
+
+def _sides(case: Case, one: LedgerRow, other: LedgerRow, pair: _Pair) -> _Sides:
     """The two rows, first the one whose figure deviates, and whether that is known.
 
     What joints, motors and gains are decides; then the other joints of each file; then how many kinds of file have
     either figure. Where nothing does, the first is the one that fewer files agree with.
     """
-    second_first = other, one, replace(pair, values=(pair.values[1], pair.values[0]))
+    second_first = other, one, pair.turned
     for doubts in (
         (_is_unlikely(one, pair, 0), _is_unlikely(other, pair, 1)),
-        (_stands_out(case, one, pair.place), _stands_out(case, other, pair.place)),
+        (_stands_out(case, one, pair.place), _stands_out(case, other, pair.its_place)),
         _is_outnumbered(case, one, pair, lambda artifact: artifact.kind),
     ):
         if doubts[0] != doubts[1]:
@@ -230,9 +274,9 @@ def _is_outnumbered(
     have: tuple[set[object], set[object]] = (set(), set())
     for index in case.robot_of(row.artifact).artifacts:
         for found in case.joints.get((index, row.joint), ())[:1]:
-            value = getattr(found, pair.place)
+            values = [getattr(found, name) for name in {pair.place, pair.its_place}]
             for figure, counted in zip(pair.values, have, strict=True):
-                if isinstance(value, float) and math.isclose(value, figure, rel_tol=SAME):
+                if any(isinstance(one, float) and math.isclose(one, figure, rel_tol=SAME) for one in values):
                     counted.add(of(case.artifacts[index]))
     return len(have[0]) < len(have[1]), len(have[1]) < len(have[0])
 
@@ -268,26 +312,43 @@ def _angular(one: LedgerRow, other: LedgerRow) -> Iterator[_Pair]:
     yield from _speeds(one, other)
     pose = one.default_position, other.default_position
     if pose[0] is not None and pose[1] is not None and pose[0] != pose[1]:
-        yield _Pair("default_position", "default_position", "default position", (pose[0], pose[1]))
+        name = "default_position"
+        yield _Pair(name, name, name, "default position", (pose[0], pose[1]))
     mine, its = one.position_range, other.position_range
     if mine is None or its is None or mine == its:
         return
     if "position_range" not in one.stated or "position_range" not in other.stated:
         return
     for end, name in enumerate(("lower", "upper")):
-        yield _Pair("position_range", "default_position", f"{name} end of the range", (mine[end], its[end]))
+        place, ends = "position_range", (mine[end], its[end])
+        yield _Pair(place, place, "default_position", f"{name} end of the range", ends)
 
 
 def _both(one: LedgerRow, other: LedgerRow, field: str) -> Iterator[_Pair]:
     mine, its = getattr(one, field), getattr(other, field)
     if mine is not None and its is not None and mine != its and field in one.stated and field in other.stated:
-        yield _Pair(field, field, field.replace("_", " "), (mine, its))
+        yield _Pair(field, field, field, field.replace("_", " "), (mine, its))
 
 
 def _speeds(one: LedgerRow, other: LedgerRow) -> Iterator[_Pair]:
-    """Speed limits and no-load speeds, each with its like."""
-    for field in SPEEDS:
-        yield from _both(one, other, field)
+    """Speed limits and no-load speeds, each with its like; where two files state no speed alike, those that they do."""
+    pairs = [pair for field in SPEEDS for pair in _both(one, other, field)]
+    yield from pairs
+    mine, its = ([name for name in SPEEDS if name in row.stated] for row in (one, other))
+    if set(mine).isdisjoint(its):
+        for place, its_place in product(mine, its):
+            speed, its_speed = getattr(one, place), getattr(other, its_place)
+            if speed is not None and its_speed is not None:
+                yield _Pair(place, its_place, place, place.replace("_", " "), (speed, its_speed))
+
+
+def _is_rounded_pose(pair: _Pair) -> bool:
+    """Whether a default position is another one in degrees, to the digits that it is written with."""
+    large, small = sorted(map(abs, pair.values), reverse=True)
+    if pair.place != "default_position" or not small or pair.values[0] * pair.values[1] < 0.0:
+        return False
+    digits = len(repr(large).partition(".")[2].strip("0"))
+    return abs(large - small * DEGREES) <= 0.5 * 10.0**-digits
 
 
 def _off_by(one: float, other: float, factor: float, relative: float) -> bool:

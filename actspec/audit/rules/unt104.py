@@ -53,6 +53,7 @@ class SpeedInRpm(RuleInParts):
                     right,
                     f"{format_number(limit, 4)} rpm is {format_number(limit / RPM, 3)} rad/s",
                     (place,),
+                    fields=(field,),
                 )
                 yield (found,)
         for row in case.rows:

@@ -56,6 +56,7 @@ class MilliOrGram(RuleInParts):
                     getattr(small, field),
                     f"write it in {unit(large, field)}",
                     (small.place(field),),
+                    fields=(field,),
                 )
 
     def _beside_effort(self, case: Case, row: LedgerRow, armature: float, effort: float) -> Iterator[Finding]:
@@ -69,6 +70,7 @@ class MilliOrGram(RuleInParts):
             armature,
             unit(row, "armature"),
             help="1 g*cm^2 is 1e-07 kg*m^2, 1 kg*cm^2 is 0.0001 kg*m^2; at the joint, times gear squared",
+            fields=("armature",),
             # It is the limit that is wrong then, which SYM101 tells.
             severity=Severity.INFO if (row.artifact, row.joint) in case.once(doubted_limits) else None,
         )

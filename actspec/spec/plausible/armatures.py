@@ -11,6 +11,7 @@ from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.models import Motor
 from actspec.spec.plausible.groups import turns
 from actspec.spec.plausible.slips import in_si
+from actspec.spec.plausible.swing import SOFT
 from actspec.spec.plausible.table import Found, found_at, is_stated, shown
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -38,8 +39,6 @@ SLOW = 0.5
 noticed where it is `DOMINANT` times the links or, of unknown ones, where kp swings it alone below `SOFT`."""
 DOMINANT = 10.0
 """[-]. Published: 124 (gymnasium's ant, which has no motor); behind a gear 3 to 10 are usual."""
-SOFT = 6.0
-"""Natural frequency [rad/s]. Published: 6.2 and up, with the links."""
 STRONG = 20.0
 """Effort limit [N*m] from which links that are not known, as in the text of a model, are more than `SMALL_LINK`.
 Published: 20 N*m and more over the armature is 2e4 rad/s^2 at most (an AgileX Piper)."""

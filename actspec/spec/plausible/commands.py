@@ -9,6 +9,7 @@ from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.poses import POSE_TOLERANCE
 from actspec.spec.plausible.clamps import PART, WIDE, clamp_words, is_open, turned_words
 from actspec.spec.plausible.relations import DEGREE, RPM
+from actspec.spec.plausible.swing import SOFT_ERROR
 from actspec.spec.plausible.table import Found, found_at, is_stated, shown
 from actspec.units import format_quantity
 
@@ -20,9 +21,6 @@ RATE_SCALE = 10.0
 """One unit of action over the fastest speed or the effort limit."""
 RANGE_SPEED = 5.0
 """Ends of a range of speeds over the fastest speed, where another unit brings them below it. Chosen: rpm are 9.5."""
-SOFT_ERROR = 10.0
-"""Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`, or dry friction holds the joint.
-Published, with a motor: to 2.2."""
 HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
 

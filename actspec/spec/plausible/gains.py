@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Path, dotted
 from actspec.fields import units_of
 from actspec.joints import JointKind
-from actspec.spec.document import SourceMap
-from actspec.spec.fields import DerivedGain
 from actspec.spec.plausible.relations import ALIKE, DEGREE, RARE, Relation, Repair, explained
 from actspec.spec.plausible.table import Doubt, at
 from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    from actspec.spec.document import SourceMap
+    from actspec.spec.fields import DerivedGain
 
 RETURN = (5e-4, 1.0)
 """kd over kp [s]: the time in which a joint without inertia returns."""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any
 
 from actspec.diagnostics import Path, Span
+from actspec.fields import FRICTION_SHARE
 from actspec.joints import JointKind
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
@@ -20,8 +21,6 @@ from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import Fault, SpecValue
 from actspec.units import format_quantity
 
-FRICTION_SHARE = 0.5
-"""Of the effort limit."""
 BREAK_AWAY = 5.0
 """Break-away friction over kinetic friction: below it only what the drive cannot overcome is told. Chosen: 1.1 to 2, of
 harmonic drives to 3."""

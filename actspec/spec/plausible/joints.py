@@ -13,18 +13,19 @@ from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document, SourceMap
 from actspec.spec.fields import DerivedGain
 from actspec.spec.models import SpecModel
-from actspec.spec.plausible import number_doubts
-from actspec.spec.plausible.armatures import SOFT, armature_found, beside, odd_armature_found
+from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
 from actspec.spec.plausible.clamps import pose_found
-from actspec.spec.plausible.commands import SOFT_ERROR, command_range_found, own_speed, scale_found
+from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE, unreached_limit
 from actspec.spec.plausible.gains import STIFF_RETURN, STIFF_SERVO_RETURN, Gains, blamed, gain_words
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
+from actspec.spec.plausible.numbers import number_doubts
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.repairs import misread_speeds
 from actspec.spec.plausible.slips import in_si
+from actspec.spec.plausible.swing import SOFT, damping_words, frequency_words
 from actspec.spec.plausible.table import (
     BY_CODE,
     Doubt,
@@ -48,15 +49,6 @@ UNREACHED = 3.0
 """The same where no torque-speed line acts: a belt takes 1.24 at a speed that it never comes near."""
 WHOLE = 1.0
 """The same at a velocity limit."""
-TOO_SOFT = 1.0
-STIFF = 150.0
-"""Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""
-STIFF_ERROR = 0.06
-"""[rad]."""
-STIFF_LINK = 1e-3
-"""Joints of less are fingers, which are stiff for their inertia [kg*m^2]."""
-DAMPING_RATIO = (0.015, 60.0)
-"""kd and viscous friction over 2 sqrt(kp I)."""
 FASTEST_LIMIT = 200.0
 """Velocity limit of a hinge [rad/s]. Published: to 200 (gripper of the reBot), 110 at 26 N*m (Qinglong)."""
 WHOLE_ROBOT = 6
@@ -474,10 +466,10 @@ def _gains(joint: JointActuator) -> Iterator[Found]:
         and held.reference > 0.0
     ):
         # Without a motor they may be a simulator's own servos, of any stiffness.
-        words = _by_frequency(kp, joint, held.reference, limit.value)
+        words = _by_frequency(kp, joint, gains, held.reference)
         if words is None and active and kd is not None and is_stated(kd):
             number, other = kd, kp
-            words = _by_damping(kp, kd, joint, held.reference)
+            words = damping_words(gains, held.reference)
     if words is not None:
         message, help, size = words
         where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
@@ -493,48 +485,21 @@ def _noticed_return(joint: JointActuator, kp: Quantity) -> float:
 
 
 def _by_frequency(
-    kp: Quantity, joint: JointActuator, inertia: float, limit: float | None
+    kp: Quantity, joint: JointActuator, gains: Gains, inertia: float
 ) -> tuple[str, str, float] | None:
     """Message, help and size where the natural frequency is no joint's."""
-    stiffness = kp.require()
-    frequency = math.sqrt(stiffness / inertia)
-    error = None if limit is None else limit / stiffness
-    message = (
-        f"kp {shown(kp)} makes {format_quantity(frequency, 'rad/s', 3)} of the joint's "
-        f"{format_quantity(inertia, 'kg*m^2', 3)}"
-    )
-    if error is not None:
-        message += f", and needs an error of {format_quantity(error, 'rad', 3)} for the effort limit"
-    if frequency < TOO_SOFT or (frequency < SOFT and error is not None and error > SOFT_ERROR):
-        degrees = format_quantity(stiffness / DEGREE, kp.unit, 4)
-        help = f"is it per degree? Per radian it is {degrees}, and kd 57.3 times as well"
-        armature = joint.armature
-        links = inertia - (armature.value or 0.0)
-        if armature.origin is Origin.DERIVED and stiffness > SOFT**2 * links:
-            help += f". Or is a gear too large? {shown(armature)} of the inertia is the armature: {armature.formula}"
-        return message, help, 1 / frequency
-    tight = error is not None and error < STIFF_ERROR
-    if inertia >= STIFF_LINK and frequency > STIFF and tight:
-        radians = format_quantity(stiffness * DEGREE, kp.unit, 4)
-        return message, f"is it multiplied by 57.3? Without that it is {radians}", frequency
-    return None
-
-
-def _by_damping(
-    kp: Quantity, kd: Quantity, joint: JointActuator, inertia: float
-) -> tuple[str, str, float] | None:
-    """Message, help and size where the damping ratio is no joint's."""
-    damping = kd.require() + (joint.friction_viscous.value or 0.0)
-    ratio = damping / (2.0 * math.sqrt(kp.require() * inertia))
-    if DAMPING_RATIO[0] <= ratio <= DAMPING_RATIO[1]:
-        return None
-    message = (
-        f"kd {shown(kd)} beside kp {shown(kp)} gives a damping ratio of {format_quantity(ratio, '', 2)} with the "
-        f"joint's {format_quantity(inertia, 'kg*m^2', 3)}"
-    )
-    per = "per degree? Per radian it is " if ratio < 1 else "multiplied by 57.3? Without that it is "
-    meant = kd.require() / DEGREE if ratio < 1 else kd.require() * DEGREE
-    return message, f"is kd {per}{format_quantity(meant, kd.unit, 4)}", max(ratio, 1 / ratio)
+    words = frequency_words(gains, inertia)
+    armature = joint.armature
+    links = inertia - (armature.value or 0.0)
+    if (
+        words is None
+        or armature.origin is not Origin.DERIVED
+        or not SOFT**2 * links < kp.require() < SOFT**2 * inertia
+    ):
+        return words
+    message, help, size = words
+    help += f". Or is a gear too large? {shown(armature)} of the inertia is the armature: {armature.formula}"
+    return message, help, size
 
 
 def _velocity(joint: JointActuator) -> Iterator[Found]:

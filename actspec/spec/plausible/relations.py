@@ -10,10 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Path
-from actspec.spec.document import SourceMap
 from actspec.spec.plausible.table import Doubt, at
+
+if TYPE_CHECKING:
+    from actspec.spec.document import SourceMap
 
 DEGREE = math.pi / 180.0
 """[rad]"""

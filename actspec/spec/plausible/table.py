@@ -11,12 +11,14 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
 from actspec.ir import JointActuator, Origin, Quantity
-from actspec.spec.document import Document, SourceMap
 from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    from actspec.spec.document import Document, SourceMap
 
 _IS_NUMBER = re.compile(r"\s*[-+]?\.?[0-9]")
 _OF_SPEC = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Span
-from actspec.fields import BY_IR, is_placeholder
+from actspec.fields import BY_IR, FRICTION_SHARE, is_placeholder
 from actspec.ir import JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import SourceMap
 from actspec.spec.models import SpecModel
@@ -23,7 +23,7 @@ from actspec.spec.plausible.drive import (
     scaled,
 )
 from actspec.spec.plausible.driven import AGREES, WITNESS
-from actspec.spec.plausible.groups import FRICTION_SHARE, drives_of, reduction_of, written_numbers
+from actspec.spec.plausible.groups import drives_of, reduction_of, written_numbers
 from actspec.spec.plausible.relations import DEGREE, FAR_ABOVE_FILE, KGF_CM, RPM
 from actspec.spec.plausible.slips import in_si, thousandth
 from actspec.spec.plausible.table import Doubt, Found, Kept, in_file

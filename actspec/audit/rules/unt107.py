@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from actspec.audit.known import likenesses
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.joints import by_joint, finite, limiting_row, unit
+from actspec.diagnostics import Span
+from actspec.fields import is_placeholder
+from actspec.ir import JointKind
+from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
+
+_Subject = tuple[LedgerRow, Sequence[LedgerRow]]
+
+_SERVOS = ("position", "pid", "dcmotor", "implicit", "ideal_pd", "dc_motor")
+"""Drives whose kp and kd are gains of a position."""
+
+_MOTORS = ("dcmotor", "dc_motor")
+"""Those with a torque-speed line, which are a motor's and no simulator's own servo."""
+
+_EXPLICIT = "ideal_pd"
+"""Of a known robot this is its motors' too: an implicit drive and an MJCF's servo may hold an arm as stiff as one
+likes."""
+
+
+class GainsOfNoJoint(RuleOver[_Subject]):
+    code = "UNT107"
+    name = "gains-of-no-joint"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    noted_in_folders = True
+    paired = True
+    needs = "no configuration or MJCF with a kp among the files"
+
+    def subjects(self, case: Case) -> Iterator[_Subject]:
+        """Each joint of a configuration or an MJCF that one servo drives, with all of its actuators."""
+        for rows in by_joint(case, FileKind.CFG, FileKind.MJCF).values():
+            servos = [row for row in rows if row.kp]
+            if len(servos) == 1 and servos[0].control in _SERVOS and "kp" in servos[0].stated:
+                yield servos[0], rows
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Judge kp and kd by each other, by the effort limit and by the joint's inertia, as `validate` does."""
+        from actspec.spec.plausible.gains import STIFF_RETURN, STIFF_SERVO_RETURN, Gains, gain_words
+        from actspec.spec.plausible.swing import damping_words, frequency_words
+
+        row, rows = subject
+        kds = [each.kd for each in rows]
+        if (
+            row.kp is None
+            or not 0.0 < row.kp < math.inf
+            or None in kds
+            or min(filter(None, kds), default=0.0) < 0.0
+        ):
+            return
+        hinge = row.kind is not JointKind.SLIDE
+        published = case.once(_known_joints).get((row.artifact, row.joint))
+        driven = row.control in _MOTORS or (row.control == _EXPLICIT and published is not None)
+        limit = self._limit(case, row, published if driven else None) if hinge else None
+        stiff = 0.0 if math.log10(row.kp).is_integer() else STIFF_SERVO_RETURN
+        gains = Gains(
+            row.kp,
+            sum(kd or 0.0 for kd in kds),
+            (row.joint_damping or 0.0) + sum(each.actuator_damping or 0.0 for each in rows),
+            limit,
+            driven,
+            STIFF_RETURN if driven else stiff,
+            JointKind.HINGE if hinge else JointKind.SLIDE,
+        )
+        field, message, help = gain_words(gains) or (None, "", None)
+        frequency = row.natural_frequency
+        if field is None and hinge and frequency:
+            # With that of the links, which nobody states.
+            inertia = row.kp / frequency**2
+            if words := frequency_words(gains, inertia):
+                field, message, help = "kp", *words[:2]
+            elif gains.kd and (words := damping_words(gains, inertia)):
+                field, message, help = "kd", *words[:2]
+        if field is None:
+            return
+        yield Finding(
+            self.code,
+            message,
+            row.place(field),
+            row.joint,
+            getattr(row, field),
+            unit(row, field),
+            help=help,
+            related=_other(row, field),
+            fields=("kp", "kd"),
+        )
+
+    def _limit(self, case: Case, row: LedgerRow, published: float | None) -> float | None:
+        """The hinge's effort limit, at most what is published of its motor [N*m]; None: unknown."""
+        limiting = limiting_row(case, row)
+        limit = None if limiting is None else finite(limiting.effort_limit)
+        return min(
+            (one for one in (limit, published) if one is not None and not is_placeholder(one)), default=None
+        )
+
+
+def _known_joints(case: Case) -> dict[tuple[int, str], float]:
+    """Rows of known robots, by artifact and joint, with the largest torque that is published of each."""
+    return {
+        (row.artifact, row.joint): max(effort for name in names for effort in known.robot.efforts(name))
+        for known in case.once(likenesses)
+        if not known.copied
+        for row, names in known.joints
+    }
+
+
+def _other(row: LedgerRow, field: str) -> tuple[Span, ...]:
+    """Where the other of kp and kd is written."""
+    place = row.place("kd" if field == "kp" else "kp")
+    return () if place == row.place(field) else (place,)

@@ -1,0 +1,84 @@
+"""Checks of kp and kd by how the joint's inertia swings with them: natural frequency and damping ratio."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from actspec.fields import units_of
+from actspec.spec.plausible.gains import Gains
+from actspec.spec.plausible.relations import DEGREE, POINT
+from actspec.units import format_quantity
+
+TOO_SOFT = 1.0
+SOFT = 6.0
+"""Natural frequency [rad/s], where the limit needs an error above `SOFT_ERROR`. Published: 6.2 and up, with the
+links."""
+SOFT_ERROR = 10.0
+"""Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`, or dry friction holds the joint.
+Published, with a motor: to 2.2."""
+STIFF = 150.0
+"""Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""
+STIFF_ERROR = 0.06
+"""[rad]."""
+STIFF_LINK = 1e-3
+"""Joints of less are fingers, which are stiff for their inertia [kg*m^2]."""
+STIFFEST_SERVO = 3000.0
+"""Natural frequency from which on also what may be a simulator's own servo, without a motor, is noticed [rad/s].
+Published, of 2223 hinges: 5.9 to 719 (arms of a G1 that Isaac Lab holds with 3000 N*m/rad)."""
+DAMPING_RATIO = (0.015, 60.0)
+"""kd and viscous friction over 2 sqrt(kp I)."""
+
+
+def frequency_words(gains: Gains, inertia: float) -> tuple[str, str, float] | None:
+    """Message, help and size where the natural frequency of a hinge is no joint's; None where it may be one's.
+
+    Args:
+        gains: Of the hinge.
+        inertia: With the other joints held, armature included [kg*m^2].
+    """
+    unit = units_of(gains.kind)
+    frequency = math.sqrt(gains.kp / inertia)
+    error = None if gains.limit is None else gains.limit / gains.kp
+    message = (
+        f"kp {gains.shown_kp} makes {format_quantity(frequency, 'rad/s', 3)} of the joint's "
+        f"{format_quantity(inertia, unit.inertia, 3)}"
+    )
+    if error is not None:
+        message += f", and needs an error of {format_quantity(error, 'rad', 3)} for the effort limit"
+    heavy = inertia >= STIFF_LINK
+    slack = error is not None and error > SOFT_ERROR
+    tight = error is not None and error < STIFF_ERROR
+    soft = frequency < TOO_SOFT and (gains.driven or heavy)
+    if soft or (gains.driven and frequency < SOFT and slack):
+        degrees = format_quantity(gains.kp / DEGREE, unit.stiffness, 4)
+        return (
+            message,
+            f"is it per degree? Per radian it is {degrees}, and kd 57.3 times as well",
+            1 / frequency,
+        )
+    if heavy and (tight and frequency > STIFF if gains.driven else frequency > STIFFEST_SERVO):
+        without = replace(gains, kp=gains.kp * DEGREE)
+        help = f"is it multiplied by 57.3? Without that it is {without.shown_kp}"
+        return message, POINT if without.kp > STIFF**2 * inertia else help, frequency
+    return None
+
+
+def damping_words(gains: Gains, inertia: float) -> tuple[str, str, float] | None:
+    """Message, help and size where the damping ratio of a hinge is no joint's; None where it may be one's.
+
+    Args:
+        gains: Of the hinge; kd is above 0.
+        inertia: With the other joints held, armature included [kg*m^2].
+    """
+    unit = units_of(gains.kind)
+    ratio = (gains.kd + gains.viscous) / (2.0 * math.sqrt(gains.kp * inertia))
+    if DAMPING_RATIO[0] <= ratio <= DAMPING_RATIO[1] or (not gains.driven and inertia < STIFF_LINK):
+        return None
+    message = (
+        f"kd {gains.shown_kd} beside kp {gains.shown_kp} gives a damping ratio of {format_quantity(ratio, '', 2)} with "
+        f"the joint's {format_quantity(inertia, unit.inertia, 3)}"
+    )
+    per = "per degree? Per radian it is " if ratio < 1 else "multiplied by 57.3? Without that it is "
+    meant = gains.kd / DEGREE if ratio < 1 else gains.kd * DEGREE
+    return message, f"is kd {per}{format_quantity(meant, unit.velocity_gain, 4)}", max(ratio, 1 / ratio)
