@@ -24,7 +24,7 @@ from actspec.diagnostics import ActspecError
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.plausible import BY_CODE
 from actspec.spec.plausible.armatures import SMALL_LINK
-from actspec.spec.plausible.joints import STIFF_LINK
+from actspec.spec.plausible.servos import STIFF_LINK
 
 ENDINGS = (".xml", ".urdf", ".yaml")
 
