@@ -26,6 +26,7 @@ from actspec.readings.dynamics import (
 )
 from actspec.readings.read import without_fragments
 from actspec.readings.versions import Versions
+from actspec.spec.variants import split
 
 SAME_INERTIA = 1e-6
 """Largest relative difference of equal inertia of the links. Chosen: engines of other versions compute it from the
@@ -199,20 +200,21 @@ def read_all(
     if folders:
         whole = {reading.path for reading in without_fragments(readings)}
         readings = tuple(one.as_named() for one in readings if not one.in_folder or one.path in whole)
+    # What is wrong in a variant of a spec stands in its file.
+    called = {split(path)[0]: split(text)[0] for path, text in texts.items()} | dict(texts)
     for reading in readings:
-        shown = texts.get(reading.path, reading.path)
         if not reading.readable:
             reason = reading.reason or ""
-            for path, text in texts.items():
+            for path, text in called.items():
                 reason = reason.replace(path, text)
-            place = (
-                reading.place if reading.place.path != reading.path else replace(reading.place, path=shown)
-            )
-            help = reading.help if os.path.exists(reading.path) else gone
+            place = replace(reading.place, path=called.get(reading.place.path, reading.place.path))
+            there = reading.kind is FileKind.SPEC or os.path.exists(reading.path)
+            help = reading.help if there else gone
             empty = reading.names_nothing and os.path.isdir(reading.path)
             said = f"{'nothing to record' if empty else 'cannot be read'}: {reason}"
             out.error("DIF001", one_line(said), span=place, help=help)
         elif not reading.artifacts:
+            shown = texts.get(reading.path, reading.path)
             out.error("DIF001", "describes no robot", span=Span(shown))
     out.raise_if_failed(AuditError)
     return readings

@@ -455,7 +455,9 @@ def _chosen(
         named = file.named and not (skip_other and os.path.exists(file.path))
         if named or index in concerned:
             reading = found[index]
-            if not reading.readable and not os.path.exists(file.path):
+            # Of a variant that its spec does not have the reading says so.
+            there = reading.kind is FileKind.SPEC or os.path.exists(file.path)
+            if not reading.readable and not there:
                 reading = _nothing_at(file.path)
             if file.named or file.folder is None:
                 chosen.append(reading)

@@ -114,6 +114,14 @@ def test_revision_of_a_spec(repository: Path, capsys: pytest.CaptureFixture[str]
     err = capsys.readouterr().err
     assert err.startswith("HEAD~1:robots/leg.yaml:2:27: DIF001: cannot be read:")
     assert "tmp" not in err
+    with Path("robots/leg.yaml").open("a") as file:
+        file.write("variants: {stiff: {}}\n")
+    line = Path("robots/leg.yaml").read_text().count("\n")
+    git("commit", "-q", "-a", "-m", "x")
+    assert main(["diff", "robots/leg.yaml", "HEAD:robots/leg.yaml#stif"]) == 2
+    err = capsys.readouterr().err
+    said = f"HEAD:robots/leg.yaml:{line}:1: DIF001: cannot be read: the spec has no variant 'stif'\n"
+    assert err.startswith(f"{said}  help: did you mean 'stiff'?\n")
 
 
 def test_below_the_root(

@@ -142,6 +142,37 @@ def test_validate_checks_every_variant(
         assert main(["validate", spec, "--variant", "swapped"]) == 0
 
 
+@pytest.mark.parametrize(
+    ("command", "code"),
+    [
+        (["validate", "SPEC"], "SPEC016"),
+        (["audit", "SPEC"], "AUD008"),
+        (["audit", "--skip-other", "SPEC"], "AUD008"),
+        (["diff", "FILE", "SPEC"], "DIF001"),
+        (["lock", "-o", "a.lock", "SPEC"], "DIF001"),
+    ],
+)
+def test_every_command_says_that_a_variant_is_not_there(
+    command: list[str], code: str, spec: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The file is there: the place is its `variants`, and the help names the nearest."""
+    names = {"SPEC": f"{spec}#strng", "FILE": spec}
+    assert main([names.get(word, word) for word in command]) in (1, 2)
+    caught = capsys.readouterr()
+    said = caught.out + caught.err
+    assert (code in said, "did you mean 'strong'?" in said) == (True, True), said
+    assert f"{spec}:{SPEC[: SPEC.index('variants:')].count(chr(10)) + 1}:1" in said
+    assert "no such file" not in said
+
+
+def test_a_variant_of_a_file_that_is_not_there(spec: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Neither of a spec that is missing nor of another kind of file is a variant missing."""
+    Path("x.xml").write_text("<mujoco/>")
+    for name in ("no.yaml#strong", "x.xml#strong"):
+        assert main(["audit", name]) == 2
+        assert f"{name}: AUD016: there is no such file or folder" in capsys.readouterr().err
+
+
 def test_an_unknown_variant_names_the_nearest(spec: str) -> None:
     """There is no variant of that name, and one that is near."""
     with pytest.raises(SpecError) as caught:

@@ -68,15 +68,16 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             driven,
             STIFF_RETURN if driven else stiff,
             JointKind.HINGE if hinge else JointKind.SLIDE,
+            1.0 if driven else math.inf,
         )
-        field, message, help = gain_words(gains) or (None, "", None)
+        field, message, help = gain_words(gains, {}) or (None, "", None)
         frequency = row.natural_frequency
         if field is None and hinge and frequency:
             # With that of the links, which nobody states.
             inertia = row.kp / frequency**2
             if words := frequency_words(gains, inertia):
                 field, message, help = "kp", *words[:2]
-            elif gains.kd and (words := damping_words(gains, inertia)):
+            elif words := damping_words(gains, inertia):
                 field, message, help = "kd", *words[:2]
         if field is None:
             return

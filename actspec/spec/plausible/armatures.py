@@ -39,6 +39,8 @@ SLOW = 0.5
 noticed where it is `DOMINANT` times the links or, of unknown ones, where kp swings it alone below `SOFT`."""
 DOMINANT = 10.0
 """[-]. Published: 124 (gymnasium's ant, which has no motor); behind a gear 3 to 10 are usual."""
+LARGEST_LIMIT = 700.0
+"""Effort limit of a hinge [N*m]. Published: 494 (Apollo's hip) to 700 (torso of the Vega, 0.9 rad/s)."""
 STRONG = 20.0
 """Effort limit [N*m] from which links that are not known, as in the text of a model, are more than `SMALL_LINK`.
 Published: 20 N*m and more over the armature is 2e4 rad/s^2 at most (an AgileX Piper)."""
@@ -146,16 +148,19 @@ def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> I
     if words is None:
         return
     much = rate is None or rate < ARMATURE_RATE[1]
+    help = "is it the rotor's own, before the gear? The armature is rotor inertia x gear^2"
+    if much:
+        slip = "g*cm^2 as kg*m^2" if joint.kind is JointKind.HINGE else "g as kg"
+        help = f"look for a wrong unit ({slip}), or a gear that is counted twice"
+    elif drive is None and is_stated(limit) and (limit.value or 0.0) > LARGEST_LIMIT:
+        help += f". Or is the limit wrong ({limit.span})?"
     yield found_at(
         joint,
         "SPEC191",
         f"actuators.{joint.group}.armature",
         value if much else 1 / value,
         words,
-        f"look for a wrong unit ({'g*cm^2 as kg*m^2' if joint.kind is JointKind.HINGE else 'g as kg'}), or a gear that "
-        "is counted twice"
-        if much
-        else "is it the rotor's own, before the gear? The armature is rotor inertia x gear^2",
+        help,
         armature,
         limit,
         motor,

@@ -255,3 +255,20 @@ def is_one(stage: Stage) -> bool:
 def stage_path(stage: Stage, path: Path) -> Path:
     """Where the number of a stage is written."""
     return (*path, next(kind for kind in KINDS_OF_STAGE if getattr(stage, kind) is not None))
+
+
+def figure_at(motor: Motor, path: Path) -> SpecValue | None:
+    """A figure of a motor or of its curve."""
+    node: object = motor
+    for part in path:
+        node = None if node is None else getattr(node, str(part))
+    assert node is None or isinstance(node, SpecValue)
+    return node
+
+
+def with_figure(motor: Motor, path: Path, value: SpecValue | None) -> Motor:
+    """The motor with another figure."""
+    if len(path) == 1:
+        return motor.model_copy(update={str(path[0]): value})
+    part = getattr(motor, str(path[0]))
+    return motor.model_copy(update={str(path[0]): part.model_copy(update={str(path[1]): value})})

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Path
-from actspec.ir import JointActuator, Level, Origin
+from actspec.ir import JointActuator, Level, Origin, Quantity
 from actspec.spec.document import SourceMap
 from actspec.spec.gears import Stage
 from actspec.spec.plausible.drive import Drive, Output, number, scaled, stage_path
@@ -39,6 +39,8 @@ WITNESS = 5.0
 """A figure over what the robot's file says of it. Chosen: limits of files are up to 3 times other than the motor's."""
 AGREES = 1.25
 """The same of a corrected figure."""
+JUST = 1e-3
+"""Two numbers are one by this part."""
 NEVER_REACHED = 1.25
 """Effort limit over the end of a torque-speed line that acts. Chosen: a gear of 0.8 in one of the two makes so much."""
 SLOWED = 0.5
@@ -288,8 +290,12 @@ def unreached_limit(joint: JointActuator) -> Iterator[Found]:
         or not end.value
     ):
         return
-    ratio = limit.require() / end.value
+    ratio, free = limit.require() / end.value, joint.no_load_speed
     if ratio > NEVER_REACHED:
+        if free is not None and free.value and math.isclose(free.value, limit.require(), rel_tol=JUST):
+            # The limit says of which number the line begins.
+            yield _exchanged(joint, end, free, limit)
+            return
         found = found_at(
             joint,
             "SPEC187",
@@ -304,6 +310,18 @@ def unreached_limit(joint: JointActuator) -> Iterator[Found]:
         )
         # What is doubted of the motor itself is told there.
         yield replace(found, derived=True)
+
+
+def _exchanged(joint: JointActuator, end: Quantity, free: Quantity, limit: Quantity) -> Found:
+    """A torque-speed line whose two ends stand in each other's place: the effort limit is the number of the speed."""
+    message = (
+        f"an effort limit of {shown(limit)} is never reached: the torque-speed line begins at {shown(end)}, at "
+        f"standstill, and ends at {shown(free)}"
+    )
+    torque, speed = format_quantity(free.value, end.unit, 4), format_quantity(end.value, free.unit, 4)
+    help = f"are stall_torque and no_load_speed ({free.span}) exchanged? Then they are {torque} and {speed}"
+    where = f"motors.{joint.motor}.stall_torque"
+    return replace(found_at(joint, "SPEC187", where, 1.0, message, help, end, limit, free), derived=True)
 
 
 def witness_relations(drive: Drive, output: Output) -> Iterator[Relation]:

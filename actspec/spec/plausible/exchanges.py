@@ -63,9 +63,11 @@ def exchanges(drives: Sequence[Drive], model: SpecModel, spans: SourceMap) -> It
         where, *others = (path for _, *pair in found for path in pair)
         judged = (path for item in told for path in (item.path, *item.others))
         message = "; and ".join(item.message for item in told)
-        yield Exchange(
-            frozenset((first, second)), at(spans, "SPEC187", message, where, help, *others, *judged)
-        )
+        doubt = at(spans, "SPEC187", message, where, help, *others, *judged)
+        # What a limit of theirs is held against says nothing before the lines are right.
+        held = [path for drive in (one, two) for path in (limit.path for limit in drive.limits)]
+        wrong = tuple(spans.value(path) for path in (*others, *held))
+        yield Exchange(frozenset((first, second)), replace(doubt, blamed=wrong))
 
 
 def _exchanged(one: Drive, two: Drive, model: SpecModel) -> Iterator[tuple[str, Path, Path]]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Path, dotted
+from actspec.diagnostics import Path, Span, dotted
 from actspec.fields import units_of
 from actspec.joints import JointKind
 from actspec.spec.plausible.relations import ALIKE, DEGREE, RARE, Relation, Repair, explained
@@ -32,6 +32,8 @@ STIFF_RETURN = 2e-3
 STIFF_SERVO_RETURN = 1e-4
 """The same without a motor [s]. Published, of the 0.015 rad: 4e-4 (an so101 with 1600 N*m/rad and 3.35 N*m), from
 damping of the joint; but for stiffnesses of 1e5 and 1e7, which are placeholders of a rigid joint (2e-5, agibot)."""
+PLACEHOLDER_RETURN = 2e-6
+"""The same of a rigid joint's stiffness, as simulators have it [s]."""
 STRONG = 10.0
 """Effort limit [N*m] from which a joint moves more than a finger: fingers have links so light that they need no kd."""
 SOFT_ERROR = 0.3
@@ -44,9 +46,21 @@ FIRM_ERROR = 0.03
 motor or without. Multiplied by 57.3, the 0.36 to 1.7 of legs are in it."""
 FIRM_RETURN = 8e-4
 """[s]. Published, of the 0.03 rad: 1.9e-3 (Talos with 10000 N*m/rad and 100 N*m); 0.03 / 57.3 is 5e-4."""
-LARGEST_ERROR = 50.0
-"""Effort limit over kp [rad]: where the drive gives all that it has. Published: 0.21 to 2.2, without a motor to 25."""
+LARGEST_ERROR = {JointKind.HINGE: 50.0, JointKind.SLIDE: 10.0}
+"""Effort limit over kp [rad or m]: where the drive gives all that it has. Published: 0.21 to 2.2, without a motor to
+25, and of slides to 0.375 m."""
+SERVO_ERROR = 20.0
+"""Times as much of servos of which nobody states motor or friction. Published: 250 rad (fingers of a Robotiq gripper
+with 0.2 N*m/rad and 50 N*m, a spring in a linkage)."""
 USUAL_ERROR = (0.06, 10.0)
+USUAL_ERRORS = {JointKind.HINGE: USUAL_ERROR, JointKind.SLIDE: (1e-3, 1.0)}
+USUAL_SPEED = (2.5, 300.0)
+"""Effort limit over kd of a hinge [rad/s]: where kd alone asks for all of it. Between two explanations it decides.
+Published: 3.5 to 148, and of a simulator's own servos from 0.07 on."""
+LEAST_KNOWN_ERROR = 2e-3
+"""Effort limit over kp of a weak joint whose kd nobody states [rad]. Published: 3.5e-3."""
+LEAST_SLIDE_ERROR = 1e-4
+"""The same of a slide [m]: noticed where kd over kp is below `STIFF_SERVO_RETURN`. Published: 0.02."""
 FREQUENCY = (0.15, 100.0)
 """Natural frequency that a kp is derived from [Hz]. Chosen: mjlab's is 10, the stiffest published servo has 236."""
 RATIO = (0.015, 60.0)
@@ -56,7 +70,10 @@ RATIO = (0.015, 60.0)
 FRACTION = (1e-3, 5.0)
 """Part of the effort limit at an error. Chosen: per cent are 10 and more."""
 RADIANS = 1.0
-"""Largest error that a kp is derived from [rad]. Chosen: limit over kp is 0.21 to 2.2 rad."""
+"""Largest error that a kp is derived from [rad] and that is not asked for degrees. Chosen: limit over kp is 0.21 to 2.2
+rad."""
+LARGEST_OWN_ERROR = {JointKind.HINGE: math.pi, JointKind.SLIDE: 1.0}
+"""Error that a kp is derived from [rad or m]. Chosen: no hinge is half a turn off, and mm are a thousand times more."""
 _ANY = (0.0, math.inf)
 _WHOLE = (1.0, math.inf)
 """Of a figure as a part of its bound."""
@@ -68,21 +85,23 @@ class Gains:
 
     Attributes:
         kp: [N*m/rad or N/m].
-        kd: [N*m*s/rad or N*s/m].
+        kd: [N*m*s/rad or N*s/m]; None: unknown.
         viscous: Friction [N*m*s/rad or N*s/m].
-        limit: Effort limit of a hinge [N*m]; None: unknown, or of a slide.
+        limit: Effort limit [N*m or N]; None: unknown.
         driven: A motor is stated. Without one they may be a simulator's own servos, of nearly any stiffness.
         stiff: kd over kp below which a limit that is reached at `LEAST_ERROR` is noticed [s]; 0: never.
         kind: Of the joint.
+        soft: Times `LARGEST_ERROR` from which on a kp is noticed.
     """
 
     kp: float
-    kd: float
+    kd: float | None
     viscous: float
     limit: float | None
     driven: bool
     stiff: float
     kind: JointKind
+    soft: float = 1.0
 
     @property
     def shown_kp(self) -> str:
@@ -95,36 +114,63 @@ class Gains:
         return format_quantity(self.kd, units_of(self.kind).velocity_gain, 4)
 
 
-def gain_words(gains: Gains) -> tuple[str, str, str | None] | None:
-    """Which of kp and kd cannot be right, message and help; None where both may be."""
+def gain_words(gains: Gains, places: Mapping[str, Span | None]) -> tuple[str, str, str | None] | None:
+    """Which of kp and kd cannot be right, message and help; None where both may be.
+
+    Args:
+        gains: The two.
+        places: Where they are written, by `kp` and `kd`.
+    """
     before = list(_relations(gains))
     broken = [relation for relation in before if relation.broken]
     if not broken:
         return None
     best = explained(before, _repairs(gains))
     if not best:
-        return "kp", broken[0].message, None
+        return _by_size(gains, broken[0].message, places)
     (place,) = best[0].paths[0]
-    help = "; or ".join(repair.help for repair in best if repair.help is not None)
+    mine = [repair.help for repair in best if repair.paths == best[0].paths and repair.help is not None]
+    help = "; or ".join(mine)
+    rivals = [repair for repair in best if repair.paths != best[0].paths]
     if gains.limit is None and best[0].help in _degrees(gains):
         # The effort limit would tell which of the two it is.
-        slow = broken[0].about == "slow"
-        help = (
-            "is kp given per degree, or kd multiplied by 57.3?"
-            if slow
-            else "is kp multiplied by 57.3, or kd given per degree?"
-        )
-        place = "kp"
+        slips = ("given per degree", "multiplied by 57.3")
+        first, second = slips if broken[0].about == "slow" else slips[::-1]
+        help, place = f"is kp {first}, or kd{_there(places, 'kd')} {second}?", "kp"
+    elif rivals:
+        (other,) = rivals[0].paths[0]
+        help = f"one of 2 numbers is wrong. {place}: {help}{'' if help.endswith('?') else '.'} "
+        help += f"Or {other}{_there(places, str(other))}: {rivals[0].help}"
     return str(place), broken[0].message, help
+
+
+def _by_size(gains: Gains, message: str, places: Mapping[str, Span | None]) -> tuple[str, str, str]:
+    """Of two gains that no usual slip explains the one whose own size is odd beside the effort limit; else both."""
+    help, limit, usual = "look for a wrong unit or power of ten", gains.limit or 0.0, USUAL_ERRORS[gains.kind]
+    if not gains.kd:
+        return "kp", message, help
+    odd = [
+        field
+        for field, size, (least, most) in (("kp", gains.kp, usual), ("kd", gains.kd, USUAL_SPEED))
+        if not least <= limit / size <= most
+    ]
+    if len(odd) == 1 and gains.kind is JointKind.HINGE:
+        return odd[0], message, help
+    return "kp", message, f"one of 2 numbers is wrong, kp or kd{_there(places, 'kd')}: {help}"
+
+
+def _there(places: Mapping[str, Span | None], field: str) -> str:
+    return "" if places.get(field) is None else f" ({places[field]})"
 
 
 def _relations(gains: Gains) -> Iterator[Relation]:
     if not gains.kp:
         return
-    back, damped = gains.kd / gains.kp, (gains.kd + gains.viscous) / gains.kp
+    hinge, kd = gains.kind is JointKind.HINGE, gains.kd
+    back, damped = (kd or 0.0) / gains.kp, ((kd or 0.0) + gains.viscous) / gains.kp
     pair = f"kd {gains.shown_kd} beside kp {gains.shown_kp}"
     hardly = f"{pair}: hardly any damping, kd/kp is {format_quantity(1000.0 * back, 'ms', 3)}"
-    if gains.kd:
+    if kd:
         slow = f"{pair}: the joint would take {format_quantity(back, 's', 3)} to come back to its command"
         yield _relation(back, (0.0, RETURN[1]), USUAL_RETURN, slow, "slow")
         yield _relation(damped, (RETURN[0] if gains.driven else 0.0, math.inf), _ANY, hardly, "undamped")
@@ -132,24 +178,32 @@ def _relations(gains: Gains) -> Iterator[Relation]:
             yield _relation(back, (LEAST_RETURN, math.inf), _ANY, hardly, "undamped by kd")
     if not gains.limit or gains.limit == math.inf:
         return
+    units = units_of(gains.kind)
     error = gains.limit / gains.kp
-    limit, shown = format_quantity(gains.limit, "N*m", 4), format_quantity(error, "rad", 3)
+    limit, shown = format_quantity(gains.limit, units.torque, 4), format_quantity(error, units.position, 3)
     largest = f"kp {gains.shown_kp} needs an error of {shown} for the effort limit of {limit}"
-    most = LARGEST_ERROR if gains.driven else math.inf
-    yield _relation(error, (0.0, most), USUAL_ERROR, largest, "error")
+    yield _relation(
+        error, (0.0, gains.soft * LARGEST_ERROR[gains.kind]), USUAL_ERRORS[gains.kind], largest, "error"
+    )
+    if kd and hinge:
+        # Any may be; of two explanations it tells which.
+        yield _relation(gains.limit / kd, _ANY, USUAL_SPEED, "", "speed")
     # Each of these is broken where both of its figures are below their bounds.
-    strong = gains.limit >= STRONG
-    if strong and error >= SOFT_ERROR and gains.kd:
+    strong = hinge and gains.limit >= STRONG
+    if strong and error >= SOFT_ERROR and kd:
         part = max(back / SOFT_RETURN[0], damped / SOFT_RETURN[1])
         yield _relation(part, _WHOLE, _WHOLE, hardly, "undamped and soft")
-    if gains.stiff and damped:
-        stiff = (
-            f"kp {gains.shown_kp} asks for the effort limit of {limit} at an error of {shown}, with kd "
-            f"{gains.shown_kd}"
-        )
-        if strong:
+    stiff = f"kp {gains.shown_kp} asks for the effort limit of {limit} at an error of {shown}"
+    servo = gains.stiff > PLACEHOLDER_RETURN
+    if servo and kd is None and hinge:
+        least = LEAST_ERROR if strong else LEAST_KNOWN_ERROR
+        yield _relation(error, (least, math.inf), _ANY, stiff, "stiff")
+    elif gains.stiff and damped:
+        stiff += f", with kd {gains.shown_kd}"
+        if strong and servo:
             yield _relation(max(error / FIRM_ERROR, damped / FIRM_RETURN), _WHOLE, _WHOLE, stiff, "firm")
-        yield _relation(max(error / LEAST_ERROR, damped / gains.stiff), _WHOLE, _WHOLE, stiff, "stiff")
+        least, prompt = (LEAST_ERROR, gains.stiff) if hinge else (LEAST_SLIDE_ERROR, STIFF_SERVO_RETURN)
+        yield _relation(max(error / least, damped / min(prompt, gains.stiff)), _WHOLE, _WHOLE, stiff, "stiff")
 
 
 def _relation(
@@ -160,33 +214,50 @@ def _relation(
 
 def _repairs(gains: Gains) -> Iterator[Repair]:
     kp, kd = gains.kp, gains.kd
-    exchanged = "are the two exchanged? kp is the stiffness, kd the velocity gain"
-    yield Repair(tuple(_relations(replace(gains, kp=kd, kd=kp))), (("kp",),), exchanged)
-    for field in ("kp", "kd"):
+    if kd:
+        exchanged = tuple(_relations(replace(gains, kp=kd, kd=kp)))
+        # Without an effort limit only what comes to usual gains tells an exchange from another slip.
+        rare = RARE * (gains.limit is None and any(relation.excess for relation in exchanged))
+        help = "are the two exchanged? kp is the stiffness, kd the velocity gain"
+        yield Repair(exchanged, (("kp",),), help, rare)
+    for field in ("kp", "kd") if kd else ("kp",):
         factors = [(10.0**power, "did you mean {}?", RARE) for power in (-4, -3, -2, -1, 1, 2, 3, 4)]
         if gains.kind is JointKind.SLIDE:
             factors.append((1e3, f"is {field} per mm? Per metre it is {{}}", 0.0))
         for factor, words, rare in factors:
-            other = replace(gains, kp=factor * kp) if field == "kp" else replace(gains, kd=factor * kd)
+            other = _changed(gains, **{field: factor})
             meant = other.shown_kp if field == "kp" else other.shown_kd
             yield Repair(tuple(_relations(other)), ((field,),), words.format(meant), rare)
     if gains.kind is JointKind.SLIDE:
+        if kd:
+            both = _changed(gains, kp=1e3, kd=1e3)
+            help = f"are kp and kd per mm? Per metre they are {both.shown_kp} and {both.shown_kd}"
+            yield Repair(tuple(_relations(both)), (("kp",),), help)
         return
     # What was multiplied by 57.3 is hardly a multiple of 100.
-    for field, other, help in (
-        ("kp", replace(gains, kp=kp / DEGREE), "is kp per degree? Per radian it is {0.shown_kp}"),
-        ("kp", replace(gains, kp=kp * DEGREE), "is kp multiplied by 57.3? Without that it is {0.shown_kp}"),
-        ("kd", replace(gains, kd=kd * DEGREE), "is kd multiplied by 57.3? Without that it is {0.shown_kd}"),
-        ("kd", replace(gains, kd=kd / DEGREE), "is kd per degree? Per radian it is {0.shown_kd}"),
-        (
-            "kp",
-            replace(gains, kp=kp / DEGREE, kd=kd / DEGREE),
-            "are kp and kd per degree? Per radian they are {0.shown_kp} and {0.shown_kd}",
-        ),
-    ):
+    slips = [
+        ("kp", _changed(gains, kp=1.0 / DEGREE), "is kp per degree? Per radian it is {0.shown_kp}"),
+        ("kp", _changed(gains, kp=DEGREE), "is kp multiplied by 57.3? Without that it is {0.shown_kp}"),
+    ]
+    if kd:
+        slips += [
+            ("kd", _changed(gains, kd=DEGREE), "is kd multiplied by 57.3? Without that it is {0.shown_kd}"),
+            ("kd", _changed(gains, kd=1.0 / DEGREE), "is kd per degree? Per radian it is {0.shown_kd}"),
+            (
+                "kp",
+                _changed(gains, kp=1.0 / DEGREE, kd=1.0 / DEGREE),
+                "are kp and kd per degree? Per radian they are {0.shown_kp} and {0.shown_kd}",
+            ),
+        ]
+    for field, other, help in slips:
         size = kp if field == "kp" else kd
         rare = RARE + ALIKE if "57.3" in help and size and size % 100.0 == 0.0 else 0.0
         yield Repair(tuple(_relations(other)), ((field,),), help.format(other), rare)
+
+
+def _changed(gains: Gains, kp: float = 1.0, kd: float = 1.0) -> Gains:
+    """With its gains so many times as large."""
+    return replace(gains, kp=kp * gains.kp, kd=None if gains.kd is None else kd * gains.kd)
 
 
 def _degrees(gains: Gains) -> frozenset[str | None]:
@@ -228,6 +299,13 @@ def _in_hertz(frequency: float) -> str:
 
 def derived_doubts(gain: DerivedGain, path: Path, spans: SourceMap) -> Iterator[Doubt]:
     """A natural frequency, a damping ratio or a part of the effort limit that no joint has."""
+    error = gain.numbers.get("error")
+    most = LARGEST_OWN_ERROR[JointKind.SLIDE if error is not None and error.linear else JointKind.HINGE]
+    if error is not None and error.value and error.value > most:
+        message = f"{error.written} is no usual error at which a kp gives its part of the effort limit"
+        unit, short = ("mm", "mm") if error.linear else ("degrees", "deg")
+        meant = f"is it in {unit}? Then write {error.value:g} {short}"
+        yield at(spans, "SPEC192", message, (*path, "error"), meant)
     for key, bounds, what, percent in (
         ("frequency", FREQUENCY, "a natural frequency", False),
         ("ratio", RATIO, "a damping ratio", True),

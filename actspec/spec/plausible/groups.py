@@ -15,6 +15,7 @@ from actspec.spec.models import Actuators, Friction, Motor, Randomize, SpecModel
 from actspec.spec.plausible.drive import Drive, Limit, Train, cut_gearbox, is_one, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import STIFF_RETURN, Gains, derived_doubts, gain_words
+from actspec.spec.plausible.relations import POINT
 from actspec.spec.plausible.table import Doubt, Kept, at
 from actspec.spec.rules.groups import range_of
 from actspec.spec.rules.motors import stage_ratio
@@ -28,6 +29,8 @@ FRICTION_STOPS = 2.0
 """Times the effort limit: an error."""
 FACTOR = 10.0
 """Largest factor of a range of randomisation. Published: 3, on kd."""
+STRONGER = 3.0
+"""The same of what a motor gives. Published: 1.25; chosen: no batch of motors and batteries has twice the torque."""
 DIGIT = 50.0
 """Above it two factors are in per cent, below it they are without their points."""
 SPREAD = 10.0
@@ -139,6 +142,8 @@ def group_doubts(
         doubted: Numbers that are doubted themselves, and tell nothing of others: where, and their spans.
         kept: What the author is sure of.
     """
+    # A target that draws has the same as an error (RND004).
+    told_of_draws = any((target.target or name) == "randomization" for name, target in model.targets.items())
     for path, fields, group in layers(model):
         base: Path = path[:2]
 
@@ -163,18 +168,22 @@ def group_doubts(
             if own and isinstance(gain, DerivedGain):
                 yield from derived_doubts(gain, place, spans)
         if (own_kp or own_kd) and isinstance(kp, SpecValue) and isinstance(kd, SpecValue):
-            known = None if kp.linear or kd.linear else _most_of(stated, model, spans, doubted)
+            slide = kp.linear or kd.linear
+            known = None if slide else _most_of(stated, model, spans, doubted)
+            if slide and isinstance(limit, SpecValue) and not told:
+                known = limit.value
             viscous = 0.0 if friction is None or friction.viscous is None else friction.viscous.value or 0.0
             driven = stated("motor")[0] in model.motors
-            kind = JointKind.SLIDE if kp.linear or kd.linear else JointKind.HINGE
+            kind = JointKind.SLIDE if slide else JointKind.HINGE
             # Without a motor the robot's file may have such a servo, which is read at its joints.
-            stiff = STIFF_RETURN if driven else 0.0
-            gains = Gains(kp.value or 0.0, kd.value or 0.0, viscous, known, driven, stiff, kind)
-            found = gain_words(gains)
+            stiff, soft = (STIFF_RETURN, 1.0) if driven else (0.0, math.inf)
+            gains = Gains(kp.value or 0.0, kd.value, viscous, known, driven, stiff, kind, soft)
+            paths = {"kp": kp_path, "kd": kd_path}
+            found = gain_words(gains, {key: spans.value(path) for key, path in paths.items()})
             if found is not None:
                 field, message, help = found
-                places = (kp_path, kd_path) if field == "kp" else (kd_path, kp_path)
-                yield at(spans, "SPEC192", message, places[0], help, places[1])
+                place = paths.pop(field)
+                yield at(spans, "SPEC192", message, place, help, *paths.values())
         bias = fields.encoder_bias
         if bias is not None and _is_off(bias):
             yield _off([bias], (*path, "encoder_bias"), (), spans)
@@ -185,6 +194,8 @@ def group_doubts(
             for field, entry in group.randomize.items():
                 place = (*path, "randomize", field)
                 drawn = list(_drawn(entry, field, place, spans))
+                if not told_of_draws:
+                    drawn += _negative(entry, field, place, group, spans)
                 yield from drawn
                 most, rub = _most_of(stated, model, spans, doubted), _dry(field, group)
                 takes = most and rub is not None and (rub.value or 0.0) >= FRICTION_SHARE * most
@@ -287,10 +298,11 @@ def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterat
     pair = range_of(entry, field)
     ends = () if isinstance(pair, Fault) else pair
     factors = entry.scale is not None
+    most = STRONGER if field in ("strength", "effort_limit") else FACTOR
     wrong = [
         (index, end)
         for index, end in enumerate(ends)
-        if ((end.value or 0.0) > FACTOR if factors else _is_off(end))
+        if ((end.value or 0.0) > most if factors else _is_off(end))
     ]
     if not wrong:
         return
@@ -306,6 +318,9 @@ def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterat
     by = 100.0 if percent else 10.0 ** round(math.log10(far[-1].value or 1.0))
     meant = _all(f"{(end.value or 0.0) / by:g}" for end in far)
     help = f"is it in %? Then write {meant}" if percent else f"did you mean {meant}?"
+    if most < FACTOR:
+        message += f": no motor gives {most:g} times its torque"
+        help = POINT if (far[-1].value or 0.0) <= FACTOR else help
     yield at(spans, "SPEC188", message, first, help, second)
 
 
@@ -319,15 +334,13 @@ def _replaced(
     gaussian = entry.distribution == "gaussian"
     low, high = (pair[0], pair[0]) if gaussian else pair
     least, most = low.value, high.value
-    nominal: Any = group
-    for part in field.split("."):
-        nominal = None if nominal is None else getattr(nominal, part, None)
     if not least or not most or not 0.0 < least <= most:
         return
     written = low.written if gaussian else f"{low.written} to {high.written}"
     first, second = (*path, "abs", 0), (*path, "abs", 0 if gaussian else 1)
-    known = nominal.value if isinstance(nominal, SpecValue) else None
-    if isinstance(nominal, SpecValue) and known and known > 0.0:
+    nominal = _nominal(field, group)
+    known = None if nominal is None else nominal.value
+    if nominal is not None and known and known > 0.0:
         factors = least / known, most / known
         if factors[0] > FACTOR or factors[1] < 1.0 / FACTOR:
             ten = 10.0 ** round(math.log10(math.sqrt(factors[0] * factors[1])))
@@ -336,6 +349,30 @@ def _replaced(
             message = f"{written} in place of the nominal {nominal.written} is {far} times as much"
             place = (*path[:-2], *field.split("."))
             yield at(spans, "SPEC188", message, first, f"did you mean {meant}?", second, place)
+
+
+def _nominal(field: str, group: Actuators) -> SpecValue | None:
+    """The number of a group that a range is about; None where it is none, or follows from others."""
+    nominal: Any = group
+    for part in field.split("."):
+        nominal = None if nominal is None else getattr(nominal, part, None)
+    return nominal if isinstance(nominal, SpecValue) else None
+
+
+def _negative(
+    entry: Randomize, field: str, path: Path, group: Actuators, spans: SourceMap
+) -> Iterator[Doubt]:
+    """Offsets that bring a number below 0 which has no sign; a gaussian's tail is told where it is drawn from."""
+    pair, nominal = None if entry.add is None else range_of(entry, field), _nominal(field, group)
+    if not isinstance(pair, tuple) or entry.distribution == "gaussian" or field == "encoder_bias":
+        return
+    if nominal is None or nominal.value is None:
+        return
+    least = nominal.value + min(end.value or 0.0 for end in pair)
+    if least < 0.0:
+        message = f"{field} is drawn below 0: {format_quantity(least, pair[0].unit, 4)}"
+        help = f"the nominal is {nominal.written}: raise the low end"
+        yield at(spans, "SPEC188", message, (*path, "add", 0), help, (*path, "add", 1))
 
 
 def _dry(field: str, group: Actuators) -> SpecValue | None:

@@ -8,8 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Span, dotted
-from actspec.fields import GRAVITY, LONGEST_LEVER
-from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
+from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import Document, SourceMap
 from actspec.spec.fields import DerivedGain
 from actspec.spec.models import SpecModel
@@ -17,15 +16,16 @@ from actspec.spec.plausible.armatures import armature_found, beside, odd_armatur
 from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
-from actspec.spec.plausible.driven import AGREES, FASTEST_SLIDE, unreached_limit
-from actspec.spec.plausible.gains import STIFF_RETURN, STIFF_SERVO_RETURN, Gains, blamed, gain_words
+from actspec.spec.plausible.driven import AGREES, unreached_limit
+from actspec.spec.plausible.gains import blamed
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
-from actspec.spec.plausible.motors import FASTEST_BY_TORQUE, WINDING
+from actspec.spec.plausible.limits import levers_of, velocity_found
+from actspec.spec.plausible.motors import WINDING
 from actspec.spec.plausible.numbers import number_doubts
-from actspec.spec.plausible.relations import DEGREE, RPM
+from actspec.spec.plausible.relations import DEGREE
 from actspec.spec.plausible.repairs import misread_speeds
+from actspec.spec.plausible.servos import gains_found
 from actspec.spec.plausible.slips import in_si
-from actspec.spec.plausible.swing import SOFT, damping_words, frequency_words
 from actspec.spec.plausible.table import (
     BY_CODE,
     Doubt,
@@ -34,6 +34,7 @@ from actspec.spec.plausible.table import (
     by_number,
     found_at,
     in_file,
+    is_files,
     is_stated,
     kept_of,
     shown,
@@ -49,14 +50,8 @@ UNREACHED = 3.0
 """The same where no torque-speed line acts: a belt takes 1.24 at a speed that it never comes near."""
 WHOLE = 1.0
 """The same at a velocity limit."""
-FASTEST_LIMIT = 200.0
-"""Velocity limit of a hinge [rad/s]. Published: to 200 (gripper of the reBot), 110 at 26 N*m (Qinglong)."""
 WHOLE_ROBOT = 6
 """Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
-HOPELESS_SPEED = 3.0
-"""Times what no joint of such a torque comes to: it is told though the robot's file says it as well."""
-HOPELESS_LEVER = 10.0
-"""An error from this many times the bound on."""
 
 _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
@@ -173,7 +168,7 @@ def _levers(
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
     return {
         joint.joint: [
-            found for found in _lever(joint, whole, linked.get(joint.joint)) if not kept.has(found.doubt)
+            found for found in levers_of(joint, whole, linked.get(joint.joint)) if not kept.has(found.doubt)
         ]
         for joint in joints
     }
@@ -256,37 +251,13 @@ def _joint_doubts(
     written: Mapping[Span, SpecValue],
     kept: Kept,
 ) -> Iterator[Found]:
-    for check in (pose_found, command_range_found, scale_found, _velocity, _stribeck, unreached_limit):
+    for check in (pose_found, command_range_found, scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
     yield from _friction(joint, joints, kept)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
     inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
-    yield from inertia or _gains(joint)
-
-
-def _lever(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
-    """An effort limit that would hold the whole robot on a lever which no robot has."""
-    limit = joint.effort_limit
-    if not mass or joint.kind is not JointKind.HINGE or not limit.value or not is_stated(limit):
-        return
-    if joint.motor is None:
-        # It may be a toy: gymnasium's ant has 150 N*m and less than 1 kg.
-        return
-    lever = limit.value / (mass * GRAVITY)
-    if not LONGEST_LEVER < lever < math.inf:
-        return
-    yield found_at(
-        joint,
-        "SPEC183",
-        f"actuators.{joint.group}.effort_limit",
-        lever,
-        f"an effort limit of {shown(limit)} would hold the whole robot, {format_quantity(mass, 'kg', 3)}, on a lever "
-        f"of {format_quantity(lever, 'm', 3)}",
-        "look for a wrong unit, gear_ratio or side" + (f", or at the linkage '{linkage}'" if linkage else ""),
-        limit,
-        error=lever > HOPELESS_LEVER * LONGEST_LEVER,
-    )
+    yield from inertia or gains_found(joint)
 
 
 def _of_reduction(doubt: Doubt, path: Path, size: float, spans: SourceMap) -> Doubt:
@@ -370,7 +341,7 @@ def _viscous(
     clamp, motors = joint.velocity_limit, own_speed(joint) if line is None else line
     asked = [] if motors is None else [(motors, UNREACHED if line is None else VISCOUS_SHARE)]
     if line is None and clamp.value and is_stated(clamp) and not math.log10(clamp.value).is_integer():
-        asked += [] if _is_files(viscous) else [(clamp, WHOLE)]
+        asked += [] if is_files(viscous) else [(clamp, WHOLE)]
     takes = ((speed, viscous.value * (speed.value or 0.0), share * limit.value) for speed, share in asked)
     speed, torque, most = next((item for item in takes if item[1] >= item[2]), (clamp, 0.0, math.inf))
     if not torque:
@@ -418,129 +389,3 @@ def _viscous(
     elif lined:
         help += " The slope of the torque-speed line belongs to the motor, not to friction"
     yield found_at(joint, "FRC106", where, torque / limit.value, message, help, number, other, limit)
-
-
-def _is_files(quantity: Quantity) -> bool:
-    """Whether the robot's file says a number as well."""
-    said = in_file(*quantity.lost)
-    return (
-        said is not None
-        and said.value is not None
-        and math.isclose(said.value, quantity.require(), rel_tol=0.01)
-    )
-
-
-def _gains(joint: JointActuator) -> Iterator[Found]:
-    """kp and kd by natural frequency and damping ratio."""
-    kp, kd, held, limit = joint.kp, joint.kd, joint.inertia_held, joint.effort_limit
-    if (
-        kp is None
-        or not kp.value
-        or not (is_stated(kp) or is_stated(kd))
-        or joint.command is not Command.POSITION
-    ):
-        return
-    number, other = (kp, kd) if is_stated(kp) and kp.span is not None else (kd, kp)
-    assert number is not None
-    active = (kd.value if kd is not None else None) or 0.0
-    hinge = joint.kind is JointKind.HINGE
-    gains = Gains(
-        kp.value,
-        active,
-        joint.friction_viscous.value or 0.0,
-        limit.value if hinge else None,
-        joint.motor is not None,
-        _noticed_return(joint, kp),
-        joint.kind,
-    )
-    alone = gain_words(gains)
-    words: tuple[str, str | None, float] | None = None
-    if alone is not None:
-        words = (alone[1], alone[2], abs(math.log(max(active, 1e-9) / kp.value)))
-        if alone[0] == "kd" and kd is not None and is_stated(kd):
-            number, other = kd, kp
-    elif (
-        joint.motor is not None
-        and held is not None
-        and joint.kind is JointKind.HINGE
-        and held.reference > 0.0
-    ):
-        # Without a motor they may be a simulator's own servos, of any stiffness.
-        words = _by_frequency(kp, joint, gains, held.reference)
-        if words is None and active and kd is not None and is_stated(kd):
-            number, other = kd, kp
-            words = damping_words(gains, held.reference)
-    if words is not None:
-        message, help, size = words
-        where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
-        others = (other, limit, joint.armature)
-        yield found_at(joint, "SPEC192", where, size, message, help, number, *others)
-
-
-def _noticed_return(joint: JointActuator, kp: Quantity) -> float:
-    """kd over kp below which a stiff joint is noticed [s]; 0: never, where file or placeholder has that kp."""
-    if joint.motor is not None:
-        return STIFF_RETURN
-    return 0.0 if _is_files(kp) or math.log10(kp.require()).is_integer() else STIFF_SERVO_RETURN
-
-
-def _by_frequency(
-    kp: Quantity, joint: JointActuator, gains: Gains, inertia: float
-) -> tuple[str, str, float] | None:
-    """Message, help and size where the natural frequency is no joint's."""
-    words = frequency_words(gains, inertia)
-    armature = joint.armature
-    links = inertia - (armature.value or 0.0)
-    if (
-        words is None
-        or armature.origin is not Origin.DERIVED
-        or not SOFT**2 * links < kp.require() < SOFT**2 * inertia
-    ):
-        return words
-    message, help, size = words
-    help += f". Or is a gear too large? {shown(armature)} of the inertia is the armature: {armature.formula}"
-    return message, help, size
-
-
-def _velocity(joint: JointActuator) -> Iterator[Found]:
-    """A velocity limit beyond any joint's, where no motor's speed stands: with one it is judged by that.
-
-    What the robot's file says as well is not mistyped here, unless no joint comes near it, and powers of ten are
-    placeholders.
-    """
-    limit, force, own = joint.velocity_limit, joint.effort_limit, own_speed(joint)
-    fast = limit.value
-    if own is not None and own.value:
-        return
-    if not fast or limit.origin is not Origin.AUTHORED or math.log10(fast).is_integer():
-        return
-    hinge = joint.kind is JointKind.HINGE
-    strong = force.value if hinge and force.value and force.value < math.inf else 0.0
-    most = FASTEST_BY_TORQUE / math.sqrt(strong) if strong else math.inf
-    if fast <= min(most, FASTEST_LIMIT if hinge else FASTEST_SLIDE):
-        return
-    if _is_files(limit) and fast <= HOPELESS_SPEED * most:
-        return
-    words = f"a velocity limit of {shown(limit)}"
-    if fast > most:
-        power = f"{strong * fast / 1000.0:.3g} kW"
-        words += f" is {power} beside the effort limit of {shown(force)}: no joint of such a torque is nearly as fast"
-    else:
-        words += f": the fastest {joint.kind.value}s of robots have {'200 rad/s' if hinge else '10 m/s'}"
-    slips = [(DEGREE, "deg/s"), (RPM, "rpm")] if hinge else [(1e-3, "mm/s")]
-    usual = 50.0 if hinge else 5.0
-    readings = [
-        f"is it in {unit}? Then it is {format_quantity(fast * factor, limit.unit, 4)}"
-        for factor, unit in slips
-        if fast * factor <= min(0.5 * most, usual)
-    ]
-    yield found_at(
-        joint,
-        "SPEC184",
-        f"actuators.{joint.group}.velocity_limit",
-        fast,
-        words,
-        "; or ".join(readings) or "look for a wrong unit",
-        limit,
-        force if fast > most else None,
-    )

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
 from actspec.spec.models import Motor
-from actspec.spec.plausible.drive import GEARED, Drive, Limit, efficiency_of, gear_of, number
+from actspec.spec.plausible.drive import (
+    GEARED,
+    Drive,
+    Limit,
+    efficiency_of,
+    figure_at,
+    gear_of,
+    number,
+    with_figure,
+)
 from actspec.spec.plausible.driven import AGREES, CURRENT_RATIO, SLOWED
 from actspec.spec.plausible.gearing import counts_repaired, reductions_repaired, stages_repaired
 from actspec.spec.plausible.motors import GEAR_INVERSE, relations
@@ -36,6 +45,7 @@ from actspec.spec.plausible.slips import (
     transposed,
 )
 from actspec.spec.plausible.table import Doubt
+from actspec.spec.plausible.unexplained import unexplained
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
@@ -123,8 +133,7 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
                 doubt = replace(doubt, help=refuted[doubt.span])
             yield doubt
     elif not witnessed:
-        for relation in _first(broken, drive.sure):
-            yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
+        yield from unexplained(drive, broken, spans)
 
 
 def _is_large(relation: Relation) -> bool:
@@ -155,34 +164,16 @@ def misread_speeds(drive: Drive) -> Iterator[MisreadSpeed]:
     """
     now = sum(relation.excess for relation in relations(drive))
     for path in SPEEDS:
-        speed = _at(drive.motor, path)
+        speed = figure_at(drive.motor, path)
         if speed is None or not number(speed):
             continue
         for factor, help, rare in slips_of(speed, speed=True):
-            after = list(relations(replace(drive, motor=_with(drive.motor, path, multiplied(speed, factor)))))
+            after = list(
+                relations(replace(drive, motor=with_figure(drive.motor, path, multiplied(speed, factor))))
+            )
             excess = sum(relation.excess for relation in after)
             if rare < RARE and excess <= now and not any(relation.broken for relation in after):
                 yield MisreadSpeed(("motors", drive.name, *path), factor, help, excess < now)
-
-
-def _first(broken: Iterable[Relation], sure: Collection[Path]) -> Iterator[Relation]:
-    """Of relations that see the same mistake the first: all but those of torques take gear, side and torque.
-
-    What is beyond any motor, and a number that the author is sure of, hides only what follows from it.
-    """
-    seen: set[object] = set()
-    alone: set[Path] = set()
-    for relation in broken:
-        key: object = relation.path
-        if relation.code not in ("SPEC135", "SPEC180"):
-            key = "constant" if relation.code == "SPEC181" else "output"
-        if key in seen or not alone.isdisjoint((relation.path, *relation.others)):
-            continue
-        if relation.code == "SPEC183" or relation.path in sure:
-            alone.add(relation.path)
-        else:
-            seen.add(key)
-        yield relation
 
 
 def _repairs(drive: Drive) -> Iterator[Repair]:
@@ -199,10 +190,10 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     def moved(paths: Sequence[Path], factor: float, help: str, rare: float = 0.0) -> Repair:
         result = motor
         for path in paths:
-            result = _with(result, path, multiplied(_at(motor, path), factor))
+            result = with_figure(result, path, multiplied(figure_at(motor, path), factor))
         return changed(result, paths, help, rare)
 
-    torques = [path for path in TORQUES if number(_at(motor, path))]
+    torques = [path for path in TORQUES if number(figure_at(motor, path))]
     # Through a gearbox of which no efficiency is stated a torque is only about so large.
     passed, about = efficiency_of(motor), "" if _is_efficient(motor) else "about "
     there, here = ("gearbox output", "rotor") if motor.side == "motor" else ("rotor", "gearbox output")
@@ -225,7 +216,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
 
     def sided(path: Path, factor: float, lossy: bool, rare: float = 0.0) -> Repair:
         factor *= (passed if factor > 1.0 else 1.0 / passed) if lossy else 1.0
-        meant = in_unit(multiplied(_at(motor, path), factor))
+        meant = in_unit(multiplied(figure_at(motor, path), factor))
         help = f"is it quoted at the {there}? At the {here} it is {about if lossy else ''}{meant}"
         return moved([path], factor, help, rare)
 
@@ -243,7 +234,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     if number(motor.efficiency) and motor.efficiency is not None:
         yield from (moved([("efficiency",)], *slip) for slip in tens(motor.efficiency))
     for path in SPEEDS:
-        speed = _at(motor, path)
+        speed = figure_at(motor, path)
         if speed is not None and speed.value:
             yield from (moved([path], *slip) for slip in slips_of(speed, speed=True))
             if across is not None:
@@ -279,7 +270,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
                 yield sided((field,), across, lossy=True, rare=rare)
     plain = [path for path in torques if len(path) == 1]
     for one, two in itertools.combinations(plain, 2):
-        result = _with(_with(motor, one, _at(motor, two)), two, _at(motor, one))
+        result = with_figure(with_figure(motor, one, figure_at(motor, two)), two, figure_at(motor, one))
         shares = [(_proof(motor, str(path[0])), _proof(result, str(path[0]))) for path in (one, two)]
         # By its own current it was the right one, or the other is not.
         against = any(
@@ -335,7 +326,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             which = f" ({names})" if len(torques) > 1 else ""
             help = f"is it quoted at the {there}{which}? At the {here} {in_unit(first)} is {meant}"
             # Without a speed all figures of the side are torques: `side` is no likelier.
-            alone = not any(number(_at(motor, path)) for path in SPEEDS)
+            alone = not any(number(figure_at(motor, path)) for path in SPEEDS)
             yield moved(torques, factor, help, 0.0 if alone else SIDED)
         if len(torques) > 1:
             yield moved(torques, 1e-3, f"are {names} in mN*m? {milli(first)}")
@@ -411,7 +402,7 @@ def _proof(motor: Motor, field: str) -> float | None:
     """What the motor's constant gives of the current that belongs to a torque, over the torque."""
     current = {"peak_torque": motor.peak_current, "continuous_torque": motor.nominal_current}.get(field)
     constant, ampere = number(motor.torque_constant), number(current)
-    torque = number(_at(motor, (field,))) if constant and ampere else None
+    torque = number(figure_at(motor, (field,))) if constant and ampere else None
     if not constant or not ampere or not torque:
         return None
     return constant * ampere / torque
@@ -427,7 +418,7 @@ def _is_refuted(motor: Motor, path: Path) -> bool:
     """Whether a figure is not what the motor's constant gives of its current, or of the voltage."""
     if path in SPEEDS:
         speed, constant, voltage = map(
-            number, (_at(motor, path), motor.torque_constant, motor.nominal_voltage)
+            number, (figure_at(motor, path), motor.torque_constant, motor.nominal_voltage)
         )
         if not speed or not constant or not voltage:
             return False
@@ -533,25 +524,8 @@ def _limits(drive: Drive) -> Iterator[Repair]:
             yield replace(changed(meant, help, ODD), fitted=True)
 
 
-def _at(motor: Motor, path: Path) -> SpecValue | None:
-    """A figure of a motor or of its curve."""
-    node: object = motor
-    for part in path:
-        node = None if node is None else getattr(node, str(part))
-    assert node is None or isinstance(node, SpecValue)
-    return node
-
-
 def _given(motor: Motor, path: Path) -> SpecValue:
     """A figure that is stated."""
-    value = _at(motor, path)
+    value = figure_at(motor, path)
     assert value is not None
     return value
-
-
-def _with(motor: Motor, path: Path, value: SpecValue | None) -> Motor:
-    """The motor with another figure."""
-    if len(path) == 1:
-        return motor.model_copy(update={str(path[0]): value})
-    part = getattr(motor, str(path[0]))
-    return motor.model_copy(update={str(path[0]): part.model_copy(update={str(path[1]): value})})

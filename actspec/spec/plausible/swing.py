@@ -68,10 +68,12 @@ def damping_words(gains: Gains, inertia: float) -> tuple[str, str, float] | None
     """Message, help and size where the damping ratio of a hinge is no joint's; None where it may be one's.
 
     Args:
-        gains: Of the hinge; kd is above 0.
+        gains: Of the hinge.
         inertia: With the other joints held, armature included [kg*m^2].
     """
     unit = units_of(gains.kind)
+    if not gains.kd:
+        return None
     ratio = (gains.kd + gains.viscous) / (2.0 * math.sqrt(gains.kp * inertia))
     if DAMPING_RATIO[0] <= ratio <= DAMPING_RATIO[1] or (not gains.driven and inertia < STIFF_LINK):
         return None

@@ -8,6 +8,7 @@ myosuite, they report one, an arm made up for a test (`benchmarks/plausible.py`)
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -52,13 +53,13 @@ CHECKS = (
     Check(
         "SPEC180",
         "torque-above-stall",
-        "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it; a brake "
-        "torque far from the drive torque.",
+        "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it; a "
+        "brake torque far from the drive torque.",
         "A peak above the line is a warning from 2 % on and an error from 3 times on; a continuous torque above it is "
         "an error. The largest peak in robots/motors is 1 times the stall torque. A warning for a continuous torque "
         "below 0.004 and a peak below 0.015 of it: windings have 0.02 (EC-i) and 0.05 (AK80-64) and more, and mN*m as "
-        "N*m are a thousandth. Of a curve a warning for a brake torque above 3 times the drive torque or below a third "
-        "(1.16, Unitree Go2HV, to 1.79, W4010-25).",
+        "N*m are a thousandth. Of a curve a warning for a brake torque above 3 times the drive torque or below a "
+        "third (1.16, Unitree Go2HV, to 1.79, W4010-25).",
     ),
     Check(
         "SPEC181",
@@ -83,16 +84,22 @@ CHECKS = (
         "SPEC183",
         "beyond-any-motor",
         "Torque or power at the gearbox output beyond any motor of a robot, of the robot's size, or of its own "
-        "voltage, gear and peak torque; force behind a transmission.",
-        "A warning above 100 kN*m (chosen: the strongest arms hold 2300 kg at 3.7 m, 84 kN*m; axes of a KR 210 have 11 "
-        "kN*m, slews of excavators 400), or 1000 N*m behind more than 1000 turns (gears of large arms have to 350, and "
-        "9 N*m are published behind 1462); above 200 kW (peak torque times no-load speed; chosen, a KR 210 has 24 kW), "
-        "or 20 kW where the voltage is below 100 V. A torque that the robot's file agrees with, to a quarter, is none "
-        "too large. An error above 1e6 N*m or 1 MW (chosen). Largest published of legged and humanoid robots: 494 N*m "
-        "(Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). A stall torque beside a peak "
-        "torque is a winding's, and may be ten times that, or 10 kN*m. Chosen: 300 kN and 3000 N*m behind a "
-        "transmission. Of robots with six hinges or more also the effort limit of a joint with a motor that would hold "
-        "the whole robot on a lever of more than 4 m, an error from 40 m (1.55 m, arm Z1).",
+        "voltage, gear and peak torque; force behind a transmission; an effort limit without a motor that the joint's "
+        "other figures contradict together.",
+        "A warning above 100 kN*m (chosen: the strongest arms hold 2300 kg at 3.7 m, 84 kN*m; axes of a KR 210 have "
+        "11 kN*m, slews of excavators 400), or 1000 N*m behind more than 1000 turns (gears of large arms have to 350, "
+        "and 9 N*m are published behind 1462); above 200 kW (peak torque times no-load speed; chosen, a KR 210 has 24 "
+        "kW), or 20 kW where the voltage is below 100 V. A torque that the robot's file agrees with, to a quarter, is "
+        "none too large. An error above 1e6 N*m or 1 MW (chosen). Largest published of legged and humanoid robots: "
+        "494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). A stall torque beside "
+        "a peak torque is a winding's, and may be ten times that, or 10 kN*m. Chosen: 300 kN and 3000 N*m behind a "
+        "transmission. Of robots with six hinges or more also the effort limit of a joint with a motor that would "
+        "hold the whole robot on a lever of more than 4 m, an error from 40 m (1.55 m, arm Z1). Of a joint without a "
+        "motor the effort limit, where three of four figures say so: above 9 kW at the velocity limit (8.4, GR1), "
+        "above 31000 rad/s^2 of the armature (30000, H1), an error above 4 rad by kp (3.4, but for fingers and one "
+        "ankle), the whole robot on a lever of more than 1.8 m (1.7, Aloha; of 6051 published hinges none has two of "
+        "these); or above 700 N*m where one of its other figures is of a usual size and impossible beside it; or one "
+        "below 5 rad/s^2 of the armature that kp asks for at less than 3.5 mrad.",
     ),
     Check(
         "SPEC184",
@@ -104,18 +111,18 @@ CHECKS = (
         "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed of "
         "the output), an output above 120 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 mN*m (micro motors "
         "are sold with 120000); behind a screw, a pinion or a lever a slide above 30 m/s and a hinge above 120 rad/s "
-        "(chosen: belts reach 10 m/s), as a motor that travels, or "
-        "one of 200 kW (20 kW below 100 V); a lever arm above 3 m (chosen: large excavators have 1); a joint, behind "
-        "reduction and transmission, above 1000 rad/s divided by the "
-        "root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and where none is "
-        "known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s; where the robot's file has it "
-        "too, from 3 times that. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed "
-        "times root of torque to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the H2 100.7), velocity "
-        "limits to 1 times the speed. From 5 times above or below the file's limit on, where a slip in one figure "
-        "makes them agree to a quarter (by a factor of 2 from 30 times above on), and a limit above 30 times it in any "
-        "case; where no slip does, a motor that is 5 times slower than every joint of a group has it, as a slower "
-        "joint is often chosen; 0, powers of ten and figures of one digit are placeholders. A stated Stribeck velocity "
-        "from the motor's no-load speed, else the velocity limit, on (published: to 1 rad/s).",
+        "(chosen: belts reach 10 m/s), as a motor that travels, or one of 200 kW (20 kW below 100 V); a lever arm "
+        "above 3 m (chosen: large excavators have 1); a joint, behind reduction and transmission, above 1000 rad/s "
+        "divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and "
+        "where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s; where the "
+        "robot's file has it too, from 3 times that. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs "
+        "to 40 rad/s, speed times root of torque to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the "
+        "H2 100.7), velocity limits to 1 times the speed. From 5 times above or below the file's limit on, where a "
+        "slip in one figure makes them agree to a quarter (by a factor of 2 from 30 times above on), and a limit "
+        "above 30 times it in any case; where no slip does, a motor that is 5 times slower than every joint of a "
+        "group has it, as a slower joint is often chosen; 0, powers of ten and figures of one digit are placeholders. "
+        "A stated Stribeck velocity from the motor's no-load speed, else the velocity limit, on (published: to 1 "
+        "rad/s).",
     ),
     Check(
         "SPEC185",
@@ -134,11 +141,11 @@ CHECKS = (
         "time-scale",
         "A time step, control period, delay, cutoff or bandwidth that is no robot's: seconds for milliseconds, a rate "
         "in Hz as `decimation`; draws more often than commands.",
-        "Steps of 20 us to 40 ms (published: 0.1 to 33 ms), control periods to 0.5 s, delays to 0.25 s (0 to 12.5 ms), "
-        "also drawn ones, cutoffs of 0.2 Hz to 5 kHz, bandwidths of 2 Hz to 20 kHz: a warning outside, an error from "
-        "ten times on. Where joints or groups are called like those of legs also policies below 10 Hz, and below 20 Hz "
-        "where `decimation` is a usual rate that the step gives with a whole number of steps (published: 20 to 200 Hz; "
-        "arms have 3 Hz and more). `every` that ends below the control period; 0 is at each command.",
+        "Steps of 20 us to 40 ms (published: 0.1 to 33 ms), control periods to 0.5 s, delays to 0.25 s (0 to 12.5 "
+        "ms), also drawn ones, cutoffs of 0.2 Hz to 5 kHz, bandwidths of 2 Hz to 20 kHz: a warning outside, an error "
+        "from ten times on. Where joints or groups are called like those of legs also policies below 10 Hz, and below "
+        "20 Hz where `decimation` is a usual rate that the step gives with a whole number of steps (published: 20 to "
+        "200 Hz; arms have 3 Hz and more). `every` that ends below the control period; 0 is at each command.",
     ),
     Check(
         "SPEC187",
@@ -149,23 +156,26 @@ CHECKS = (
         "30 times, and at level dc_motor above 1.25 times the end of the torque-speed line (chosen: a gear's "
         "efficiency of 0.8 in one of the two makes so much); a warning below an eighth of the least of peak and "
         "continuous torque, or a fiftieth of a stall torque that stands alone and of what it gives behind a "
-        "transmission. Published: 0.59 (STS3215) to 1.003 "
-        "(Spot's hips). A torque against the robot's file as SPEC184, or with a line of another motor exchanged where "
-        "both are more than 1.25 times off and agree to 1.05 then. An effort limit from 5 times above the file's on "
-        "where it has no source and no motor's torque is known, from 30 times on in any case; below it only what is a "
-        "power of ten off or, by the gear ratio, the rotor's, to 2 %, or a torque of the motor's sheet at the rotor: "
-        "less is often right. Where no slip explains a motor's torque, it is told if it is 5 times off for every joint "
-        "of a group, and those are given it. Behind a lead or radius, force and speed that are both off by the same "
-        "factor of 1.5 or more, one above and one below, are the length's. 0, powers of ten and one figure for all "
-        "joints are placeholders of a file.",
+        "transmission. Published: 0.59 (STS3215) to 1.003 (Spot's hips). A torque against the robot's file as "
+        "SPEC184, or with a line of another motor exchanged where both are more than 1.25 times off and agree to 1.05 "
+        "then; of one motor stall torque and no-load speed, where the limit is the number of the speed and the line "
+        "begins below it. An effort limit from 5 times above the file's on where it has no source and no motor's "
+        "torque is known, from 30 times on in any case; below it only what is a power of ten off or, by the gear "
+        "ratio, the rotor's, to 2 %, or a torque of the motor's sheet at the rotor: less is often right. Where no "
+        "slip explains a motor's torque, it is told if it is 5 times off for every joint of a group, and those are "
+        "given it. Behind a lead or radius, force and speed that are both off by the same factor of 1.5 or more, one "
+        "above and one below, are the length's. 0, powers of ten and one figure for all joints are placeholders of a "
+        "file.",
     ),
     Check(
         "SPEC188",
         "range",
-        "A range of randomisation that nobody draws from: a factor in per cent, an encoder's error in degrees, values "
-        "far from the nominal one, dry friction up to the effort limit; such an error as the nominal one; a standard "
-        "deviation many times its value.",
-        "A warning for a factor above 10 (published: 3, on kd), for values that are all above ten times the nominal "
+        "A range of randomisation that nobody draws from: a factor in per cent, three times a motor's torque, an "
+        "encoder's error in degrees, values far from the nominal one or below 0, dry friction up to the effort limit; "
+        "such an error as the nominal one; a standard deviation many times its value.",
+        "A warning for a factor above 10 (published: 3, on kd), or above 3 on strength and effort limit (1.25), for "
+        "offsets that bring a number without a sign below 0 where no target draws them (else they are RND004), for "
+        "values that are all above ten times the nominal "
         "one or below a tenth of it, for dry friction that can be drawn (by scale, add or abs) at the effort limit of "
         "a hinge, for an encoder that is off by more than 0.25 rad or 0.1 m (0.02 rad), and for a stated standard "
         "deviation above ten times its value (chosen: of what a fit hardly sees it is 1 to 3).",
@@ -199,17 +209,17 @@ CHECKS = (
         "SPEC190",
         "pose-outside-the-range",
         "A default position outside of the joint's range, or beyond a full turn where it has none; a command range "
-        "many times as wide, in another unit, outside of the joint's range or without its default position; a range of "
-        "`robot.joints` in degrees or mm, or in rad as degrees.",
+        "many times as wide, in another unit, outside of the joint's range or without its default position; a range "
+        "of `robot.joints` in degrees or mm, or in rad as degrees.",
         "A warning from 0.05 rad (5 mm) beyond an end on, an error from the width of the range, or pi, beyond it. "
         "Published: to 0.02 rad beyond (calf of the B2). A range of position commands above 12 times the joint's own "
-        "(chosen: degrees are 57 times, mm 1000), or its own in degrees; powers of ten for both ends are placeholders. "
-        "Also one that is 0.05 rad (5 mm) from the joint's range, or from a default position inside of that (of 4549 "
-        "published servos one by 0.016 rad, and one of 1942 with a position by 0.012). "
-        "Of a hinge without a range: more than 12 turns that are one at most in degrees. Of a range of `robot.joints` "
-        "more than 4 turns that are one at most in degrees, and more than 20 m (chosen); one in deg whose ends are "
-        "both a multiple of pi/12, to 0.002. Of speeds and torques a range above 12 times what the joint has, or 5 "
-        "times where rpm or deg/s bring it below that (chosen).",
+        "(chosen: degrees are 57 times, mm 1000), or its own in degrees; powers of ten for both ends are "
+        "placeholders. Also one that is 0.05 rad (5 mm) from the joint's range, or from a default position inside of "
+        "that (of 4549 published servos one by 0.016 rad, and one of 1942 with a position by 0.012). Of a hinge "
+        "without a range: more than 12 turns that are one at most in degrees. Of a range of `robot.joints` more than "
+        "4 turns that are one at most in degrees, and more than 20 m (chosen); one in deg whose ends are both a "
+        "multiple of pi/12, to 0.002. Of speeds and torques a range above 12 times what the joint has, or 5 times "
+        "where rpm or deg/s bring it below that (chosen).",
     ),
     Check(
         "SPEC191",
@@ -221,32 +231,39 @@ CHECKS = (
         "the links, as what is coupled to the rotor may be meant. Without those: effort limit over armature below 5 "
         "(unless the motor's speed is reached in 0.2 s) or, but of a motor that travels, above 3e5 rad/s^2 (where the "
         "links are not known 3e6 below 20 N*m; published of 20 N*m and more: to 2e4); from 50 times the links' "
-        "inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from "
-        "300 times on in any case, or from ten times above or below three or more other joints of its group, which are "
-        "alike, on. Also one that the motor's torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where "
-        "it is ten times the links' inertia or, of unknown links, kp swings it alone below 6 rad/s. "
-        "Published: 10 (fingers of the H1) to 30000 rad/s^2, and 124 times the links at 150 rad/s^2 "
-        "(gymnasium's ant).",
+        "inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from 300 times on in any case, or from ten times "
+        "above or below three or more other joints of its group, which are alike, on. Also one that the motor's "
+        "torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where it is ten times the links' inertia "
+        "or, of unknown links, kp swings it alone below 6 rad/s. Published: 10 (fingers of the H1) to 30000 rad/s^2, "
+        "and 124 times the links at 150 rad/s^2 (gymnasium's ant).",
     ),
     Check(
         "SPEC192",
         "gains",
         "kp and kd exchanged, or given per degree, per mm or times 57.3, by each other, the effort limit, natural "
-        "frequency and damping ratio.",
-        "kd over kp above 1 s (published: 0.0071 to 0.25 s); a natural frequency outside of 0.15 to 100 Hz, a "
-        "damping ratio outside of 0.015 to 60 or a part of the effort limit outside of 0.001 to 5 "
-        "that a gain is derived from. Of joints with a motor also kd over kp "
-        "below 0.5 ms (0.3 ms without friction), a kp that needs an error of more than 50 rad for the effort limit "
-        "(2.2 rad), or of less than 0.015 rad with kd over kp below 2 ms (an so101 with 998 N*m/rad); and, by the "
-        "inertia of links and armature at the reference pose: below 6 rad/s where the limit needs an error of more "
-        "than 10 rad, or below 1 rad/s (published: 6.2 rad/s and up; an error of 25 rad at most, at 16 rad/s); above "
-        "150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or more (95 rad/s; 203 at 0.1 rad); a damping "
-        "ratio below 0.015 with friction (0.064) or above 60 (12). Servos without a motor are often a simulator's "
-        "own: Isaac Lab's G1 has arms of 1482 rad/s. Of them only the 0.015 rad are noticed, with kd over kp below "
-        "0.1 ms (0.4 ms, an so101 with 1600 N*m/rad), but for powers of ten and what the robot's file has as well. Of "
-        "joints of 10 N*m or more, with a motor or without: a kp that needs less than 0.03 rad for the effort limit "
-        "with kd and friction over kp below 0.8 ms (1.9 ms, a Talos), and one that needs 0.3 rad or more with kd over "
-        "kp below 1 ms, and below 5 ms with friction (7.1 ms, an ANYmal D).",
+        "frequency and damping ratio; a kd alone by effort limit, dry friction and the joint's speed; both gains 0.",
+        "kd over kp above 1 s (published: 0.0071 to 0.25 s); a natural frequency outside of 0.15 to 100 Hz, a damping "
+        "ratio outside of 0.015 to 60 or a part of the effort limit outside of 0.001 to 5 that a gain is derived "
+        "from. Of joints with a motor also kd over kp below 0.5 ms (0.3 ms without friction), a kp that needs an "
+        "error of more than 50 rad for the effort limit (2.2 rad), or of less than 0.015 rad with kd over kp below 2 "
+        "ms (an so101 with 998 N*m/rad); and, by the inertia of links and armature at the reference pose: below 6 "
+        "rad/s where the limit needs an error of more than 10 rad, or below 1 rad/s (published: 6.2 rad/s and up; an "
+        "error of 25 rad at most, at 16 rad/s); above 150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or "
+        "more (95 rad/s; 203 at 0.1 rad); a damping ratio below 0.015 with friction (0.064) or above 60 (12). Servos "
+        "without a motor are often a simulator's own: Isaac Lab's G1 has arms of 1482 rad/s. Of them only the 0.015 "
+        "rad are noticed, with kd over kp below 0.1 ms (0.4 ms, an so101 with 1600 N*m/rad), but for powers of ten "
+        "and what the robot's file has as well. Of joints of 10 N*m or more, with a motor or without: a kp that needs "
+        "less than 0.03 rad for the effort limit with kd and friction over kp below 0.8 ms (1.9 ms, a Talos), and one "
+        "that needs 0.3 rad or more with kd over kp below 1 ms, and below 5 ms with friction (7.1 ms, an ANYmal D). "
+        "Without a motor an error of more than 50 rad or 10 m is noticed where dry friction is stated (25 rad, an "
+        "ankle), else of 1000 rad or 200 m (250 rad, a gripper's finger), but for limits of 100, 1000 and so on; of "
+        "slides also 0.1 mm with kd over kp below 0.1 ms. Powers of ten as kp or kd are placeholders of a rigid joint "
+        "where neither motor nor dry friction is stated. Where both gains are 57.3 times numbers of two digits, the "
+        "150 rad/s are noticed without a motor, too. A kd without kp, or whose kp is unknown, that asks for the "
+        "effort limit at less than 0.01 rad/s or 1 mm/s (0.07 rad/s); for a command of a speed also one that gives "
+        "less than the joint's dry friction, or a thousandth of the effort limit, at the fastest speed; and of a "
+        "position, of joints of 10 N*m or more, below 1e-4 s/rad of the limit (6.7e-3). An error of more than pi or 1 "
+        "m that a kp is derived from.",
     ),
     Check(
         "SPEC193",
@@ -268,13 +285,13 @@ CHECKS = (
     Check(
         "SPEC195",
         "jacobian",
-        "A linkage's table of which a row does not fit the others, a pose far outside of the joint's range, or a limit "
-        "by a linkage that is far off the robot's file.",
+        "A linkage's table of which a row does not fit the others, a pose far outside of the joint's range, or a "
+        "limit by a linkage that is far off the robot's file.",
         "Of four rows or more: a pose that is out of the order of all others and in it by another unit, sign or power "
         "of ten; a Jacobian of another sign than all others, or a power of ten off (to a factor of 1.6) what the rows "
         "beside it make on a straight line. A pose from 0.3 rad and from a quarter of the range beyond an end on. A "
-        "limit from 5 times on where it is a power of ten off or another linkage of the motor agrees with the file (to "
-        "a quarter), from 30 times above in any case (Spot's table: 1.0).",
+        "limit from 5 times on where it is a power of ten off or another linkage of the motor agrees with the file "
+        "(to a quarter), from 30 times above in any case (Spot's table: 1.0).",
     ),
     Check(
         "NET017",
@@ -282,23 +299,23 @@ CHECKS = (
         "A number of a network's manifest that its joints contradict: samples seconds apart, training data in degrees "
         "or with torques that no joint gives, a scale of 0.",
         "A tap period above 0.5 s, as of control periods (known networks: 5 to 20 ms). Of the training data, by its "
-        "0.999 quantile: position errors above 3 times the widest range of the joints and above a full turn, of slides "
-        "12 times the range; velocities above 10 times the fastest speed. Torques of the validation above 10 times the "
-        "largest of the joints' (chosen: degrees are 57 times, mN*m 1000). A negative scale may be right: a network "
-        "that was trained on measured - target needs it.",
+        "0.999 quantile: position errors above 3 times the widest range of the joints and above a full turn, of "
+        "slides 12 times the range; velocities above 10 times the fastest speed. Torques of the validation above 10 "
+        "times the largest of the joints' (chosen: degrees are 57 times, mN*m 1000). A negative scale may be right: a "
+        "network that was trained on measured - target needs it.",
     ),
     Check(
         "NET018",
         "network-weights",
         "A network whose weights contradict its manifest or its joints: a torque away from the target, velocities and "
         "errors exchanged, a torque that no joint gives, or hardly any.",
-        "`compile`, `verify` and `net inspect --spec` run it at rest. A torque away from the target, near 0 and over 3 "
-        "rad. A velocity that is driven on by more than 0.01 s times the stiffness (drives damp by 0.0071 to 0.25 s). "
-        "Damping above 1 s times the stiffness, as SPEC192. An error or velocity of the training data, by its 0.999 "
-        "quantile, that gives more than 10 times the largest torque of the joints; without a stated range an error of "
-        "3 rad, or of the joints' range if less, that gives more than 1000 times. Less than a hundredth of the least "
-        "effort limit up to 3 rad (chosen: dry friction alone is that, mN*m as N*m are a thousandth); powers of ten in "
-        "the robot's file are placeholders.",
+        "`compile`, `verify` and `net inspect --spec` run it at rest. A torque away from the target, near 0 and over "
+        "3 rad. A velocity that is driven on by more than 0.01 s times the stiffness (drives damp by 0.0071 to 0.25 "
+        "s). Damping above 1 s times the stiffness, as SPEC192. An error or velocity of the training data, by its "
+        "0.999 quantile, that gives more than 10 times the largest torque of the joints; without a stated range an "
+        "error of 3 rad, or of the joints' range if less, that gives more than 1000 times. Less than a hundredth of "
+        "the least effort limit up to 3 rad (chosen: dry friction alone is that, mN*m as N*m are a thousandth); "
+        "powers of ten in the robot's file are placeholders.",
     ),
 )
 """Every check, in the order in which they are explained."""
@@ -397,6 +414,16 @@ def found_at(
 def in_file(*quantities: Quantity) -> Quantity | None:
     """Of a quantity and of what it was stated in place of: the one that the robot's file has."""
     return next((one for one in quantities if one.origin is Origin.MODEL), None)
+
+
+def is_files(quantity: Quantity) -> bool:
+    """Whether the robot's file says a number as well."""
+    said = in_file(*quantity.lost)
+    return (
+        said is not None
+        and said.value is not None
+        and math.isclose(said.value, quantity.require(), rel_tol=0.01)
+    )
 
 
 def shown(quantity: Quantity, digits: int = 4) -> str:

@@ -287,7 +287,12 @@ def test_motors(motor: str, expected: list[str]) -> None:
         # 20 N*m / 0.4 N*m/rad = 50 rad.
         ("motor: m, kp: 0.41, kd: 0.1", []),
         ("motor: m, kp: 0.39, kd: 0.1", ["SPEC192"]),
-        ("effort_limit: 20, kp: 0.39, kd: 0.1", []),
+        # The same without a motor where friction is stated; else 1000 rad: a published finger has 250.
+        ("effort_limit: 20, kp: 0.41, kd: 0.1, friction: {coulomb: 0.1}", []),
+        ("effort_limit: 20, kp: 0.39, kd: 0.1, friction: {coulomb: 0.1}", ["SPEC192"]),
+        ("effort_limit: 20, kp: 0.0201, kd: 0.01", []),
+        ("effort_limit: 20, kp: 0.0199, kd: 0.01", ["SPEC192"]),
+        ("effort_limit: 1000, kp: 0.0199, kd: 0.01", []),
         ("kp: {derive: natural_frequency; frequency: 100 Hz; inertia: 0.1}", []),
         ("kp: {derive: natural_frequency; frequency: 101 Hz; inertia: 0.1}", ["SPEC192"]),
         ("kd: {derive: damping_ratio; ratio: 60; inertia: 0.0001}", []),

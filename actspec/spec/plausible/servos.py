@@ -1,0 +1,215 @@
+"""Checks of kp and kd at joints: by the effort limit, the inertia and the speed that the joint has, and alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
+from actspec.spec.plausible.commands import own_speed
+from actspec.spec.plausible.gains import (
+    PLACEHOLDER_RETURN,
+    RETURN,
+    SERVO_ERROR,
+    STIFF_RETURN,
+    STIFF_SERVO_RETURN,
+    STRONG,
+    Gains,
+    gain_words,
+)
+from actspec.spec.plausible.relations import DEGREE, POINT
+from actspec.spec.plausible.swing import SOFT, damping_words, frequency_words
+from actspec.spec.plausible.table import Found, found_at, is_files, is_stated, shown
+from actspec.units import format_quantity
+
+DIGITS = 1e-3
+"""Both gains are 57.3 times numbers of two digits by this part."""
+
+LEAST_SPEED = {JointKind.HINGE: 1e-2, JointKind.SLIDE: 1e-3}
+"""Effort limit over a kd without kp [rad/s or m/s]: a smaller error of speed asks for all of it. Published: 0.15, of
+servos with a kp 0.07."""
+LEAST_DAMPING = 1e-4
+"""A kd whose kp nobody states over the effort limit of a strong hinge [s/rad]. Published: 6.7e-3 (ANYmal D)."""
+CLEAR = 3.0
+"""What is offered for such a kd is inside of these bounds by this factor."""
+LEAST_SHARE = 1e-3
+"""Of the effort limit that a drive of speeds asks for at rest when the fastest is commanded. Chosen."""
+
+
+def gains_found(joint: JointActuator) -> Iterator[Found]:
+    """What is found of kp and kd.
+
+    Args:
+        joint: A joint of a resolved spec.
+    """
+    kp, kd = joint.kp, joint.kd
+    if joint.command is Command.EFFORT or joint.network is not None:
+        return
+    known = None if kp is None else kp.value
+    if kp is not None and known == 0.0:
+        yield from _no_drive(joint, kp)
+    elif kp is not None and known:
+        yield from _both(joint, kp)
+    elif kd is not None and kd.value and is_stated(kd):
+        yield from _alone(joint, kd)
+
+
+def _no_drive(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
+    """A drive of positions whose gains are both 0."""
+    kd = joint.kd
+    if joint.command is not Command.POSITION or not is_stated(kp):
+        return
+    if kd is None or kd.value != 0.0:
+        return
+    message = f"kp {shown(kp)} and kd {shown(kd)}: whatever the command is, the drive gives no torque"
+    help = "write `command: effort` where the command is a torque, and list joints that nothing drives as unmanaged"
+    yield found_at(joint, "SPEC192", f"actuators.{joint.group}.kp", 1.0, message, help, kp, kd)
+
+
+def _alone(joint: JointActuator, kd: Quantity) -> Iterator[Found]:
+    """A kd without a kp, or beside one that is unknown, by what it gives at the speeds that the joint has."""
+    limit, hinge, size = joint.effort_limit, joint.kind is JointKind.HINGE, kd.require()
+    where, most = f"actuators.{joint.group}.kd", limit.value or 0.0
+    if 0.0 < most < math.inf and most / size < LEAST_SPEED[joint.kind] and not _is_placeholder(joint, kd):
+        reached = format_quantity(most / size, joint.velocity_limit.unit, 3)
+        message = f"kd {shown(kd)} asks for the effort limit of {shown(limit)} at a speed of {reached}"
+        meant = _slip(joint, kd, DEGREE, "is it multiplied by 57.3? Without that it is")
+        yield found_at(joint, "SPEC192", where, size, message, meant, kd, limit)
+        return
+    speed = own_speed(joint)
+    speed = joint.velocity_limit if speed is None or not speed.value else speed
+    fast, friction = speed.value or 0.0, joint.friction_coulomb
+    if joint.command is not Command.VELOCITY:
+        if hinge and STRONG <= most < math.inf and size < LEAST_DAMPING * most:
+            message = f"kd {shown(kd)} is hardly any damping beside the effort limit of {shown(limit)}"
+            meant = _slip(joint, kd, 1.0 / DEGREE, "is it per degree? Per radian it is")
+            yield found_at(joint, "SPEC192", where, 1.0 / size, message, meant, kd, limit)
+        return
+    torque, rub = size * fast, friction.value or 0.0
+    if not 0.0 < fast < math.inf or torque >= max(rub, LEAST_SHARE * most if most < math.inf else 0.0):
+        return
+    given = format_quantity(torque, limit.unit, 3)
+    message = f"kd {shown(kd)} gives {given} at rest where {shown(speed)} are commanded"
+    message += (
+        f": the joint's own dry friction of {shown(friction)} holds it"
+        if torque < rub
+        else f", of an effort limit of {shown(limit)}"
+    )
+    meant = _slip(joint, kd, 1.0 / DEGREE, "is it per degree? Per radian it is")
+    yield found_at(joint, "SPEC192", where, 1.0 / size, message, meant, kd, friction, speed, limit)
+
+
+def _slip(joint: JointActuator, kd: Quantity, factor: float, words: str) -> str:
+    """What a kd may have been, if that is well inside of the joint's own bounds; else that its point may be wrong."""
+    meant = kd.require() * factor
+    well = replace(kd, value=meant / CLEAR if factor > 1.0 else meant * CLEAR)
+    # What was multiplied by 57.3 is hardly a multiple of 100.
+    round_number = factor < 1.0 and kd.require() % 100.0 == 0.0
+    if joint.kind is not JointKind.HINGE or round_number or any(_alone(joint, well)):
+        return POINT
+    return f"{words} {format_quantity(meant, kd.unit, 4)}. Or {POINT}"
+
+
+def _is_placeholder(joint: JointActuator, gain: Quantity) -> bool:
+    """Whether a gain is what simulators have for a rigid joint; who states friction as well describes a real one."""
+    if joint.motor is not None:
+        return False
+    return is_files(gain) or (math.log10(gain.require()).is_integer() and not _is_real(joint))
+
+
+def _is_real(joint: JointActuator) -> bool:
+    """Whether a joint's own drive is described, and not only a simulator's servo: it has a motor, or dry friction."""
+    return joint.motor is not None or (
+        is_stated(joint.friction_coulomb) and bool(joint.friction_coulomb.value)
+    )
+
+
+def _noticed_softness(joint: JointActuator) -> float:
+    """Times `LARGEST_ERROR` from which on a kp is too soft; never by a limit that is often nobody's, a power of ten."""
+    size = joint.effort_limit.value or 0.0
+    if joint.motor is None and 100.0 <= size < math.inf and math.log10(size).is_integer():
+        return math.inf
+    return 1.0 if _is_real(joint) else SERVO_ERROR
+
+
+def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
+    """kp and kd by each other, natural frequency and damping ratio."""
+    kd, held, limit = joint.kd, joint.inertia_held, joint.effort_limit
+    if not (is_stated(kp) or is_stated(kd)) or joint.command is not Command.POSITION:
+        return
+    number, other = (kp, kd) if is_stated(kp) and kp.span is not None else (kd, kp)
+    assert number is not None
+    active = None if kd is None else kd.value
+    gains = Gains(
+        kp.require(),
+        active,
+        joint.friction_viscous.value or 0.0,
+        limit.value if joint.kind is JointKind.HINGE or limit.origin is Origin.AUTHORED else None,
+        joint.motor is not None,
+        _noticed_return(joint, kp),
+        joint.kind,
+        _noticed_softness(joint),
+    )
+    places = {"kp": kp.span, "kd": None if kd is None else kd.span}
+    alone = gain_words(gains, places)
+    words: tuple[str, str | None, float] | None = None
+    if alone is not None:
+        words = (alone[1], alone[2], abs(math.log(max(active or 0.0, 1e-9) / kp.require())))
+        if alone[0] == "kd" and kd is not None and is_stated(kd):
+            number, other = kd, kp
+    elif (
+        (joint.motor is not None or _is_of_degrees(kp, kd))
+        and held is not None
+        and joint.kind is JointKind.HINGE
+        and held.reference > 0.0
+    ):
+        # Without a motor they may be a simulator's own servos, of any stiffness, but hardly just 57.3 times others.
+        words = _by_frequency(kp, kd, joint, replace(gains, driven=True), held.reference)
+        if words is None and joint.motor is not None and kd is not None and is_stated(kd):
+            number, other = kd, kp
+            words = damping_words(gains, held.reference)
+    if words is not None:
+        message, help, size = words
+        where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
+        others = (other, limit, joint.armature)
+        yield found_at(joint, "SPEC192", where, size, message, help, number, *others)
+
+
+def _noticed_return(joint: JointActuator, kp: Quantity) -> float:
+    """kd over kp below which a stiff joint is noticed [s]; 0: never, where the robot's file has that kp."""
+    if joint.motor is not None:
+        return STIFF_RETURN
+    if is_files(kp):
+        return 0.0
+    return PLACEHOLDER_RETURN if _is_placeholder(joint, kp) else STIFF_SERVO_RETURN
+
+
+def _is_of_degrees(kp: Quantity, kd: Quantity | None) -> bool:
+    """Whether kp and kd are both 57.3 times a number of two digits, and neither is such a number."""
+
+    def is_short(size: float) -> bool:
+        return math.isclose(float(f"{size:.1e}"), size, rel_tol=DIGITS)
+
+    sizes = [0.0 if gain is None else gain.value or 0.0 for gain in (kp, kd)]
+    return all(size > 0.0 and is_short(size * DEGREE) and not is_short(size) for size in sizes)
+
+
+def _by_frequency(
+    kp: Quantity, kd: Quantity | None, joint: JointActuator, gains: Gains, inertia: float
+) -> tuple[str, str, float] | None:
+    """Message, help and size where the natural frequency is no joint's."""
+    words = frequency_words(gains, inertia)
+    if words is None:
+        return None
+    message, help, size = words
+    stiffness, armature = kp.require(), joint.armature
+    links = inertia - (armature.value or 0.0)
+    if stiffness < SOFT**2 * inertia:
+        if armature.origin is Origin.DERIVED and stiffness > SOFT**2 * links:
+            help += f". Or is a gear too large? {shown(armature)} of the inertia is the armature: {armature.formula}"
+    elif help != POINT and kd is not None and kd.value and kd.value > RETURN[1] * stiffness * DEGREE:
+        # Alone kp would be too soft for that kd.
+        both = [format_quantity(gain.require() * DEGREE, gain.unit, 4) for gain in (kp, kd)]
+        help = f"are kp and kd multiplied by 57.3? Without that they are {' and '.join(both)}"
+    return message, help, size
