@@ -86,6 +86,16 @@ def test_reduction_that_is_published(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 def test_limit_of_one_of_three(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A model of motors, whose controls reach the published torque, takes nothing from what the others show."""
+    files = {
+        "go2.urdf": _urdf('effort="454.3" velocity="15.7"'),
+        "go2_cfg.py": _CFG,
+        "go2.xml": _model(45.43),
+    }
+    assert _told(files, tmp_path, monkeypatch) == {frozenset({("SRC101", "error", "go2.urdf")})}
+
+
+def _model(calf_limit: float, armature: float = 0.0) -> str:
+    """A Go2's MJCF with motors."""
     body = "".join(
         f'<body><joint name="{leg}_hip_joint" range="-2.7 2.7"/><geom size="0.1"/>'
         f'<body><joint name="{leg}_thigh_joint" range="-2.7 2.7"/><geom size="0.1"/>'
@@ -95,11 +105,27 @@ def test_limit_of_one_of_three(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     motors = "".join(
         f'<motor joint="{leg}_{part}_joint" ctrlrange="-{limit} {limit}" ctrllimited="true"/>'
         for leg in LEGS
-        for part, limit in (("hip", 23.7), ("thigh", 23.7), ("calf", 45.43))
+        for part, limit in (("hip", 23.7), ("thigh", 23.7), ("calf", calf_limit))
     )
-    model = (
-        '<mujoco model="go2"><compiler angle="radian"/><worldbody><body><geom size="0.1"/>'
-        f"{body}</body></worldbody><actuator>{motors}</actuator></mujoco>"
+    return (
+        f'<mujoco model="go2"><compiler angle="radian"/><default><joint armature="{armature}"/></default><worldbody>'
+        f'<body><geom size="0.1"/>{body}</body></worldbody><actuator>{motors}</actuator></mujoco>'
     )
-    files = {"go2.urdf": _urdf('effort="454.3" velocity="15.7"'), "go2_cfg.py": _CFG, "go2.xml": model}
-    assert _told(files, tmp_path, monkeypatch) == {frozenset({("SRC101", "error", "go2.urdf")})}
+
+
+def test_armature_that_is_published(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unitree's MJCFs have 0.01 kg*m^2, which the configuration has; 0.03 nobody has."""
+    config = _CFG.replace("friction=0.0", "friction=0.0, armature=0.01")
+    files = {"go2.xml": _model(45.43, 0.03), "go2_cfg.py": config}
+    assert _told(files, tmp_path, monkeypatch) == {frozenset({("SRC104", "warning", "go2.xml")})}
+
+
+def test_published_limit_lacks_no_gear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All motors of an A1 have 33.5 N*m at 21 rad/s; the URDF's 64.2 at 10.96 are of no other gear."""
+    urdf = _urdf('effort="64.2" velocity="10.96"').replace("go2_description", "a1")
+    urdf = urdf.replace('effort="23.7" velocity="30.1"', 'effort="33.5" velocity="21"')
+    config = _CFG.replace("GO2_CFG", "A1_CFG")
+    for go2, a1 in (("23.7", "33.5"), ("45.43", "33.5"), ("30.1", "21.0"), ("15.7", "21.0")):
+        config = config.replace(go2, a1)
+    told = _told({"a1.urdf": urdf, "a1_cfg.py": config}, tmp_path, monkeypatch)
+    assert told == {frozenset({("SRC101", "warning", "a1.urdf")})}

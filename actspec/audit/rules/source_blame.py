@@ -133,9 +133,7 @@ def by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
     ((robot, own, other),) = told
     here, there = _is_one_of(found.mine.value, own.figures), _is_one_of(found.theirs.value, other.figures)
     if here and there:
-        # What its maker states elsewhere departs from what it states of the motor.
-        first = _is_one_of(found.mine.value, own.first), _is_one_of(found.theirs.value, other.first)
-        return replace(found.turned if first == (True, False) else found, both_published=True)
+        return replace(found, both_published=True)
     if here is there:
         return found
     wrong, right = (found.turned, own) if here else (found, other)

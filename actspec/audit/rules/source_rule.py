@@ -177,6 +177,11 @@ def _is_confirmed(case: Case, found: Disagreement) -> bool:
     return False
 
 
+def _are_versions(case: Case, found: Disagreement) -> bool:
+    """Whether two files' names tell other versions."""
+    return revision(case, found.rows[0].artifact) != revision(case, found.others[0].artifact)
+
+
 def revision(case: Case, artifact: int) -> frozenset[str]:
     """The versions in the names of a file and its folders: `atlas_v3/model.urdf` and `atlas_v4/model.urdf` differ."""
     parts = os.path.abspath(case.artifacts[artifact].path).split(os.sep)
@@ -253,13 +258,14 @@ class SourceRule(RuleInParts):
             yield findings
 
     def _gravest(self, case: Case, found: Disagreement, tolerance: float) -> Disagreement:
-        """Beside the file that makes it worst: another one that is right takes nothing from what two of them show."""
-        every = [found] + [
-            one
-            for one in found.also
-            if not revision(case, one.rows[0].artifact) ^ revision(case, one.others[0].artifact)
-            and not self.is_none(case, one, tolerance)
-        ]
+        """Beside the file that makes it worst: another one that is right takes nothing from what two of them show.
+
+        Not where models tell versions apart: the others are of the other version.
+        """
+        every = (found, *found.also)
+        if any(one.variant and _are_versions(case, one) for one in every):
+            return found
+        every = (found, *(one for one in found.also if not self.is_none(case, one, tolerance)))
         worst = max(
             every, key=lambda one: SEVERITIES.index(self.finding(case, one).severity or self.severity)
         )
