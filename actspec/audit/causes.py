@@ -178,9 +178,10 @@ class _Findings:
                 # One setting states both sides: what is said at its place may be of either.
                 return one.joint == other.joint
             return not all(other.code in self._codes[span] for span in both)
-        if one.code.startswith("SRC") and other.code.startswith("SRC") and _files(one) != _files(other):
-            # Two files that differ from each other say nothing of a third.
-            return False
+        if one.code.startswith("SRC") and other.code.startswith("SRC"):
+            # Two files that differ from each other say nothing of a third; one that differs from two, of either.
+            mine, its = _files(one), _files(other)
+            return one.joint == other.joint and (mine <= its or its <= mine)
         return one.joint == other.joint
 
 

@@ -62,6 +62,11 @@ def test_the_nearest_to_the_cause_tells_the_fault() -> None:
     speed = _of("SRC102", held="c.py", fields=("no_load_speed",))
     assert _after(GEAR, speed)[1] == ("SRC102", "info", "GEA101")
     assert _after(KNOWN, DIFFER) == [("KNW101", "info", "SRC101"), ("SRC101", "warning", "")]
+    # Beside two files that are right the speed of one of them is on the same line.
+    three = replace(DIFFER, related=(*DIFFER.related, Span("d.py", 3, 1)))
+    speed = replace(DIFFER, code="SRC102", fields=("velocity_limit",))
+    assert _after(speed, three)[0] == ("SRC102", "info", "SRC101")
+    assert _after(replace(speed, related=three.related), DIFFER)[0] == ("SRC102", "info", "SRC101")
 
 
 def test_another_robot_of_the_file_explains_nothing() -> None:

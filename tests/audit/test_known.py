@@ -434,29 +434,3 @@ def test_limits_that_are_no_motor_s_on_purpose(
     assert {one.severity for one in found} == {severity}
     named = audit(["arms/ur10e.xml"], Settings(select=("KNW101",))).findings
     assert {one.severity for one in named} == {Severity.WARNING}
-
-
-def test_a_key_below_a_pattern_of_its_group(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A Go2's calf has 45.43 N*m; of a folder, too, the key's own line says so."""
-    monkeypatch.chdir(tmp_path)
-    Path("dogs").mkdir()
-    Path("dogs/unitree.py").write_text(
-        "from isaaclab.actuators import ImplicitActuatorCfg\n"
-        "from isaaclab.assets import ArticulationCfg\n"
-        "GO2_CFG = ArticulationCfg(\n"
-        "    actuators={\n"
-        '        "legs": ImplicitActuatorCfg(\n'
-        '            joint_names_expr=[".*L_.*", ".*R_.*"],\n'
-        "            effort_limit_sim={\n"
-        '                ".*_hip_joint": 23.7,\n'
-        '                ".*_thigh_joint": 23.7,\n'
-        '                ".*_calf_joint": 300.0,\n'
-        "            },\n"
-        "            stiffness=25.0,\n"
-        "            damping=0.5,\n"
-        "        )\n"
-        "    }\n"
-        ")\n"
-    )
-    found = audit(["dogs"], Settings(select=("KNW101",))).findings
-    assert {(one.finding.span.line, one.severity) for one in found} == {(10, Severity.WARNING)}

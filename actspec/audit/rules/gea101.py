@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Iterator, Mapping
 
 from actspec.audit.known import likenesses
@@ -41,7 +42,7 @@ class HiddenGear(RuleInParts):
                 continue
             above = limbs_of(case, robot)
             # Several files may have the same reduction: one of them is enough.
-            seen: set[tuple[int, str, float]] = set()
+            seen: set[tuple[str, str, float]] = set()
             for reference in robot.artifacts:
                 found = list(reductions(known.get(reference, {}), above))
                 has_speed = any(joint.speed is not None for joint in known.get(reference, {}).values())
@@ -52,8 +53,10 @@ class HiddenGear(RuleInParts):
                         yield ()
                     for reduction in found:
                         finding = self._compare(case, known, reduction, other)
-                        key = (other, reduction.joint.row.joint, round(reduction.ratio, 1))
-                        if finding is not None and key not in seen:
+                        if finding is None:
+                            continue
+                        key = (finding.span.path, finding.joint, round(reduction.ratio, 1))
+                        if key not in seen:
                             seen.add(key)
                             yield (finding,)
 
@@ -70,16 +73,18 @@ class HiddenGear(RuleInParts):
         if _is_equal(joint, base):
             urdf = case.artifacts[reduction.joint.row.artifact].kind is FileKind.URDF
             twins = urdf and case.artifacts[other].kind is FileKind.URDF
-            if twins or _confirmed(case, known, joint):
+            if twins or _confirmed(case, known, joint) or _is_published_alone(case, joint, reduction.joint):
                 return None
             return self._left_out(case, joint, reduction)
-        # Told once, at the second file: the first one's reduction is known from its own products.
-        ratio = joint.effort / base.effort
         powers = [one.effort * one.speed for one in (joint, base) if one.speed is not None]
         consistent = len(powers) == 2 and math.isclose(*powers, rel_tol=SAME)
-        if not consistent or other < reduction.joint.row.artifact:
+        # Told once, whatever the files' order: at the later path, unless what is published tells.
+        if not consistent or _order(case, joint) < _order(case, reduction.joint):
             return None
-        return self._different(joint, reduction, ratio)
+        sides = (joint, base), (reduction.joint, reduction.base)
+        if _is_published_alone(case, joint, reduction.joint, also=False):
+            sides = sides[::-1]
+        return self._different(*sides)
 
     def _left_out(self, case: Case, joint: Figures, reduction: Reduction) -> Finding:
         right, ratio = reduction.joint, reduction.ratio
@@ -87,14 +92,15 @@ class HiddenGear(RuleInParts):
         gets = f"it gets {share} of its torque"
         if joint.speed is not None and right.speed is not None:
             gets += f" and {format_quantity(joint.speed / right.speed, '', 3)} times its speed"
-        robot = _published_for(case, joint)
+        robot, published = _published(case, joint)
+        is_variant = any(is_published(joint.effort, one) for one in published)
         variant = f"; {shown(joint.row, 'effort_limit', joint.effort)} is published for a variant of {robot}"
         return Finding(
             self.code,
             f"a reduction of {ratio:.4g} is left out: this joint has the limits of joints with less gear "
             f"({_limits(joint)}), and {right.place.path} gives it {_limits(right)} against their "
             f"{_limits(reduction.base)}, the same power behind {ratio:.4g} times the reduction: {gets}, and its "
-            f"armature must be {ratio**2:.3g} times theirs{variant if robot else ''}",
+            f"armature must be {ratio**2:.3g} times theirs{variant if is_variant else ''}",
             joint.place,
             joint.row.joint,
             joint.effort,
@@ -105,20 +111,22 @@ class HiddenGear(RuleInParts):
             fields=("effort_limit",),
         )
 
-    def _different(self, joint: Figures, reduction: Reduction, ratio: float) -> Finding:
-        right = reduction.joint
+    def _different(self, wrong: tuple[Figures, Figures], right: tuple[Figures, Figures]) -> Finding:
+        """Of a joint and one with the same motor, in the file that departs and in the other."""
+        joint, other = wrong[0], right[0]
+        ratios = [one.effort / base.effort for one, base in (wrong, right)]
         return Finding(
             self.code,
-            f"the reduction is {ratio:.4g} times that of joints with the same motor here ({_limits(joint)}), and "
-            f"{reduction.ratio:.4g} times in {right.place.path} ({_limits(right)}): one of the "
+            f"the reduction is {ratios[0]:.4g} times that of joints with the same motor here ({_limits(joint)}), and "
+            f"{ratios[1]:.4g} times in {other.place.path} ({_limits(other)}): one of the "
             "files is of another robot or revision",
             joint.place,
             joint.row.joint,
             joint.effort,
             unit(joint.row, "effort_limit"),
-            right.effort,
+            other.effort,
             "find out which reduction the robot has",
-            (right.place,),
+            (other.place,),
             confidence=Confidence.MEDIUM,
             fields=("effort_limit",),
         )
@@ -142,21 +150,34 @@ def _confirmed(case: Case, known: Mapping[int, Mapping[str, Figures]], joint: Fi
     return False
 
 
-def _published_for(case: Case, joint: Figures) -> str:
-    """The known robot that the file is of, where the limit is published for this joint of it, in any variant; or ""."""
-    return next(
-        (
-            found.robot.name
-            for found in case.once(likenesses)
-            if found.index == joint.row.artifact
-            for row, names in found.joints
-            if row.joint == joint.row.joint
-            and all(
-                any(is_published(joint.effort, one) for one in found.robot.efforts(name)) for name in names
-            )
-        ),
-        "",
-    )
+def _order(case: Case, joint: Figures) -> tuple[str, int]:
+    """Of a file among those of its robot: by its path, as in a folder, in whatever order they were named."""
+    return os.path.abspath(case.artifacts[joint.row.artifact].path), joint.row.artifact
+
+
+def _published(case: Case, joint: Figures, *, also: bool = True) -> tuple[str, frozenset[float]]:
+    """The known robot that a file is of, and the torques that are published for its joint, of any variant; or none.
+
+    With what the maker states elsewhere (`also`), or without.
+    """
+    for found in case.once(likenesses):
+        for row, names in found.joints if found.index == joint.row.artifact else ():
+            if row.joint == joint.row.joint:
+                efforts = (
+                    found.robot.efforts(name)
+                    if also
+                    else {variant[name].effort for variant in found.robot.variants.values()}
+                    for name in names
+                )
+                return found.robot.name, frozenset.intersection(*map(frozenset, efforts))
+    return "", frozenset()
+
+
+def _is_published_alone(case: Case, joint: Figures, other: Figures, *, also: bool = True) -> bool:
+    """Whether a limit is published for its joint, of any variant, and the other file's is not; `also` as above."""
+    efforts = frozenset().union(*(_published(case, one, also=also)[1] for one in (joint, other)))
+    mine, its = (any(is_published(one.effort, figure) for figure in efforts) for one in (joint, other))
+    return mine and not its
 
 
 def _limits(joint: Figures) -> str:

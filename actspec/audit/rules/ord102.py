@@ -13,7 +13,7 @@ from actspec.audit.rules.ord101 import (
     scalar_joints,
     stated_order,
 )
-from actspec.audit.rules.source_pairs import POSE, SAME
+from actspec.audit.rules.source_blame import POSE, SAME
 from actspec.diagnostics import Span
 from actspec.fields import FIELDS
 from actspec.readings.artifact import Artifact, FileKind, Setting

@@ -9,11 +9,19 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 from actspec.audit.case import Case
-from actspec.audit.known import KnownRobot, likenesses, same
+from actspec.audit.rules.source_blame import (
+    SAME,
+    Disagreement,
+    by_kinds,
+    by_range,
+    by_what_is_published,
+    is_met,
+    is_of_spec,
+)
 from actspec.diagnostics import Span
 from actspec.joints import JointKind
 from actspec.readings.artifact import FileKind, Robot
-from actspec.readings.compare import Figure, times
+from actspec.readings.compare import Figure
 from actspec.readings.dynamics import figure
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import LIKENESS, SHARE, agreement, are_one_body, joint_names, last_numbers, series
@@ -24,18 +32,6 @@ _Stated = tuple[str, float]
 _StatedBy = Mapping[int, Mapping[str, _Stated]]
 """What the artifacts of a robot state, by joint."""
 
-SAME = 0.01
-"""Chosen: figures of two motors that agree so far are one, as `tolerance` of the rules."""
-
-GRAVE = 2.0
-"""From here a limit that differs is an error. Chosen: revisions and safety margins of one motor stay below."""
-
-POSE = 0.01
-"""Chosen: rad or m up to which two default positions are one, half a degree."""
-
-_PUBLISHED = {"effort_limit": "effort", "velocity_limit": "velocity"}
-"""Figures that makers publish of their robots, and what they are in the table of known ones."""
-
 _REFERENCES: dict[FileKind, tuple[tuple[FileKind, ...], ...]] = {
     FileKind.DEPLOY: ((FileKind.CFG,), (FileKind.URDF, FileKind.MJCF)),
     FileKind.CFG: ((FileKind.URDF, FileKind.MJCF),),
@@ -43,52 +39,6 @@ _REFERENCES: dict[FileKind, tuple[tuple[FileKind, ...], ...]] = {
     FileKind.URDF: (),
 }
 """What a kind of file is held to, the first that states the figure; then earlier files of its own kind."""
-
-
-@dataclass(frozen=True, slots=True)
-class Disagreement:
-    """One figure of one joint in two files.
-
-    Attributes:
-        rows: The joint's rows in the file that departs.
-        others: In the file that it is held to.
-        field: Name of the figure in `rows`.
-        mine: The figure that departs.
-        theirs: The other.
-        variant: Whether the files describe variants: of the same kind, or with other joints.
-        one_machine: Whether links and ranges speak of one machine, or do not speak.
-        published: The known robot whose figure the other file has; "" where no such robot tells who is right.
-        both_published: Whether the robot's maker publishes both figures.
-        copy: Whether an earlier file departs in the same way.
-    """
-
-    rows: Sequence[LedgerRow]
-    others: Sequence[LedgerRow]
-    field: str
-    mine: Figure
-    theirs: Figure
-    variant: bool
-    one_machine: bool
-    published: str = ""
-    both_published: bool = False
-    copy: bool = False
-
-    @property
-    def ratio(self) -> float | None:
-        """How many times the other figure; None beside 0."""
-        if not self.mine.value or not self.theirs.value:
-            return None
-        return self.mine.value / self.theirs.value
-
-    @property
-    def times(self) -> str:
-        """The ratio for a message: ` (x0.517)`, or nothing."""
-        return times(self.mine.value, self.theirs.value)
-
-    @property
-    def turned(self) -> Disagreement:
-        """The same, with the other file as the one that departs."""
-        return replace(self, rows=self.others, others=self.rows, mine=self.theirs, theirs=self.mine)
 
 
 def disagreements(
@@ -100,7 +50,8 @@ def disagreements(
     with any of them is right; else the nearest is named: with the same joints, by the same name, the first. Of files
     that somebody named a deploy file is held to each configuration: one of another file that agrees, which may be the
     last that was not changed, does not speak for the others. Of a known
-    robot the file with the published figure is right. A figure that a file does not state is not compared.
+    robot the file with the published figure is right. A figure that a file does not state is not compared, nor two of
+    which a spec has one: what it says of the other file is SPC101's.
 
     Args:
         case: The case.
@@ -118,12 +69,14 @@ def disagreements(
         every = tuple(_of_robot(case, robot, stated, tolerance, absolute))
         # What runs a policy against what trained it first: a third file must not take the place of that.
         every = tuple(sorted(every, key=lambda found: not _is_training(case, found)))
-        by_kinds = _stated_by_kinds(case, stated) if every else {}
+        every = tuple(found for found in every if not is_of_spec(case, robot, found))
+        kinds = _stated_by_kinds(case, stated) if every else {}
         holders = _holders(case, stated) if every else {}
         for found in every:
-            wrong = _by_what_is_published(case, found)
+            wrong = by_what_is_published(case, found)
             if not wrong.published:
-                wrong = _by_range(case, wrong) or _by_kinds(case, wrong, by_kinds)
+                wrong = by_range(case, wrong) or by_kinds(case, wrong, kinds)
+            wrong = replace(wrong, also=tuple(_beside_others(case, wrong, stated, kinds)))
             # Several files may be right beside one that is not.
             at = (wrong.rows[0].artifact, wrong.rows[0].joint)
             if wrong is found or at not in blamed:
@@ -159,93 +112,57 @@ def _copies(
             yield replace(wrong, rows=rows, mine=figure(rows, wrong.field), copy=True)
 
 
-def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
-    """Turned where the departing file has the figure that the robot's maker publishes, and the other one has not."""
-    if found.field not in _PUBLISHED or found.field not in found.others[0].stated:
-        return found
-    mine = found.rows[0]
-    joints = {
-        (known.robot.name, *_published(known.robot, name, found.field))
-        for known in case.once(likenesses)
-        for row, names in known.joints
-        # A task's configuration has the name of its task, and its robot's figures where the robot has them.
-        if row.joint == mine.joint
-        and (known.index == mine.artifact or row.place(found.field) == mine.place(found.field))
-        for name in names
-    }
-    # The same for all joints that the row may be: else nobody is right or wrong by it.
-    if len(joints) != 1:
-        return found
-    ((name, figures, one_figure),) = joints
-    here, there = (any(same(each.value, figure) for figure in figures) for each in (found.mine, found.theirs))
-    if here and there:
-        return replace(found, both_published=True)
-    if here is there or not one_figure:
-        return found
-    return replace(found.turned if here else found, published=name)
+def _beside_others(
+    case: Case, wrong: Disagreement, stated: _StatedBy, stated_by: Mapping[str, Mapping[FileKind, set[float]]]
+) -> Iterator[Disagreement]:
+    """The same beside each other file that has the figure to which one is held, of files that somebody named.
 
-
-def _by_range(case: Case, found: Disagreement) -> Disagreement | None:
-    """Turned where only the other file's default position is one that the joint cannot take; None: that tells nobody.
-
-    Only in files that are named: what is found in folders is as it was judged (docs/survey.md).
+    Only where files of all kinds but that one's have it: else files go along with each figure, and which of them are of
+    one variant nobody knows. And where the models among them are of one machine.
     """
-    if found.field != "default_position" or _is_met(case, found):
-        return None
-    joint = found.rows[0].joint
-    ranges = {
-        row.position_range
-        for index in case.robot_of(found.rows[0].artifact).artifacts
-        for row in case.joints.get((index, joint), ())
-        if row.position_range is not None
-    }
-    mine, theirs = (
-        bool(ranges) and all(not low - POSE <= (side.value or 0.0) <= high + POSE for low, high in ranges)
-        for side in (found.mine, found.theirs)
-    )
-    if mine == theirs:
-        return None
-    return found if mine else found.turned
+    mine, joint = wrong.rows[0].artifact, wrong.rows[0].joint
+    if case.is_met(mine) or wrong.mine.value is None or wrong.theirs.value is None:
+        return
+    own = case.artifacts[mine].kind
 
+    def has(value: float, figure: Figure) -> bool:
+        return math.isclose(value, figure.value or 0.0, rel_tol=SAME)
 
-def _is_met(case: Case, found: Disagreement) -> bool:
-    """Whether one of the two files was met in a folder."""
-    return any(case.is_met(rows[0].artifact) for rows in (found.rows, found.others))
+    kinds = stated_by.get(joint, {})
+    if any(kind is not own and any(has(value, wrong.mine) for value in each) for kind, each in kinds.items()):
+        return
+    if any(has(value, wrong.theirs) for value in kinds.get(own, ())):
+        return
+    others = [
+        (index, its[joint])
+        for index, its in stated.items()
+        if joint in its
+        and case.artifacts[index].kind is not own
+        and has(its[joint][1], wrong.theirs)
+        and not case.is_met(index)
+        and counts_alike(case, mine, index, joint)
+        and _is_one_kind(wrong.rows[0].kind, case.joints[index, joint][0].kind)
+    ]
+    if not all(is_one_machine(case, mine, index) for index, _ in others):
+        return
+    for index, (name, _) in others:
+        if index != wrong.others[0].artifact:
+            rows = case.joints[index, joint]
+            variant = are_variants(case, mine, index)
+            yield replace(
+                wrong,
+                others=rows,
+                other_field=name,
+                theirs=figure(rows, name),
+                variant=variant,
+                one_machine=True,
+            )
 
 
 def _is_training(case: Case, found: Disagreement) -> bool:
     """Whether the files are a deploy file and a training configuration, and somebody named both."""
     kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
-    return kinds == {FileKind.CFG, FileKind.DEPLOY} and not _is_met(case, found)
-
-
-def _by_kinds(
-    case: Case, found: Disagreement, stated: Mapping[str, Mapping[FileKind, set[float]]]
-) -> Disagreement:
-    """Turned where files of more kinds have the figure of the departing one than the other's; or where no
-    kind has either, but more are near it: of 52, 60 and 520 the last is the odd one.
-
-    Files of one kind are not counted: copies of a URDF are as old as the first.
-    """
-    kinds = stated.get(found.rows[0].joint, {}).values()
-
-    def count(near: Callable[[float, float], bool]) -> tuple[int, int]:
-        mine, theirs = (
-            sum(any(near(each, side.value or 0.0) for each in values) for values in kinds)
-            for side in (found.mine, found.theirs)
-        )
-        return mine, theirs
-
-    mine, theirs = count(lambda one, other: math.isclose(one, other, rel_tol=SAME))
-    if mine != theirs:
-        return found.turned if mine > theirs else found
-    if found.ratio is None:
-        # Nothing is near 0.
-        return found
-    mine, theirs = count(
-        lambda one, other: one * other > 0.0 and max(abs(one), abs(other)) < GRAVE * min(abs(one), abs(other))
-    )
-    return found.turned if mine > theirs else found
+    return kinds == {FileKind.CFG, FileKind.DEPLOY} and not is_met(case, found)
 
 
 def _stated_by_kinds(case: Case, stated: _StatedBy) -> dict[str, dict[FileKind, set[float]]]:
@@ -256,17 +173,6 @@ def _stated_by_kinds(case: Case, stated: _StatedBy) -> dict[str, dict[FileKind, 
             if not case.is_idle(_place(case.joints[index, joint], name)):
                 found.setdefault(joint, {}).setdefault(case.artifacts[index].kind, set()).add(value)
     return found
-
-
-def _published(robot: KnownRobot, name: str, field: str) -> tuple[frozenset[float], bool]:
-    """What the maker publishes of a joint, of all variants: the figure may be all that tells them apart.
-
-    And whether all variants have one motor there: else another figure may be of a variant that is not known.
-    """
-    joints = [variant[name] for variant in robot.variants.values()]
-    figures = {getattr(joint, _PUBLISHED[field]) for joint in joints if joint.maker} - {None}
-    also = {figure for joint in joints for figure in joint.also if field == "effort_limit"}
-    return frozenset(figures | also), len(figures) == 1
 
 
 def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) -> bool:
@@ -361,7 +267,7 @@ def _of_robot(
                     each
                     for each in held
                     if _is_one_kind(kind_here, case.joints[each[0], joint][0].kind)
-                    and _counts_alike(case, index, each[0], joint)
+                    and counts_alike(case, index, each[0], joint)
                 ]
                 alike = {
                     case.artifacts[theirs[0]].path for theirs in held if agree((index, mine), theirs, joint)
@@ -373,7 +279,9 @@ def _of_robot(
                     variant = kinds is None or distance(index, other)[1]
                     rows, others = case.joints[index, joint], case.joints[other, joint]
                     figures = figure(rows, mine[0]), figure(others, theirs[0])
-                    yield Disagreement(rows, others, mine[0], *figures, variant, one_machine(index, other))
+                    yield Disagreement(
+                        rows, others, mine[0], theirs[0], *figures, variant, one_machine(index, other)
+                    )
                 break
             own.add(case, index, mine)
 
@@ -398,7 +306,7 @@ def _is_one_kind(one: JointKind | None, other: JointKind | None) -> bool:
     return one is other or one is None or other is None
 
 
-def _counts_alike(case: Case, one: int, other: int, joint: str) -> bool:
+def counts_alike(case: Case, one: int, other: int, joint: str) -> bool:
     """Whether the series of a numbered joint goes as far in both files: the 4th of 6 is not the 4th of 7."""
     key = series(joint)
     last = case.once(_last_numbers)
@@ -501,12 +409,18 @@ def _joint_sets(case: Case) -> list[frozenset[str] | None]:
     return [None if names is None else frozenset(names) for names in found]
 
 
-def is_one_machine(case: Case, one: int, other: int) -> bool:
+def is_one_machine(case: Case, one: int, other: int, least: float = SHARE) -> bool:
     """Whether nothing speaks against one machine: models tell by what their links weigh and how far joints turn.
 
     `g1.urdf` and `g1.xml` of one folder are two descriptions of one, where half of the figures agree.
+
+    Args:
+        case: The case.
+        one: An artifact.
+        other: Another one.
+        least: Share of the figures of two models of other names that must agree.
     """
     here, there = case.artifacts[one].robot, case.artifacts[other].robot
     names = {os.path.splitext(case.artifacts[index].path)[0] for index in (one, other)}
-    share = LIKENESS if len(names) == 1 else SHARE
+    share = LIKENESS if len(names) == 1 else least
     return here is None or there is None or are_one_body(here, there, share)

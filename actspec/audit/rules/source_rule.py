@@ -6,6 +6,7 @@ import math
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 from actspec.audit.case import Case
@@ -13,8 +14,9 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import same
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joints import is_called_undriven, is_exporters, top_speed
-from actspec.audit.rules.source_pairs import GRAVE, SAME, Disagreement, compared, disagreements
-from actspec.diagnostics import Severity
+from actspec.audit.rules.source_blame import GRAVE, SAME, Disagreement
+from actspec.audit.rules.source_pairs import compared, disagreements
+from actspec.diagnostics import SEVERITIES, Severity
 from actspec.fields import FIELDS, LIMITS, is_placeholder
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.compare import angle_slip
@@ -61,10 +63,14 @@ def is_of_one_training(case: Case, found: Disagreement) -> bool:
     """Whether a deploy file runs what a configuration trains.
 
     Policies of a robot with several sets of gains have a training each, and which of them belongs to the configuration
-    at hand, no file tells. Nor is it the file's own where no gain of any joint agrees: a project beside another one.
+    at hand, no file tells. Nor is it the file's own where no gain of any joint agrees: a project beside another one
+    (of rl_sar's deploy files beside robot_lab's configurations 14 are so). But no training has the gains of another one
+    exchanged, or all of them with a digit more.
     """
     one, other = (case.joints_by_artifact.get(rows[0].artifact, {}) for rows in (found.rows, found.others))
     pairs = [_both(one, other, name) for name in ("kp", "kd")]
+    if are_exchanged(found) or (all(pairs) and _are_a_digit_off(pairs)):
+        return True
     if all(pairs) and not any(math.isclose(*pair, rel_tol=SAME) for gains in pairs for pair in gains):
         return False
     members = case.robot_of(found.rows[0].artifact).artifacts
@@ -75,6 +81,22 @@ def is_of_one_training(case: Case, found: Disagreement) -> bool:
             own = frozenset((joint, rows[0].kp, rows[0].kd) for joint, rows in joints.items() if rows[0].kp)
             gains |= {own} if own else set()
     return len(gains) < 2
+
+
+def are_exchanged(found: Disagreement) -> bool:
+    """Whether each gain of a joint is the other one of the other file."""
+    kp, kd, its_kp, its_kd = (
+        figure(rows, name).value for rows in (found.rows, found.others) for name in ("kp", "kd")
+    )
+    crossed = (kp, its_kd), (kd, its_kp)
+    return all(a and b and a > 0.0 and math.isclose(a, b, rel_tol=SAME) for a, b in crossed)
+
+
+def _are_a_digit_off(pairs: Sequence[Sequence[tuple[float, float]]]) -> bool:
+    """Whether all gains of two files differ by one power of ten."""
+    ratios = [mine / its if its else 0.0 for gains in pairs for mine, its in gains]
+    power = round(math.log10(ratios[0])) if ratios[0] > 0.0 else 0
+    return power != 0 and all(math.isclose(ratio, 10.0**power, rel_tol=SAME) for ratio in ratios)
 
 
 def is_small(found: Disagreement) -> bool:
@@ -102,7 +124,7 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     if not is_times(found.ratio):
         return False
     one, other = found.rows[0].artifact, found.others[0].artifact
-    if found.variant and (apart := _revision(case, one) ^ _revision(case, other)):
+    if found.variant and (apart := revision(case, one) ^ revision(case, other)):
         return all(map(_COUNTED.match, apart)) and _is_slip(case, found)
     if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
         return True
@@ -119,7 +141,8 @@ def _is_of_few(case: Case, found: Disagreement) -> bool:
     one, other = (case.joints_by_artifact.get(rows[0].artifact, {}) for rows in (found.rows, found.others))
     differ = []
     for joint, rows in one.items():
-        a, b = (figure(each, found.field).value if each else None for each in (rows, other.get(joint)))
+        its = other.get(joint)
+        a, b = figure(rows, found.field).value, figure(its, found.other_field).value if its else None
         if a and b:
             differ.append(not math.isclose(a, b, rel_tol=SAME))
     return 2 * sum(differ) < len(differ)
@@ -154,7 +177,12 @@ def _is_confirmed(case: Case, found: Disagreement) -> bool:
     return False
 
 
-def _revision(case: Case, artifact: int) -> frozenset[str]:
+def _are_versions(case: Case, found: Disagreement) -> bool:
+    """Whether two files' names tell other versions."""
+    return revision(case, found.rows[0].artifact) != revision(case, found.others[0].artifact)
+
+
+def revision(case: Case, artifact: int) -> frozenset[str]:
     """The versions in the names of a file and its folders: `atlas_v3/model.urdf` and `atlas_v4/model.urdf` differ."""
     parts = os.path.abspath(case.artifacts[artifact].path).split(os.sep)
     return frozenset(found.lower() for found in _REVISION.findall("/".join(parts[-_FOLDERS:])))
@@ -216,7 +244,7 @@ class SourceRule(RuleInParts):
         """Compare the files of each robot."""
         tolerance = self.option(case, "tolerance")
         found = [
-            item
+            self._gravest(case, item, tolerance)
             for fields in self.groups
             for item in disagreements(case, fields, tolerance)
             if not self.is_none(case, item, tolerance)
@@ -228,6 +256,21 @@ class SourceRule(RuleInParts):
         )
         if findings or any(compared(case, fields) for fields in self.groups):
             yield findings
+
+    def _gravest(self, case: Case, found: Disagreement, tolerance: float) -> Disagreement:
+        """Beside the file that makes it worst: another one that is right takes nothing from what two of them show.
+
+        Not where models tell versions apart: the others are of the other version.
+        """
+        every = (found, *found.also)
+        if any(one.variant and _are_versions(case, one) for one in every):
+            return found
+        every = (found, *(one for one in found.also if not self.is_none(case, one, tolerance)))
+        worst = max(
+            every, key=lambda one: SEVERITIES.index(self.finding(case, one).severity or self.severity)
+        )
+        # A gear that explains why the first differs explains the others.
+        return found if worst is found else replace(worst, more=(found.theirs.place,))
 
     def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
         """What is said of them: one each."""
@@ -281,7 +324,7 @@ class SourceRule(RuleInParts):
             mine.unit or None,
             expected=theirs.value,
             help=advice,
-            related=(theirs.place,),
+            related=(theirs.place, *found.more),
             severity=severity,
             confidence=confidence,
             fields=(found.field,),

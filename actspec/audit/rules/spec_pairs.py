@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.audit.rules.joints import by_joint, leaves_speed_open
-from actspec.audit.rules.source_pairs import GRAVE
+from actspec.audit.rules.source_blame import GRAVE
 from actspec.audit.rules.source_rule import shown
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind

@@ -7,7 +7,8 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
 from actspec.audit.rules.joints import is_held, is_undriven
-from actspec.audit.rules.source_pairs import GRAVE, Disagreement, are_variants
+from actspec.audit.rules.source_blame import GRAVE, Disagreement
+from actspec.audit.rules.source_pairs import are_variants
 from actspec.audit.rules.source_rule import (
     TIMES,
     SourceRule,

@@ -1,12 +1,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rules.joints import is_nobodys, leaves_speed_open
-from actspec.audit.rules.source_pairs import Disagreement
+from actspec.audit.rules.source_blame import Disagreement
 from actspec.audit.rules.source_rule import (
     TIMES,
     SourceRule,
@@ -48,9 +47,7 @@ class VelocityLimit(SourceRule):
         told: dict[tuple[int, str], Disagreement] = {}
         for found in disagreements:
             if _is_placeholder(found.theirs) and not _is_placeholder(found.mine):
-                stated = found.others[0].stated
-                field = next((name for name in self.groups[0] if name in stated), found.field)
-                found = replace(found.turned, field=field)
+                found = found.turned
             told.setdefault((found.rows[0].artifact, found.rows[0].joint), found)
         return super().findings(case, list(told.values()))
 

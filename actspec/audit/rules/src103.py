@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rules.source_pairs import Disagreement
-from actspec.audit.rules.source_rule import SourceRule, is_of_one_training, shown
+from actspec.audit.rules.source_blame import Disagreement
+from actspec.audit.rules.source_rule import SourceRule, are_exchanged, is_of_one_training, shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.units import format_number
@@ -31,7 +31,7 @@ class Gain(SourceRule):
         gains = {_pair(one): one for one in disagreements}
         for one in disagreements:
             other = gains.get((*_pair(one)[:2], "kd" if one.field == "kp" else "kp"))
-            if other is None or not _are_exchanged(one, other, self.option(case, "tolerance")):
+            if other is None or not are_exchanged(one):
                 found.append(self.finding(case, one))
             elif one.field == "kp":
                 same = one.rows[0].artifact == other.rows[0].artifact
@@ -82,10 +82,3 @@ class Gain(SourceRule):
 def _pair(found: Disagreement) -> tuple[frozenset[int], str, str]:
     """Which two files differ in a gain, at which joint, and the gain."""
     return frozenset({found.rows[0].artifact, found.others[0].artifact}), found.rows[0].joint, found.field
-
-
-def _are_exchanged(one: Disagreement, other: Disagreement, tolerance: float) -> bool:
-    """Whether each of a joint's gains in one file is the other one of the other file."""
-    mine, its = (one, other) if one.rows[0].artifact == other.rows[0].artifact else (one, other.turned)
-    crossed = ((mine.mine.value, its.theirs.value), (mine.theirs.value, its.mine.value))
-    return all(a and b and a > 0.0 and math.isclose(a, b, rel_tol=tolerance) for a, b in crossed)

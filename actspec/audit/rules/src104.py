@@ -6,7 +6,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
 from actspec.audit.rules.joints import undriven_joints
-from actspec.audit.rules.source_pairs import Disagreement
+from actspec.audit.rules.source_blame import Disagreement
 from actspec.audit.rules.source_rule import SourceRule, shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework
@@ -15,6 +15,10 @@ from actspec.readings.ledger import LedgerRow
 _FAR = 10.0
 """From here a figure that stands for unlike motors is no estimate of one. Chosen: rotors behind the gears of one robot
 are up to ten times apart."""
+
+_GUESS = 0.1
+"""What Unitree's MJCFs give every joint of an H1, from 18 to 300 N*m, of a B2 and of an H1-2 [kg*m^2]: guessed, as
+robots/limits/legged.yaml has it, and no evidence against another figure."""
 
 _SEVERAL = 4
 """Joints from which one armature for all tells that nobody multiplied it out. Chosen: as for one limit, in SRC101."""
@@ -44,7 +48,8 @@ class Armature(SourceRule):
             rows[0].artifact in case.once(_of_one_armature) for rows in (found.rows, found.others)
         )
         near = found.ratio is not None and 1.0 / _FAR < found.ratio < _FAR
-        return (Severity.INFO if near and theirs and not mine else self.severity), self.confidence
+        guessed = theirs and (found.theirs.value == _GUESS or (near and not mine))
+        return (Severity.INFO if guessed else self.severity), self.confidence
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much inertia."""

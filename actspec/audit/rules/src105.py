@@ -3,7 +3,7 @@ from __future__ import annotations
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
 from actspec.audit.rules.joints import limiting_row
-from actspec.audit.rules.source_pairs import Disagreement
+from actspec.audit.rules.source_blame import Disagreement
 from actspec.audit.rules.source_rule import SourceRule, shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rules.source_pairs import POSE, Disagreement, compared, disagreements
+from actspec.audit.rules.source_blame import POSE, Disagreement
+from actspec.audit.rules.source_pairs import compared, disagreements
 from actspec.audit.rules.source_rule import SourceRule, is_of_one_training, shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind

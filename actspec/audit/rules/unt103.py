@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import SPEEDS, joint_pairs, shared_joints, shown, unit
-from actspec.audit.rules.source_pairs import SAME
+from actspec.audit.rules.source_blame import SAME
 from actspec.audit.rules.unt101 import ranges_told, read_as_degrees
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
@@ -67,9 +67,11 @@ class Factor57(RuleInParts):
         joints = {one.joint: one for one in reversed(found)}
         first = found[0]
         if len(joints) < _MANY:
-            # Of a range that somebody chose, one or two ends are 57.3 times another file's by chance.
+            # One or two ends that somebody chose are 57.3 times another file's by chance; beyond a turn they are not.
             yield from (
-                replace(one, severity=Severity.INFO, confidence=Confidence.LOW)
+                one
+                if abs(one.value or 0.0) > _TURN
+                else replace(one, severity=Severity.INFO, confidence=Confidence.LOW)
                 for one in reversed(joints.values())
             )
             return
