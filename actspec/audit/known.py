@@ -296,7 +296,7 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
     for row in case.rows_of(index):
         if row.joint:
             by_joint.setdefault(row.joint, row)
-    names = joint_names(artifact)
+    names, posed = joint_names(artifact), frozenset(_pose_keys(artifact))
     best: Rows = ()
     spelling: Mapping[str, str] = {}
     # Some files leave the ending out.
@@ -322,7 +322,10 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
         of_own = len(pairs) / max(len(names or by_joint), 1)
         counted = names is None or _counts_alike(known, names)
         # What is mounted on a robot all of whose joints are there, a hand or a base, may have any number of its own.
-        own = of_own >= OWN_SHARE or (names is not None and count == len(robot.joints))
+        own = of_own >= OWN_SHARE or (
+            count == len(robot.joints)
+            and (names is not None or (posed >= known.keys() and _counts_alike(known, posed)))
+        )
         whole = count >= KNOWN_SHARE * len(robot.joints) and own
         legs = count >= PART and of_own >= PART_SHARE
         if counted and (whole or legs) and len(pairs) > len(best):
@@ -410,10 +413,15 @@ def _has_its_keys(artifact: Artifact, rows: Sequence[LedgerRow], known: tuple[st
     config = artifact.config
     if config is None or any(not re.fullmatch(r"\W*", row.joint) for row in rows):
         return True
-    setting = config.settings.get("default_position")
-    keys = setting.value if setting is not None and isinstance(setting.value, Mapping) else {}
-    telling_keys = [key for key in map(str, keys) if not re.fullmatch(r"\W*", key)]
+    telling_keys = [key for key in _pose_keys(artifact) if not re.fullmatch(r"\W*", key)]
     return not telling_keys or any(matching(config.framework, key, known) for key in telling_keys)
+
+
+def _pose_keys(artifact: Artifact) -> list[str]:
+    """The keys of a configuration's default pose; none where it has no dict."""
+    setting = None if artifact.config is None else artifact.config.settings.get("default_position")
+    keys = setting.value if setting is not None and isinstance(setting.value, Mapping) else {}
+    return [str(key) for key in keys]
 
 
 def _counts_alike(known: Iterable[str], names: Iterable[str]) -> bool:

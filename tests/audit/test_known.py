@@ -411,14 +411,14 @@ def test_a_reduction_that_another_variant_has_not(
         pytest.param((495.0, 495.0, 225.0, 87.0, 84.0, 81.0), Severity.INFO, id="rounded: 1.55 and 1.45"),
         pytest.param((495.0, 495.0, 270.0, 84.0, 84.0, 84.0), Severity.WARNING, id="one 1.8 times"),
         pytest.param((660.0, 660.0, 300.0, 112.0, 112.0, 112.0), Severity.WARNING, id="all twice"),
-        pytest.param((56e3,) * 6, Severity.INFO, id="none binds: 169 times the largest"),
-        pytest.param((56e3,) * 5 + (5000.0,), Severity.WARNING, id="one 89 times"),
+        pytest.param((18e3,) * 6, Severity.INFO, id="none binds: 54.5 times the largest"),
+        pytest.param((18e3,) * 5 + (2600.0,), Severity.WARNING, id="one 48 times what is published: 54"),
     ],
 )
 def test_limits_that_are_no_motor_s_on_purpose(
     limits: tuple[float, ...], severity: Severity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A UR10e has 330, 330, 150 and three times 56 N*m."""
+    """A UR10e has 330, 330, 150 and three times 54 or 56 N*m."""
     monkeypatch.chdir(tmp_path)
     names = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
     bodies = "".join(f'<body><joint name="{name}_joint"/><geom size="0.1"/></body>' for name in names)
@@ -434,3 +434,47 @@ def test_limits_that_are_no_motor_s_on_purpose(
     assert {one.severity for one in found} == {severity}
     named = audit(["arms/ur10e.xml"], Settings(select=("KNW101",))).findings
     assert {one.severity for one in named} == {Severity.WARNING}
+
+
+_UR3 = [
+    f"{name}_joint" for name in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+]
+
+
+@pytest.mark.parametrize(
+    ("robot", "prefix", "joints", "said"),
+    [
+        pytest.param("UR3", "ur3_arm_", _UR3, True, id="all six joints in the pose"),
+        pytest.param("UR3", "ur3_arm_", _UR3[:5], False, id="one of them is missing"),
+        pytest.param("UR3", "right_", _UR3, False, id="a prefix that no UR3 is known with"),
+        pytest.param("Z1", "", [f"joint{number}" for number in range(1, 7)], True, id="joint1 to joint6"),
+        pytest.param(
+            "Z1", "", [f"joint{number}" for number in range(1, 9)], False, id="two more than a Z1 has"
+        ),
+    ],
+)
+def test_an_arm_beside_what_is_mounted_on_it(
+    robot: str, prefix: str, joints: list[str], said: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of one pattern beside a gripper's two the pose tells that it is the arm.
+
+    A UR3 has 56 N*m and less, a Z1 60 at joint2 and 30 elsewhere: 300 is too much for each.
+    """
+    monkeypatch.chdir(tmp_path)
+    pose = "".join(f'"{prefix}{name}": 0.1, ' for name in joints)
+    group = "ImplicitActuatorCfg(joint_names_expr=[{!r}], effort_limit_sim={}, stiffness=800.0, damping=40.0)"
+    Path("arms").mkdir()
+    Path(f"arms/{robot.lower()}.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        "from isaaclab.assets import ArticulationCfg\n"
+        f"{robot}_GRIPPER_CFG = ArticulationCfg(\n"
+        f'    init_state=ArticulationCfg.InitialStateCfg(joint_pos={{{pose}"gripper_.*": 0.0}}),\n'
+        "    actuators={\n"
+        f'        "arm": {group.format(prefix + ".*joint.*", 300.0)},\n'
+        f'        "fingers": {group.format("gripper_finger_.*", 20.0)},\n'
+        f'        "palm": {group.format("gripper_palm_.*", 20.0)},\n'
+        "    },\n"
+        ")\n"
+    )
+    found = audit(["arms"], Settings(select=("KNW101",))).findings
+    assert [(one.severity, one.finding.value) for one in found] == [(Severity.WARNING, 300.0)] * said

@@ -38,9 +38,9 @@ _OF_LIMITS = re.compile(
 _ROUNDED = 0.05
 """Share up to which a limit is another one times a factor. Chosen: 5 N*m times 1.23 is rounded to 6."""
 
-_FAR_BEYOND = 100.0
-"""Times a published limit from which, at every joint, one binds nothing. Chosen: 28 N*m with three zeros more; units
-that are taken for each other are 10 times apart."""
+_FAR_BEYOND = 50.0
+"""Times a published limit from which, at every joint, one binds nothing. Chosen: Isaac Lab's Franka with a Robotiq
+gripper has 60 times, others 100 and 1000; units that are taken for each other are mostly 10 times apart."""
 
 _HELD = re.compile(r"(?:^|[^a-z])(?:locked|frozen|fixed|held|rigid)(?:[^a-z]|$)", re.IGNORECASE)
 """How a group of joints that are not to move is called. Chosen: from those in strangers' files."""
