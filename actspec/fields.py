@@ -7,6 +7,7 @@ the spec (`Field.spec`, also the name of its approximations).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -252,6 +253,11 @@ def unit_of(name: str, joint: JointKind | None) -> str:
     """SI unit of a field at a joint; "" for what has none."""
     field = FIELDS.get(name)
     return "" if field is None else field.unit(joint)
+
+
+def is_power_of_ten(figure: float) -> bool:
+    """Whether a figure above 0 is a power of ten, as those are that stand for none."""
+    return math.log10(figure).is_integer()
 
 
 def is_placeholder(limit: float) -> bool:

@@ -134,3 +134,16 @@ def dynamics(path: Path, *beside: Path, versions: Versions | None = None) -> Rob
     assert readings[0].readable, readings[0].reason
     case = case_of(readings, versions or Versions(), {})
     return dynamics_of(case.artifacts[0], case.rows_of(0))
+
+
+def urdf_of(*names: str) -> str:
+    """A URDF with hinges of these names, all at the base."""
+    return (
+        "<robot name='leg'><link name='base'/>"
+        + "".join(
+            f"<link name='{name}_link'/><joint name='{name}' type='revolute'><parent link='base'/><axis xyz='0 1 0'/>"
+            f"<child link='{name}_link'/><limit lower='-2' upper='2' effort='9' velocity='9'/></joint>"
+            for name in names
+        )
+        + "</robot>"
+    )

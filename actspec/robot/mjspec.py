@@ -349,8 +349,9 @@ def _named_once(document: XmlDocument) -> XmlDocument:
         shapes = [child for child in link.children if child.tag in _SHAPES]
         if any(shape.get("name") for shape in shapes):
             bare += [shape for shape in shapes if shape.get("name") is None]
-    edited = apply_edits(document, [SetAttribute(shape, "name", "") for shape in bare])
-    return parse_document(edited) if bare else document
+    if not bare:
+        return document
+    return parse_document(apply_edits(document, [SetAttribute(shape, "name", "") for shape in bare]))
 
 
 _SHAPES = ("visual", "collision")

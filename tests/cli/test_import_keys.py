@@ -8,6 +8,7 @@ import pytest
 
 from actspec.cli.main import main
 from actspec.spec.validate import load_spec
+from tests.importing import urdf_of
 
 ISAACLAB = """from isaaclab.actuators import IdealPDActuatorCfg
 from isaaclab.assets import ArticulationCfg
@@ -77,18 +78,6 @@ for a in LEG_CFG.actuators.values():
 NAMES = ("hip_roll", "hip_pitch", "knee")
 
 
-def _urdf(names: tuple[str, ...]) -> str:
-    return (
-        "<robot name='leg'><link name='base'/>"
-        + "".join(
-            f"<link name='{name}_link'/><joint name='{name}' type='revolute'><parent link='base'/><axis xyz='0 1 0'/>"
-            f"<child link='{name}_link'/><limit lower='-2' upper='2' effort='9' velocity='9'/></joint>"
-            for name in names
-        )
-        + "</robot>"
-    )
-
-
 def _mjcf(option: str) -> str:
     return (
         f"<mujoco>{option}<worldbody>"
@@ -100,7 +89,7 @@ def _mjcf(option: str) -> str:
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "leg.urdf").write_text(_urdf(NAMES), encoding="utf-8")
+    (tmp_path / "leg.urdf").write_text(urdf_of(*NAMES), encoding="utf-8")
     return tmp_path
 
 
@@ -151,7 +140,7 @@ def test_isaaclab_takes_keys_apart(folder: Path, capsys: pytest.CaptureFixture[s
 def test_legged_gym_takes_the_last_key(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of `stiffness`, for both gains, whatever the order of `damping`; a pose goes by the whole name."""
     names = ("hip_roll", "hip", "knee")
-    (folder / "leg.urdf").write_text(_urdf(names), encoding="utf-8")
+    (folder / "leg.urdf").write_text(urdf_of(*names), encoding="utf-8")
     _imported(folder, LEGGED_GYM)
     joints = {joint.joint: joint for joint in _resolved()}
     # `hip` and `hip_roll` are both part of `hip_roll`: the last, 40 and 1, counts.

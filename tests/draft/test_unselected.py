@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from actspec.cli.main import main
+from tests.importing import urdf_of
 
 ISAACLAB = """from isaaclab.actuators import ImplicitActuatorCfg
 from isaaclab.assets import ArticulationCfg
@@ -38,18 +39,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def _urdf(*names: str) -> str:
-    return (
-        "<robot name='leg'><link name='base'/>"
-        + "".join(
-            f"<link name='{name}_link'/><joint name='{name}' type='revolute'><parent link='base'/><axis xyz='0 1 0'/>"
-            f"<child link='{name}_link'/><limit lower='-2' upper='2' effort='9' velocity='9'/></joint>"
-            for name in names
-        )
-        + "</robot>"
-    )
-
-
 def _said(capsys: pytest.CaptureFixture[str], text: str, *more: str, code: int = 0) -> str:
     Path("cfg.py").write_text(text, encoding="utf-8")
     assert main(["import", "cfg.py", *more]) == code
@@ -60,10 +49,10 @@ def test_a_passive_joint_of_the_pose(folder: Path, capsys: pytest.CaptureFixture
     """Nobody knows whether the robot has it, as a finger that follows the other: one note, and none with the robot."""
     err = _said(capsys, ISAACLAB)
     assert NOTE in err and err.count("DRF012") == 1
-    (folder / "hand.urdf").write_text(_urdf("left_finger", "right_finger"), encoding="utf-8")
+    (folder / "hand.urdf").write_text(urdf_of("left_finger", "right_finger"), encoding="utf-8")
     for more in (["hand.urdf"], ["--joints", "hand.urdf"], ["--joints", "left_finger,right_finger"]):
         assert "DRF012" not in _said(capsys, ISAACLAB, *more)
-    (folder / "hand.urdf").write_text(_urdf("left_finger", "thumb"), encoding="utf-8")
+    (folder / "hand.urdf").write_text(urdf_of("left_finger", "thumb"), encoding="utf-8")
     told = "DRF012 [warning]: `right_finger` of default_position selects none of the 2 joints of "
     for more, of in ((["hand.urdf"], "hand.urdf"), (["--joints", "left_finger,thumb"], "--joints")):
         err = _said(capsys, ISAACLAB, *more)
@@ -106,7 +95,7 @@ def test_mjlab_takes_what_begins_a_name(
     folder: Path, more: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
     """mjlab 1.6.0, `resolve_expr`: `re.match`, and a key of the pose for no joint is passed over."""
-    (folder / "leg.urdf").write_text(_urdf("hip_roll"), encoding="utf-8")
+    (folder / "leg.urdf").write_text(urdf_of("hip_roll"), encoding="utf-8")
     assert "DRF012" not in _said(capsys, MJLAB.replace("@POSE@", '"hip": 0.1'), *more)
     err = _said(capsys, MJLAB.replace("@POSE@", '"roll": 0.1'), *more)
     assert "is refused" not in err and ("mjlab passes over it" in err) is bool(more)

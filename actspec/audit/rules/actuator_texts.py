@@ -170,10 +170,6 @@ def place_of(found: WrittenActuator, *names: str) -> Span:
     return next((found.view.places[name] for name in names if name in found.view.places), found.view.span)
 
 
-def joint_of(found: WrittenActuator) -> str:
-    return found.view.target if found.view.transmission in ("joint", "jointinparent") else ""
-
-
 def drives_kind(found: WrittenActuator, kind: JointKind) -> bool:
     robot = found.artifact.robot
     joint: JointView | None = robot.joint(found.view.target) if robot is not None else None

@@ -9,7 +9,7 @@ from itertools import product
 
 from actspec.audit.case import Case
 from actspec.diagnostics import Span
-from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEED, PLACEHOLDER_SPEEDS, unit_of
+from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEED, PLACEHOLDER_SPEEDS, is_power_of_ten, unit_of
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.dynamics import undriven
@@ -181,7 +181,7 @@ def leaves_speed_open(case: Case, row: LedgerRow, ratio: float) -> bool:
     speed = row.velocity_limit or 0.0
     if speed < PLACEHOLDER_SPEED:
         return False
-    if ratio < _DIGIT or math.log10(speed).is_integer():
+    if ratio < _DIGIT or is_power_of_ten(speed):
         return True
     speeds = [
         other.velocity_limit

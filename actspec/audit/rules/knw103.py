@@ -7,7 +7,7 @@ from typing import ClassVar
 from actspec.audit.known import KnownJoint, Likeness, likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import SPEEDS, finite, is_exporters, shown, top_speed, unit
-from actspec.fields import PLACEHOLDER
+from actspec.fields import PLACEHOLDER, is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import DEGREES, RPM
@@ -130,7 +130,7 @@ def _beyond_any(case: Case, subject: Likeness, row: LedgerRow) -> float | None:
     limit = finite(row.velocity_limit)
     if limit is None or limit >= PLACEHOLDER or row.kind is JointKind.SLIDE or is_exporters(row):
         return None
-    if math.log10(limit).is_integer():
+    if is_power_of_ten(limit):
         return None
     rows = case.rows_of(row.artifact)
     every = {one.velocity_limit for one in rows if one.kind is not JointKind.SLIDE and one.velocity_limit}

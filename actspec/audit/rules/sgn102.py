@@ -10,7 +10,6 @@ from actspec.audit.rules.actuator_texts import (
     NO_ACTUATORS,
     WrittenActuator,
     drives_in_mjcf,
-    joint_of,
     place_of,
     written_actuators,
 )
@@ -64,7 +63,7 @@ class NotTheServoMeant(RuleInParts):
                 f"damping ratio and works out a kv{kd} from the inertia, instead of a kv of "
                 f"{format_number(ratio, 3)}",
                 place_of(found, "biasprm"),
-                joint_of(found),
+                found.joint,
                 ratio,
                 "1",
                 -ratio,
@@ -94,7 +93,7 @@ class NotTheServoMeant(RuleInParts):
                 f"gainprm is {format_number(view.gain, 3)} and the stiffness in biasprm "
                 f"{format_number(kp, 3)}: the servo settles at {scale:.3g} times its target position",
                 place_of(found, "gainprm", "biasprm"),
-                joint_of(found),
+                found.joint,
                 view.gain,
                 "N*m/rad" if joint is None or joint.kind is not JointKind.SLIDE else "N/m",
                 kp,
@@ -119,7 +118,7 @@ class NotTheServoMeant(RuleInParts):
                 f"biasprm {numbers} has no effect without biastype: this actuator is a motor that gives "
                 f"{_force(found, text.gain[0])} per unit of control, whatever the joint does",
                 place_of(found, "biasprm"),
-                joint_of(found),
+                found.joint,
                 help='add biastype="affine"; a motor needs no biasprm',
                 fix=_type_fix(found) if servo else None,
                 severity=Severity.ERROR if servo else None,

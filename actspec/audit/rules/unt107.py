@@ -7,7 +7,7 @@ from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, finite, limiting_row, unit
 from actspec.diagnostics import Span
-from actspec.fields import is_placeholder
+from actspec.fields import is_placeholder, is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
@@ -59,7 +59,7 @@ class GainsOfNoJoint(RuleOver[_Subject]):
         published = case.once(_known_joints).get((row.artifact, row.joint))
         driven = row.control in _MOTORS or (row.control == _EXPLICIT and published is not None)
         limit = self._limit(case, row, published if driven else None) if hinge else None
-        stiff = 0.0 if math.log10(row.kp).is_integer() else STIFF_SERVO_RETURN
+        stiff = 0.0 if is_power_of_ten(row.kp) else STIFF_SERVO_RETURN
         gains = Gains(
             row.kp,
             sum(kd or 0.0 for kd in kds),

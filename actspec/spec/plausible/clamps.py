@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from actspec.diagnostics import Path, Span
+from actspec.fields import is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.poses import POSE_TOLERANCE, outside_words
 from actspec.spec.document import SourceMap
@@ -95,7 +96,7 @@ def _is_round(angle: float) -> bool:
 
 def is_open(low: float, high: float) -> bool:
     """Whether both ends are one power of ten, which is a placeholder."""
-    return -low == high and math.log10(high).is_integer()
+    return -low == high and is_power_of_ten(high)
 
 
 def turned_words(clamp: tuple[float, float], most_turns: float = WIDE) -> tuple[float, str] | None:

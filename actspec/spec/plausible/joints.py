@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Span, dotted
+from actspec.fields import is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import Document, SourceMap
 from actspec.spec.fields import DerivedGain
@@ -340,7 +341,7 @@ def _viscous(
     line = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
     clamp, motors = joint.velocity_limit, own_speed(joint) if line is None else line
     asked = [] if motors is None else [(motors, UNREACHED if line is None else VISCOUS_SHARE)]
-    if line is None and clamp.value and is_stated(clamp) and not math.log10(clamp.value).is_integer():
+    if line is None and clamp.value and is_stated(clamp) and not is_power_of_ten(clamp.value):
         asked += [] if is_files(viscous) else [(clamp, WHOLE)]
     takes = ((speed, viscous.value * (speed.value or 0.0), share * limit.value) for speed, share in asked)
     speed, torque, most = next((item for item in takes if item[1] >= item[2]), (clamp, 0.0, math.inf))

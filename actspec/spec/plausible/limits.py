@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from actspec.diagnostics import listed
-from actspec.fields import FRICTION_SHARE, GRAVITY, LONGEST_LEVER
+from actspec.fields import FRICTION_SHARE, GRAVITY, LONGEST_LEVER, is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.plausible.armatures import ARMATURE_RATE, LARGEST_LIMIT
 from actspec.spec.plausible.commands import own_speed
@@ -39,7 +39,7 @@ TOGETHER = 3
 """Of these four, from which on they tell that the limit is wrong. Published, of 6051 hinges: one."""
 
 
-def lever_found(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
+def _by_lever(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
     """An effort limit that would hold the whole robot on a lever which no robot has.
 
     Args:
@@ -66,7 +66,7 @@ def lever_found(joint: JointActuator, mass: float | None, linkage: str | None) -
     )
 
 
-def alone_found(joint: JointActuator, mass: float | None) -> Iterator[Found]:
+def _by_all(joint: JointActuator, mass: float | None) -> Iterator[Found]:
     """An effort limit of a hinge without a motor that its other figures contradict together.
 
     Args:
@@ -77,7 +77,7 @@ def alone_found(joint: JointActuator, mass: float | None) -> Iterator[Found]:
     size = limit.value
     if joint.kind is not JointKind.HINGE or not is_stated(limit) or is_files(limit):
         return
-    if joint.motor is not None or not size or size == math.inf:
+    if not size or size == math.inf:
         return
     against = _against(joint, size, mass)
     weak = _too_weak(joint, size)
@@ -101,7 +101,7 @@ def _against(joint: JointActuator, size: float, mass: float | None) -> list[str]
     """What an effort limit [N*m] makes with other figures that no published robot has."""
     found = []
     speed, armature, kp = joint.velocity_limit, joint.armature, joint.kp
-    if speed.value and is_stated(speed) and not _is_round(speed.value) and size * speed.value > POWER:
+    if speed.value and is_stated(speed) and not is_power_of_ten(speed.value) and size * speed.value > POWER:
         power = format_quantity(size * speed.value / 1e3, "kW", 3)
         found.append(f"{power} at the velocity limit of {shown(speed)}")
     if armature.value and is_stated(armature) and size / armature.value > RATE:
@@ -171,11 +171,6 @@ def _meant(joint: JointActuator, size: float, mass: float | None) -> str:
     return "; or ".join(readings) or "look for a wrong unit"
 
 
-def _is_round(value: float) -> bool:
-    """Whether it is a power of ten, as placeholders are."""
-    return math.log10(value).is_integer()
-
-
 def velocity_found(joint: JointActuator) -> Iterator[Found]:
     """A velocity limit beyond any joint's, where no motor's speed stands: with one it is judged by that.
 
@@ -186,7 +181,7 @@ def velocity_found(joint: JointActuator) -> Iterator[Found]:
     fast = limit.value
     if own is not None and own.value:
         return
-    if not fast or limit.origin is not Origin.AUTHORED or _is_round(fast):
+    if not fast or limit.origin is not Origin.AUTHORED or is_power_of_ten(fast):
         return
     hinge = joint.kind is JointKind.HINGE
     strong = force.value if hinge and force.value and force.value < math.inf else 0.0
@@ -228,4 +223,4 @@ def velocity_found(joint: JointActuator) -> Iterator[Found]:
 
 def levers_of(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
     """What is found of an effort limit by the weight of the robot and by all other figures together."""
-    yield from lever_found(joint, mass, linkage) if joint.motor is not None else alone_found(joint, mass)
+    yield from _by_lever(joint, mass, linkage) if joint.motor is not None else _by_all(joint, mass)

@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import Path, dotted
+from actspec.fields import is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import SourceMap
 from actspec.spec.network import InputRange, NetworkManifest
@@ -81,7 +82,7 @@ def weakest(members: Sequence[JointActuator]) -> float | None:
     known = [
         limit.value
         for limit in limits
-        if limit.value and not (limit.origin is Origin.MODEL and math.log10(limit.value).is_integer())
+        if limit.value and not (limit.origin is Origin.MODEL and is_power_of_ten(limit.value))
     ]
     return min(known) if len(known) == len(limits) else None
 
@@ -163,7 +164,7 @@ def _fastest(members: Sequence[JointActuator]) -> float | None:
     for joint in members:
         figures = (joint.no_load_speed, joint.velocity_limit)
         known = [one.value for one in figures if one is not None and one.value]
-        if not known or math.log10(max(known)).is_integer():
+        if not known or is_power_of_ten(max(known)):
             return None
         found.append(max(known))
     return max(found)

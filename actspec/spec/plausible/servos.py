@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+from actspec.fields import is_power_of_ten
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.plausible.commands import own_speed
 from actspec.spec.plausible.gains import (
@@ -115,7 +116,7 @@ def _is_placeholder(joint: JointActuator, gain: Quantity) -> bool:
     """Whether a gain is what simulators have for a rigid joint; who states friction as well describes a real one."""
     if joint.motor is not None:
         return False
-    return is_files(gain) or (math.log10(gain.require()).is_integer() and not _is_real(joint))
+    return is_files(gain) or (is_power_of_ten(gain.require()) and not _is_real(joint))
 
 
 def _is_real(joint: JointActuator) -> bool:
@@ -128,7 +129,7 @@ def _is_real(joint: JointActuator) -> bool:
 def _noticed_softness(joint: JointActuator) -> float:
     """Times `LARGEST_ERROR` from which on a kp is too soft; never by a limit that is often nobody's, a power of ten."""
     size = joint.effort_limit.value or 0.0
-    if joint.motor is None and 100.0 <= size < math.inf and math.log10(size).is_integer():
+    if joint.motor is None and 100.0 <= size < math.inf and is_power_of_ten(size):
         return math.inf
     return 1.0 if _is_real(joint) else SERVO_ERROR
 

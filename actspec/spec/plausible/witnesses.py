@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Span
-from actspec.fields import BY_IR, FRICTION_SHARE, is_placeholder
+from actspec.fields import BY_IR, FRICTION_SHARE, is_placeholder, is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import SourceMap
 from actspec.spec.models import SpecModel
@@ -133,7 +133,7 @@ def _is_far(joint: JointActuator, field: str, ratio: float) -> bool:
     efforts, speeds = limits_of_file(joint)
     if (efforts if field == "effort_limit" else speeds) is None:
         return False
-    if FAR_ABOVE_FILE < ratio < math.inf and not math.log10(stated.require()).is_integer():
+    if FAR_ABOVE_FILE < ratio < math.inf and not is_power_of_ten(stated.require()):
         return True
     friction = joint.friction_coulomb
     known = in_file(friction, *friction.lost)
@@ -270,6 +270,6 @@ def _of_file(limit: Quantity) -> float | None:
     """What the robot's file states of a limit; None: nothing, or a placeholder, which is 0 or a power of ten."""
     stated = in_file(limit, *limit.lost)
     value = None if stated is None else stated.value
-    if not value or not 0.0 < value < math.inf or math.log10(value).is_integer():
+    if not value or not 0.0 < value < math.inf or is_power_of_ten(value):
         return None
     return value
