@@ -56,7 +56,7 @@ FOLDERS = count()
 @pytest.fixture
 def tmp_path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder of the test's own. pytest's looks through those of all tests before it for the next free name."""
-    name = re.sub(r"\W", "_", request.node.name)[:30]
+    name = re.sub(r"\W", "_", request.node.name)[:20]
     path = tmp_path_factory.getbasetemp() / f"{name}_{next(FOLDERS)}"
     path.mkdir(mode=0o700)
     return path
