@@ -32,6 +32,10 @@ OWN_SHARE = 0.6
 """Share of a file's joints that must be the known robot's, where it has not all of them. Chosen: a G1 with two hands of
 seven joints has 0.67."""
 
+MOUNTED_SHARE = 0.9
+"""Share of the known robot's joints that a file must have behind one prefix of its own. Chosen: an arm whose base or
+last joint is fixed; what a name ends with tells less than the whole."""
+
 PART = 10
 """Joints from which a part of a known robot is told: its legs. Chosen: two legs of six, less one that another has."""
 
@@ -299,12 +303,15 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
     names, posed = joint_names(artifact), frozenset(_pose_keys(artifact))
     best: Rows = ()
     spelling: Mapping[str, str] = {}
+    mounted = _mounted_as(robot, posed if names is None else names)
     # Some files leave the ending out.
-    for (part, spelt), prefix, ending in product(
-        (("", ""), *robot.spelt.items()), robot.prefixes, ("", "_joint")
+    for (part, spelt), prefixes, ending in product(
+        (("", ""), *robot.spelt.items()), (*((prefix,) for prefix in robot.prefixes), mounted), ("", "_joint")
     ):
         known = {
-            f"{prefix}{joint.replace(part, spelt)}".removesuffix(ending): joint for joint in robot.joints
+            f"{prefix}{joint.replace(part, spelt)}".removesuffix(ending): joint
+            for prefix in prefixes
+            for joint in robot.joints
         }
         if names is None and artifact.config is not None:
             framework = artifact.config.framework
@@ -315,7 +322,9 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
                 for joint, row in by_joint.items()
                 if (name := joint.rpartition("/")[2]) in known
             ]
-        pairs = tuple((row, tuple(known[name] for name in found)) for row, found in met if found)
+        pairs = tuple(
+            (row, tuple(dict.fromkeys(known[name] for name in found))) for row, found in met if found
+        )
         if names is None and not _has_its_keys(artifact, [row for row, _ in pairs], tuple(known)):
             continue
         count = len({joint for _, joints in pairs for joint in joints})
@@ -331,6 +340,18 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
         if counted and (whole or legs) and len(pairs) > len(best):
             best, spelling = pairs, {joint: name for name, joint in known.items()}
     return best, spelling
+
+
+def _mounted_as(robot: KnownRobot, names: Iterable[str]) -> tuple[str, ...]:
+    """What a file puts before the names of nearly all joints of the robot, for one or more of it: `left_`, `arm2_`."""
+    before = Counter(
+        prefix
+        for name in (each.rpartition("/")[2] for each in names)
+        for joint in robot.joints
+        for prefix in (name.removesuffix(joint),)
+        if prefix != name and prefix not in robot.prefixes and not prefix[-1:].isalnum()
+    )
+    return tuple(prefix for prefix, count in before.items() if count >= MOUNTED_SHARE * len(robot.joints))
 
 
 def _parts(case: Case, index: int, rows: Rows, spelling: Mapping[str, str]) -> Parts:

@@ -179,6 +179,39 @@ def test_an_arm_with_a_gripper(
 
 
 @pytest.mark.parametrize(
+    ("prefixes", "count", "said"),
+    [
+        pytest.param(("left_", "arm2/right_"), 7, {"left_joint6", "arm2/right_joint6"}, id="two of them"),
+        pytest.param(("a.",), 7, {"a.joint6"}, id="one"),
+        pytest.param(("left_", "right_"), 6, set(), id="6 of 7 are 0.86, and less than nine in ten"),
+        pytest.param(("left_", "right_"), 8, set(), id="a Panda has no joint8"),
+        pytest.param(("left", "right"), 7, set(), id="what runs into the name is no prefix"),
+    ],
+)
+def test_arms_mounted_under_a_name_of_the_file_s_own(
+    prefixes: tuple[str, ...], count: int, said: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A Panda has 87 N*m at joints 1 to 4 and 12 at 5 to 7: 87 at joint6 is 7.25 times that; wheels are a base's."""
+    limits = {
+        f"{each}joint{at}": 87 if at in (1, 2, 3, 4, 6) else 12
+        for each in prefixes
+        for at in range(1, count + 1)
+    }
+    bodies = "".join(
+        f'<body><joint name="{name}" actuatorfrcrange="-{limit} {limit}"/><geom size=".1"/></body>'
+        for name, limit in {**limits, "wheel_l": 5, "wheel_r": 5}.items()
+    )
+    monkeypatch.chdir(tmp_path)
+    Path("dual_panda.xml").write_text(
+        f'<mujoco model="dual_panda"><worldbody>{bodies}</worldbody><actuator>'
+        + "".join(f'<motor joint="{name}"/>' for name in limits)
+        + "</actuator></mujoco>"
+    )
+    found = audit(["dual_panda.xml"], Settings(select=("KNW101",))).findings
+    assert {item.finding.joint for item in found} == said
+
+
+@pytest.mark.parametrize(
     ("name", "joint", "limits", "said"),
     [
         pytest.param("fr3v2", "fr3v2_joint{}", (87,) * 7, {5, 6, 7}, id="87 is 7 times 12 at the wrist"),
@@ -446,7 +479,9 @@ _UR3 = [
     [
         pytest.param("UR3", "ur3_arm_", _UR3, True, id="all six joints in the pose"),
         pytest.param("UR3", "ur3_arm_", _UR3[:5], False, id="one of them is missing"),
-        pytest.param("UR3", "right_", _UR3, False, id="a prefix that no UR3 is known with"),
+        pytest.param("UR3", "right_", _UR3, True, id="a prefix of this file's own"),
+        pytest.param("UR3", "right_", _UR3[:5], False, id="the same, and one of them is missing"),
+        pytest.param("UR3", "right", _UR3, False, id="what runs into the name is none"),
         pytest.param("Z1", "", [f"joint{number}" for number in range(1, 7)], True, id="joint1 to joint6"),
         pytest.param(
             "Z1", "", [f"joint{number}" for number in range(1, 9)], False, id="two more than a Z1 has"
