@@ -218,6 +218,8 @@ class RobotConfig:
             maps (`entry 3 of kps`), and what is assigned to a robot that is not read.
         others: Other values that no figure is made from, likewise.
         looped: Settings that a loop of the file fills, for import: the audit's figures are without them.
+        edited: What its program calls and sets before the simulator has the model: names of methods and attributes of
+            the function that loads it (`add_equality`, `damping`), whatever they are of.
     """
 
     framework: Framework
@@ -233,6 +235,7 @@ class RobotConfig:
     entries: Mapping[str, Setting] = field(default_factory=dict)
     others: Mapping[str, Setting] = field(default_factory=dict)
     looped: Mapping[str, Setting] = field(default_factory=dict)
+    edited: frozenset[str] = frozenset()
 
     @property
     def physics_dt(self) -> float | None:

@@ -6,7 +6,7 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.configs import is_whole_robot, names_model, posed
+from actspec.audit.rules.configs import is_as_written, is_whole_robot, names_model, posed
 from actspec.audit.rules.misnamed import is_misspelt, misnamed
 from actspec.audit.rules.sided import other_side
 from actspec.ir import JointKind
@@ -16,6 +16,9 @@ from actspec.readings.pair import joint_names
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
 _Subject = tuple[int, RobotConfig, int, RobotView]
+
+_MOVES = ("add_equality", "add_tendon", "add_actuator")
+"""Methods of `MjSpec` that give a joint something that moves it."""
 
 
 class JointNotCovered(RuleOver[_Subject]):
@@ -32,7 +35,7 @@ class JointNotCovered(RuleOver[_Subject]):
             config = artifact.config
             if config is None or config.framework not in (Framework.MJLAB, Framework.ISAACLAB):
                 continue
-            if not is_whole_robot(config):
+            if not is_whole_robot(config) or not is_as_written(config, *_MOVES):
                 continue
             for other in case.robot_of(index).artifacts:
                 model = case.artifacts[other]

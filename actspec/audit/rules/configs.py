@@ -131,6 +131,14 @@ def names_model(case: Case, config: RobotConfig, model: Artifact) -> bool:
     return found > 0 and found == max(agreement(config.model, path) for path in paths)
 
 
+_MOUNTS = frozenset({"attach", "attach_body", "delete", "detach_body", "add_joint", "add_body"})
+
+
+def is_as_written(config: RobotConfig, *edits: str) -> bool:
+    """Whether no program changes the joints of a configuration's model, nor calls or sets one of these of it."""
+    return config.edited.isdisjoint(_MOUNTS.union(edits))
+
+
 def _models_by_stem(case: Case) -> dict[str, list[str]]:
     """Paths of all models, by the names of their files."""
     found: dict[str, list[str]] = {}

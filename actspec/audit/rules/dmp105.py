@@ -5,7 +5,7 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.configs import names_model
+from actspec.audit.rules.configs import is_as_written, names_model
 from actspec.audit.rules.damping_parts import first_rows
 from actspec.audit.rules.joints import by_joint, shown, unit
 from actspec.readings.artifact import FileKind, Framework
@@ -43,7 +43,9 @@ class GainBesideModelDamping(RuleOver[_Subject]):
         """Whether a configuration runs on this model, as far as it says so."""
         config = case.artifacts[row.artifact].config
         own = config is not None and config.framework is Framework.MJLAB
-        return config is None or not own or names_model(case, config, case.artifacts[model.artifact])
+        if config is None or not own:
+            return True
+        return is_as_written(config, "damping") and names_model(case, config, case.artifacts[model.artifact])
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare kd with the model's damping."""

@@ -6,7 +6,7 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.configs import FRAMEWORKS, posed
+from actspec.audit.rules.configs import FRAMEWORKS, is_as_written, posed
 from actspec.audit.rules.misnamed import misnamed
 from actspec.diagnostics import Span, listed, nearest, shortened
 from actspec.patterns import match_names
@@ -150,7 +150,9 @@ class PatternMatchesNothing(RuleOver[_Subject]):
             other = near and len(missing) > 1 and case.is_met_at(group.span)
             # The robot of the configuration has those joints, and so not others in their place.
             instead = () if near or case.is_met_at(group.span) else lost
-            likely = (near and not other) or instead or _is_loaded(case, config, model)
+            likely = is_as_written(config) and (
+                (near and not other) or instead or _is_loaded(case, config, model)
+            )
             severity, confidence = _SURE if key else _NEAR if likely else _UNSURE
             yield Finding(
                 self.code,

@@ -5,7 +5,8 @@ Settings keep mjlab's names; nothing is converted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import ast
+from collections.abc import Callable, Iterator, Mapping
 
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Framework, RobotConfig
@@ -173,6 +174,24 @@ def _entity(draft: Draft, entity: Value | None, call: Call) -> None:
     draft.set("default_position", fields_of(fields.get("init_state")).get("joint_pos"))
     maker = fields.get("spec_fn")
     if maker is not None and isinstance(maker.data, Func):
+        draft.edited = frozenset(_called_and_set(maker.data, set()))
         made = call(maker).data
         if isinstance(made, Obj) and made.cls.name == "from_file":
             draft.set("model", made.args[0], "file")
+
+
+def _called_and_set(function: Func, seen: set[str]) -> Iterator[str]:
+    """Names of the methods that a function calls and of the attributes that it sets; those of its file's own too.
+
+    By its text: a loop over what the model has is not folded.
+    """
+    seen.add(function.name)
+    for node in ast.walk(function.node):
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.attr
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+            yield node.func.attr
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            own = function.scope.module.names.get(node.func.id)
+            if isinstance(own, Value) and isinstance(own.data, Func) and own.data.name not in seen:
+                yield from _called_and_set(own.data, seen)

@@ -162,11 +162,12 @@ class Draft:
     groups: list[ActuatorGroup] = field(default_factory=list)
     ranges: list[RandomizedRange] = field(default_factory=list)
     notes: Collector = field(default_factory=Collector)
+    edited: frozenset[str] = frozenset()
 
     def config(self, framework: Framework, name: str, span: Span) -> RobotConfig:
         """All of it as a configuration."""
         groups, ranges, notes = tuple(self.groups), tuple(self.ranges), tuple(self.notes)
-        return RobotConfig(framework, name, span, groups, self.settings, ranges, notes)
+        return RobotConfig(framework, name, span, groups, self.settings, ranges, notes, edited=self.edited)
 
     def note(self, where: str, reason: str, span: Span) -> None:
         """Say that something could not be folded."""
