@@ -23,6 +23,9 @@ _FIGURE = re.compile(r"(?<![\w./-])[-+]?(?:x?\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf)(?!
 _MORE = re.compile(r"# % (?:more|less|faster|slower)|# times(?: the| as fast)?|\b(?:more|less)\b| \(#\)")
 """Which of two figures is the larger, in the words of the rules."""
 
+_FIRST = re.compile("[,;] ")
+"""Behind which a message goes on with what else there is to say."""
+
 
 @dataclass(frozen=True, slots=True)
 class FindingGroup:
@@ -282,7 +285,7 @@ def in_files(groups: Sequence[FindingGroup]) -> list[FindingGroup]:
         other = next(iter(held_to)) if len(held_to) == 1 and finding.expected is not None else None
         # Of one figure what the rest of the sentence says of it is no other fault.
         texts = (
-            (finding.message.partition(", ")[0],) if finding.fields else (finding.message, finding.help or "")
+            (_FIRST.split(finding.message)[0],) if finding.fields else (finding.message, finding.help or "")
         )
         about = (*finding.fields[:1], *map(_plain, texts))
         is_note = item.severity is Severity.INFO

@@ -14,6 +14,7 @@ from actspec.audit.known import known_robots
 from actspec.audit.settings import Settings
 from actspec.cli.main import main
 from actspec.diagnostics import Severity
+from actspec.report.findings import for_people
 from tests.audit.known_table import ROBOTS, TABLE, table
 
 
@@ -513,3 +514,22 @@ def test_an_arm_beside_what_is_mounted_on_it(
     )
     found = audit(["arms"], Settings(select=("KNW101",))).findings
     assert [(one.severity, one.finding.value) for one in found] == [(Severity.WARNING, 300.0)] * said
+
+
+def test_one_figure_in_two_configurations_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One to mend: 60 N*m is 2.14 times the 28 of a UR5e's wrists, at `.*` and at `wrist_.*`."""
+    group = "ImplicitActuatorCfg(joint_names_expr=[{}], effort_limit=60.0, stiffness=800.0, damping=40.0)"
+    every, upper, wrists = (
+        group.format(names) for names in ('".*"', '"shoulder_.*", "elbow_.*"', '"wrist_.*"')
+    )
+    monkeypatch.chdir(tmp_path)
+    Path("ur5e.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        "from isaaclab.assets import ArticulationCfg\n"
+        f'UR5E_CFG = ArticulationCfg(actuators={{"arm": {every}}})\n'
+        f'UR5E_TWO_CFG = ArticulationCfg(actuators={{"arm": {upper}, "wrist": {wrists}}})\n'
+    )
+    report = audit(["ur5e.py"], Settings(select=("KNW101",)))
+    assert len(report.findings) > 1
+    (group_of_all,) = for_people(report.findings)
+    assert {item.finding.span.line for item in (*group_of_all.members, *group_of_all.alike)} == {3, 4}
