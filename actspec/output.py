@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import actspec
-from actspec.diagnostics import Collector, Diagnostic, EmitError, Span, one_line
+from actspec.diagnostics import Collector, Diagnostic, EmitError, Span, listed, one_line
 from actspec.files import FAULTS, json_of, name_in_file, noting, read_regular, was_read, why
 from actspec.owned import put, say_read
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
@@ -159,6 +159,7 @@ def write(files: Sequence[Output], *, force: bool = False) -> None:
     """
     collector = Collector()
     _check_distinct(files, collector)
+    others: dict[tuple[Origin, Origin], list[str]] = {}
     for file in files:
         if not file.changed or file.old is None:
             continue
@@ -167,13 +168,7 @@ def write(files: Sequence[Output], *, force: bool = False) -> None:
         elif force:
             continue
         elif (other := other_spec(file)) is not None:
-            collector.error(
-                "OUT003",
-                f"was written from {other.beside(file.origin)}, and this run writes {file.origin.beside(other)}",
-                span=Span(file.path),
-                help="choose another folder with -o: each spec needs one of its own where files have one name; "
-                f"--force replaces the file of {other.spec}",
-            )
+            others.setdefault((other, file.origin), []).append(file.path)
         elif not is_ours(file):
             collector.error(
                 "OUT003",
@@ -181,6 +176,17 @@ def write(files: Sequence[Output], *, force: bool = False) -> None:
                 span=Span(file.path),
                 help="choose another folder with -o, or replace it with --force",
             )
+    for (other, own), (first, *rest) in others.items():
+        more = (
+            f"; so {'was' if len(rest) == 1 else 'were'} {len(rest)} more: {listed(rest, 4)}" if rest else ""
+        )
+        collector.error(
+            "OUT003",
+            f"was written from {other.beside(own)}, and this run writes {own.beside(other)}{more}",
+            span=Span(first),
+            help="choose another folder with -o: each spec needs one of its own where files have one name; "
+            f"--force replaces what was written from {other.spec}",
+        )
     collector.raise_if_failed(EmitError)
     write_files([(file.path, file.data) for file in files if file.changed], force=True)
 

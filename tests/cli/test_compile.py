@@ -172,6 +172,21 @@ def test_a_file_of_another_spec_is_not_replaced(stiff: str, capsys: Any) -> None
     assert [record["spec"] for record in manifest()] == ["stiff.yaml"]
 
 
+def test_several_files_of_another_spec_are_one_error(spec: Path, capsys: Any) -> None:
+    """Each of two targets has one: both paths are named."""
+    text = SPEC.replace("targets:", "targets:\n  old: {target: mujoco, version: '3.3'}")
+    spec.write_text(text)
+    Path("stiff.yaml").write_text(text.replace("kp: 20", "kp: 40").replace("name: arm", "name: stiff"))
+    assert main(["compile", "arm.yaml", "-o", "out"]) == 0
+    capsys.readouterr()
+    assert main(["compile", "stiff.yaml", "-o", "out"]) == 2
+    err = capsys.readouterr().err
+    assert (
+        "out/old/arm.xml: OUT003: was written from arm.yaml, and this run writes stiff.yaml; so was " in err
+    )
+    assert "; so was 1 more: out/mujoco/arm.xml\n" in err and err.count("OUT003") == 1
+
+
 def test_check_and_diff_name_the_other_spec(stiff: str, capsys: Any) -> None:
     """What would be replaced is another spec's: said beside its name, where a diff has the time."""
     capsys.readouterr()
