@@ -31,6 +31,17 @@ def install_line(package: str) -> str:
     return f"python -m pip install --force-reinstall {name}"
 
 
+def extra_line(extra: str) -> str:
+    """What to type to have an extra of actspec, such as `sysid`; its name alone is found only where it is installed."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        version("actspec")
+    except PackageNotFoundError:
+        return f"pip install '.[{extra}]' in the clone of actspec"
+    return f"pip install 'actspec[{extra}]'"
+
+
 def is_ours(file: str) -> bool:
     """Whether a source file is one of actspec's."""
     return os.path.abspath(file).startswith(_PACKAGE)

@@ -6,13 +6,13 @@ import difflib
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import actspec
-from actspec.diagnostics import Collector, Diagnostic, EmitError, Span, one_line
-from actspec.files import FAULTS, json_of, name_in_file, was_read, why
+from actspec.diagnostics import Collector, Diagnostic, EmitError, Span, listed, one_line
+from actspec.files import FAULTS, json_of, name_in_file, noting, read_regular, was_read, why
 from actspec.owned import put, say_read
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 MANIFEST = "manifest.json"
 MANIFEST_FORMAT = "actspec-manifest/1"
+_MOST_MANIFEST = 64 << 20
+"""Bytes. Chosen: that of other JSON that actspec has written."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +65,27 @@ class Compilation:
         )
 
 
+@dataclass(frozen=True, slots=True, order=True)
+class Origin:
+    """What a file was written from.
+
+    Attributes:
+        spec: File name of the spec, with the variant as the command line has it: `a1.yaml`, `g1.yaml#mode_13`.
+        robot: Name of its robot; "": an older actspec did not write it down.
+    """
+
+    spec: str
+    robot: str
+
+    def same(self, other: Origin) -> bool:
+        """Whether both are one spec: specs in several folders may have one name, but are then of other robots."""
+        return self.spec == other.spec and ("" in (self.robot, other.robot) or self.robot == other.robot)
+
+    def beside(self, other: Origin) -> str:
+        """In words that tell it from another one."""
+        return self.spec if self.spec != other.spec else f"{self.spec} of robot '{self.robot}'"
+
+
 @dataclass(frozen=True, slots=True)
 class Output:
     """A file to write and what is there now.
@@ -73,6 +96,7 @@ class Output:
         path: Path.
         data: New bytes.
         old: Bytes that are there; None when there is no file.
+        origin: What it is made from.
     """
 
     target: str
@@ -80,6 +104,7 @@ class Output:
     path: str
     data: bytes
     old: bytes | None
+    origin: Origin
 
     @property
     def changed(self) -> bool:
@@ -101,7 +126,8 @@ def outputs(compilation: Compilation) -> tuple[Output, ...]:
     collector = Collector()
     found = []
     for options, emission in zip(compilation.targets, compilation.emissions, strict=True):
-        manifest = EmittedFile(MANIFEST, _manifest(compilation, options, emission))
+        record = _record(compilation, options, emission)
+        manifest = EmittedFile(MANIFEST, _manifest(record, options.folder))
         for file in (*emission.files, manifest):
             path = os.path.join(options.folder, file.path)
             old: bytes | None = None
@@ -115,7 +141,7 @@ def outputs(compilation: Compilation) -> tuple[Output, ...]:
             except OSError as err:
                 collector.error("OUT002", f"cannot be read: {err.strerror}", span=Span(path))
                 continue
-            found.append(Output(options.name, options.folder, path, file.data, old))
+            found.append(Output(options.name, options.folder, path, file.data, old, _origin(record)))
     collector.raise_if_failed(EmitError)
     return tuple(found)
 
@@ -125,7 +151,7 @@ def write(files: Sequence[Output], *, force: bool = False) -> None:
 
     Args:
         files: From `outputs`.
-        force: Also replace files that actspec did not write, or that were edited since.
+        force: Also replace files that actspec did not write, or from another spec, or that were edited since.
 
     Raises:
         EmitError: a file would be lost, was read in this run, or cannot be written, or two are one; nothing is
@@ -133,18 +159,34 @@ def write(files: Sequence[Output], *, force: bool = False) -> None:
     """
     collector = Collector()
     _check_distinct(files, collector)
+    others: dict[tuple[Origin, Origin], list[str]] = {}
     for file in files:
         if not file.changed or file.old is None:
             continue
         if was_read(file.path):
             say_read(file.path, collector, "choose another folder with -o")
-        elif not force and not is_ours(file):
+        elif force:
+            continue
+        elif (other := other_spec(file)) is not None:
+            others.setdefault((other, file.origin), []).append(file.path)
+        elif not is_ours(file):
             collector.error(
                 "OUT003",
-                "exists already, and is not as actspec wrote it",
+                f"exists already, and {_unlike(file)}",
                 span=Span(file.path),
                 help="choose another folder with -o, or replace it with --force",
             )
+    for (other, own), (first, *rest) in others.items():
+        more = (
+            f"; so {'was' if len(rest) == 1 else 'were'} {len(rest)} more: {listed(rest, 4)}" if rest else ""
+        )
+        collector.error(
+            "OUT003",
+            f"was written from {other.beside(own)}, and this run writes {own.beside(other)}{more}",
+            span=Span(first),
+            help="choose another folder with -o: each spec needs one of its own where files have one name; "
+            f"--force replaces what was written from {other.spec}",
+        )
     collector.raise_if_failed(EmitError)
     write_files([(file.path, file.data) for file in files if file.changed], force=True)
 
@@ -166,11 +208,13 @@ def diff(files: tuple[Output, ...]) -> Iterator[str]:
     for file in files:
         if not file.changed:
             continue
+        other = other_spec(file)
         before = os.devnull if file.old is None else file.path
-        yield from diff_lines(file.old or b"", file.data, before, file.path)
+        note = "" if other is None else f"written from {other.spec}"
+        yield from diff_lines(file.old or b"", file.data, before, file.path, note)
 
 
-def diff_lines(old: bytes, new: bytes, before: str, after: str) -> Iterator[str]:
+def diff_lines(old: bytes, new: bytes, before: str, after: str, note: str = "") -> Iterator[str]:
     """Lines of a unified diff.
 
     Args:
@@ -178,9 +222,10 @@ def diff_lines(old: bytes, new: bytes, before: str, after: str) -> Iterator[str]
         new: Text after.
         before: What the old file is called.
         after: What the new file is called.
+        note: What is said of the old file behind its name, where a diff may have the time.
     """
     first, second = (data.decode("utf-8", "replace").splitlines(keepends=True) for data in (old, new))
-    for line in difflib.unified_diff(first, second, one_line(before), one_line(after)):
+    for line in difflib.unified_diff(first, second, one_line(before), one_line(after), one_line(note)):
         yield line if line.endswith("\n") else line + "\n"
 
 
@@ -225,35 +270,94 @@ def _check_distinct(files: Sequence[Output], collector: Collector) -> None:
             )
 
 
-def _manifest(compilation: Compilation, options: TargetOptions, emission: Emission) -> bytes:
+def _record(compilation: Compilation, options: TargetOptions, emission: Emission) -> dict[str, Any]:
     """What was made from what; no time and no path of a machine, so that it is the same everywhere."""
-    record = {
-        "format": MANIFEST_FORMAT,
+    return {
         "tool": f"actspec {actspec.__version__}",
         "spec": name_in_file(os.path.basename(compilation.spec.document.path)),
         "spec_sha256": compilation.actuators.spec_sha256,
         **({"variant": compilation.actuators.variant} if compilation.actuators.variant else {}),
+        "robot": compilation.spec.model.robot.name,
         "target": {"name": options.name, "kind": options.kind, "version": options.version},
         "files": [{"path": file.path, "sha256": file.sha256} for file in emission.files],
         "approximations": [
             loss_record(loss) for loss in (*compilation.actuators.approximations, *emission.approximations)
         ],
     }
-    return f"{json_of(record)}\n".encode()
+
+
+def _origin(record: Mapping[str, Any]) -> Origin:
+    variant = f"#{record['variant']}" if record.get("variant") else ""
+    return Origin(f"{record['spec']}{variant}", str(record.get("robot", "")))
+
+
+def _manifest(record: Mapping[str, Any], folder: str) -> bytes:
+    """The manifest of a folder: what other specs have there stays in it, whichever was compiled last."""
+    own, files = _origin(record), _hashes(record)
+    records = [record]
+    for other in _records(folder) or ():
+        # A path that this spec takes over, by --force or where nothing lies, is the other's no more.
+        kept = [
+            e for e in other["files"] if files.get(os.path.normpath(e["path"]), e["sha256"]) == e["sha256"]
+        ]
+        if kept and not _origin(other).same(own):
+            records.append({**other, "files": kept})
+    first, *others = sorted(records, key=_origin)
+    whole = {"format": MANIFEST_FORMAT, **first, **({"others": others} if others else {})}
+    return f"{json_of(whole)}\n".encode()
+
+
+def _records(folder: str) -> list[dict[str, Any]] | None:
+    """What the manifest of a folder says of each spec; None: it has none of actspec's."""
+    try:
+        with noting():  # to be judged, and not as this run's input
+            first = json.loads(read_regular(os.path.join(folder, MANIFEST), _MOST_MANIFEST))
+        if first.pop("format") != MANIFEST_FORMAT:
+            return None
+        records: list[dict[str, Any]] = [first, *first.pop("others", ())]
+        for record in records:  # they are asked and written anew below
+            _origin(record), _hashes(record), json_of(record)
+    except (*FAULTS, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+    return records
+
+
+def _hashes(record: Mapping[str, Any]) -> dict[str, str]:
+    """Path below the target's folder to hash of each file of a record."""
+    return {os.path.normpath(entry["path"]): str(entry["sha256"]) for entry in record["files"]}
+
+
+def _owners(file: Output) -> list[Origin]:
+    """The specs from which a file was written as it is there."""
+    assert file.old is not None
+    name, sha256 = os.path.relpath(file.path, file.folder), hashlib.sha256(file.old).hexdigest()
+    return [_origin(record) for record in _records(file.folder) or () if _hashes(record).get(name) == sha256]
+
+
+def _is_manifest(file: Output) -> bool:
+    return os.path.relpath(file.path, file.folder) == MANIFEST
 
 
 def is_ours(file: Output) -> bool:
-    """Whether the manifest of its target's folder says that actspec wrote a file as it is there."""
-    assert file.old is not None
+    """Whether the manifest of its target's folder says that actspec wrote a file as it is there, from any spec."""
+    return _records(file.folder) is not None if _is_manifest(file) else bool(_owners(file))
+
+
+def other_spec(file: Output) -> Origin | None:
+    """Another spec than the file's, from which what is there was written; None: there is none, or it was edited since.
+
+    Also where both specs made the same of it: the other one needs what is there.
+    """
+    if file.old is None or _is_manifest(file):
+        return None
+    return next((origin for origin in _owners(file) if not origin.same(file.origin)), None)
+
+
+def _unlike(file: Output) -> str:
+    """Why a file that is there is not taken for actspec's."""
+    if _is_manifest(file):
+        return "is no manifest of actspec"
     name = os.path.relpath(file.path, file.folder)
-    try:
-        with open(os.path.join(file.folder, MANIFEST), encoding="utf-8") as stream:
-            record = json.load(stream)
-        if record.get("format") != MANIFEST_FORMAT:
-            return False
-        if name == MANIFEST:
-            return True
-        known = {os.path.normpath(entry["path"]): str(entry["sha256"]) for entry in record["files"]}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return False
-    return known.get(name) == hashlib.sha256(file.old).hexdigest()
+    if any(name in _hashes(record) for record in _records(file.folder) or ()):
+        return "was edited since actspec wrote it"
+    return f"no {MANIFEST} beside it says that actspec wrote it"

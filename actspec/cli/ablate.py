@@ -307,7 +307,7 @@ def _script(
     made: Mapping[str, Compilation], task: str | None, arguments: argparse.Namespace, out: Collector
 ) -> list[EmittedFile]:
     """The script that trains; none where no variant is written for mjlab, or where somebody has edited it."""
-    from actspec.output import Output, is_ours
+    from actspec.output import Origin, Output, is_ours
     from actspec.targets.mjlab.training import train_text
 
     runs = {
@@ -328,7 +328,9 @@ def _script(
     if os.path.isfile(path) and not arguments.force:
         with noting():  # not to be copied
             old = read_regular(path, MAX_BYTES)
-        if old != data and not is_ours(Output("ablation", arguments.output, path, data, old)):
+        if old != data and not is_ours(
+            Output("ablation", arguments.output, path, data, old, Origin(name, ""))
+        ):
             out.info(
                 "ABL030", "was edited: it stays as it is", span=Span(path), help="--force writes it anew"
             )

@@ -24,6 +24,7 @@ from actspec.diagnostics import (
     SpecError,
     one_line,
 )
+from actspec.libraries import extra_line
 from actspec.units import Kind
 
 if TYPE_CHECKING:
@@ -148,7 +149,7 @@ def _check_plots(paths: list[str], out: Collector) -> None:
                 "CMP011", f"'{path}' is no picture", where="--plot", help=f"one of {', '.join(SUFFIXES)}"
             )
         elif suffix != ".svg" and find_spec("matplotlib") is None:
-            help = "pip install 'actspec[report]', or write an .svg"
+            help = f"{extra_line('report')}, or write an .svg"
             out.error(
                 "CMP012", f"{suffix} needs matplotlib, which is not installed", where="--plot", help=help
             )

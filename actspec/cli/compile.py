@@ -54,7 +54,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--canonical", action="store_true", help="write MuJoCo's own form, not the author's text"
     )
-    add_force(command)
+    add_force(command, "replace files that actspec did not write, or wrote from another spec")
     add_format(command)
 
 
@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
             elif arguments.check:
                 for file in group:
                     if file.changed:
-                        print(f"{one_line(file.path)}: {'missing' if file.old is None else 'stale'}")
+                        print(one_line(f"{file.path}: {_state(file)}"))
             else:
                 print_lines(summary(compilation, group, written=not stopped))
         print_lines((*refused_losses(refused, "; nothing was written"), *refusal(doubtful)), sys.stderr)
@@ -113,6 +113,14 @@ def run(arguments: argparse.Namespace) -> int:
     if stopped or unloaded or (dry and stale):
         return EXIT_FINDINGS
     return EXIT_CLEAN
+
+
+def _state(file: output.Output) -> str:
+    """What is wrong with a file that would change."""
+    if file.old is None:
+        return "missing"
+    other = output.other_spec(file)
+    return "stale" if other is None else f"stale, written from {other.spec}"
 
 
 def _folder(arguments: argparse.Namespace, index: int) -> str | None:

@@ -187,6 +187,7 @@ def _data(arguments: argparse.Namespace) -> int:
 
 
 def _train(arguments: argparse.Namespace) -> int:
+    from actspec.learn.evaluate import law_errors
     from actspec.learn.files import check_output, write_network
     from actspec.learn.libraries import require
     from actspec.learn.train import TrainOptions, train
@@ -239,6 +240,8 @@ def _train(arguments: argparse.Namespace) -> int:
     with Progress("training") as progress:
         trained = train(data, parts, trained_by, progress.step)
     entries, judged = manifest_entries(data, parts, trained, logs, model)
+    laws = law_errors(data, parts.validate)
+    _tell_law(((name, errors, laws[name]) for name, errors in judged if name), data, out)
     paths = write_network(arguments.output, trained.layers, entries, force=arguments.force)
     if arguments.output_format == "json":
         print_json(train_record(data, parts, trained, judged, paths, out.sorted()))
@@ -247,6 +250,15 @@ def _train(arguments: argparse.Namespace) -> int:
         print_lines(train_lines(data, parts, trained, judged))
         print_lines(["wrote " + ", ".join(paths.values())])
     return warned(out)
+
+
+def _tell_law(joints: Any, data: Any, out: Collector) -> None:
+    """Say where the spec's law is nearer to the logs; for the arguments see `behind_the_law`."""
+    from actspec.fields import units_of
+    from actspec.learn.evaluate import behind_the_law
+
+    for finding in behind_the_law(joints, units_of(data.actuators[0].kind).torque):
+        out.add(finding)
 
 
 def _check_lstm(arguments: argparse.Namespace, hidden: tuple[int, ...]) -> None:
@@ -472,6 +484,7 @@ def _evaluate(arguments: argparse.Namespace) -> int:
         found = evaluate(data, law, manifest, stand, step, policy=policy, progress=progress.step)
     if sensed and found.closed_loop is not None:
         stand.tell(data.moved, out)
+    _tell_law(((joint.joint, joint.errors, joint.baselines) for joint in found.joints), data, out)
     for finding in worse_in_motion(found):
         out.add(finding)
     if arguments.html is not None:

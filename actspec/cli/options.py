@@ -162,9 +162,12 @@ FAIL_ON = ("error", "warning", "info", "never")
 """From which severity on a command exits with 1."""
 
 
-def add_force(command: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
+def add_force(
+    command: argparse.ArgumentParser | argparse._ArgumentGroup,
+    help: str = "replace files that actspec did not write",
+) -> None:
     """Add that files of others may be replaced."""
-    command.add_argument("--force", action="store_true", help="replace files that actspec did not write")
+    command.add_argument("--force", action="store_true", help=help)
 
 
 def add_fail_on(command: argparse.ArgumentParser) -> None:

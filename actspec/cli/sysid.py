@@ -12,6 +12,7 @@ from actspec.cli import sysid_import, sysid_report
 from actspec.cli.options import Lines, add_force, add_format, describe, joints_named, natural, quantity_of
 from actspec.cli.recordings import add_logs, read_logs, warned
 from actspec.diagnostics import EXIT_CLEAN, Collector, ResolveError, Span, listed, many
+from actspec.libraries import extra_line
 from actspec.report.terminal import Progress, print_diagnostics, print_json, print_lines
 from actspec.sysid.identified import METHODS
 from actspec.units import Kind
@@ -167,7 +168,7 @@ def _need_scipy() -> None:
     try:
         import scipy.signal  # noqa: F401
     except ImportError as err:
-        help = "pip install 'actspec[sysid]'"
+        help = extra_line("sysid")
         raise LogError.of("SYS002", "a fit needs scipy, which is not installed", help=help) from err
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import ActspecError, Span, shortened
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.laws.network import NetworkLaw
+from actspec.libraries import extra_line
 from actspec.readings.onnx_network import NetworkFileError, OnnxMissing, read_onnx
 from actspec.spec.network import NetworkManifest
 from actspec.targets.mujoco.networks import FORMAT, NAME
@@ -114,7 +115,7 @@ def read_bundle(folder: str | os.PathLike[str]) -> Bundle:
         )
         raise RuntimeFault.of("LRN040", f"there is no {NAME} in the folder", Span(folder), help=help) from err
     except OnnxMissing as err:
-        help = "pip install 'actspec[learn]'"
+        help = extra_line("learn")
         raise RuntimeFault.of("LRN041", "a network needs onnx, which is not installed", help=help) from err
     except (NetworkFileError, NotRegular, TooLarge, OSError) as err:
         raise RuntimeFault.of("LRN040", f"a network cannot be read: {err}", Span(path)) from err

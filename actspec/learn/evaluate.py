@@ -7,15 +7,17 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Diagnostic, Severity, Span
+from actspec.diagnostics import Collector, Diagnostic, Severity, Span, many
 from actspec.ir import JointActuator, Level
 from actspec.laws.network import NetworkLaw
 from actspec.learn.closed_loop import BASELINES, HORIZON, ROLLED, RollImpossible, baseline_laws, closed_loop
 from actspec.learn.windows import Dataset, Track
+from actspec.libraries import extra_line
 from actspec.readings.onnx_network import read_onnx
 from actspec.spec.network import NetworkManifest
 from actspec.sysid.figures import Bounds
 from actspec.sysid.stand import Stand
+from actspec.units import format_number
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,7 +30,7 @@ GOOD = (0.015, 0.95)
 FAIR = (0.03, 0.85)
 """Likewise of a fair one. Source: 1 N*m at 33.5 N*m."""
 WORSE = 2.0
-"""Chosen: a network that is so many times as far from the logs' motion as the spec's own law is of no use."""
+"""Chosen: a network that is so many times as far from the logs' motion or torque as the spec's own law is of no use."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,14 +115,53 @@ def errors_of(found: Array, torque: Array) -> Errors:
     )
 
 
-def graded(errors: Errors, limit: float | None) -> str:
-    """`good`, `fair` or `poor`; without a limit by R² alone."""
+def graded(errors: Errors, limit: float | None, laws: Mapping[str, Errors]) -> str:
+    """`good`, `fair` or `poor`.
+
+    Args:
+        errors: Of the network.
+        limit: Effort limit [N*m or N]; None: it is graded by R² alone.
+        laws: Errors of the spec's laws on the same rows: a network that is further off than one of them is not good,
+            and one that is `WORSE` times as far is poor.
+    """
     share = 0.0 if limit is None else errors.rmse / limit
     r2 = -math.inf if errors.r2 is None else errors.r2
-    for name, (most, least) in (("good", GOOD), ("fair", FAIR)):
-        if share < most and r2 > least:
+    behind = _behind(errors, laws)
+    for name, (most, least), times in (("good", GOOD, 1.0), ("fair", FAIR, WORSE)):
+        if share < most and r2 > least and behind <= times:
             return name
     return "poor"
+
+
+def _behind(errors: Errors, laws: Mapping[str, Errors]) -> float:
+    """How many times as far off a network is as the nearest law; 0 without a law."""
+    least = min((law.rmse for law in laws.values()), default=math.inf)
+    return errors.rmse / least if least > 0.0 else math.inf if errors.rmse > 0.0 else 0.0
+
+
+def behind_the_law(
+    joints: Iterable[tuple[str, Errors, Mapping[str, Errors]]], unit: str
+) -> Iterator[Diagnostic]:
+    """Joints whose torque the spec's own law tells better than the network, at once.
+
+    Args:
+        joints: Name of each, errors of its network, and of the spec's laws on the same rows.
+        unit: Of their torque.
+    """
+    found = {name: (errors, laws) for name, errors, laws in joints if _behind(errors, laws) > 1.0}
+    if not found:
+        return
+    worst = max(found, key=lambda name: _behind(*found[name]))
+    errors, laws = found[worst]
+    best = min(laws, key=lambda name: laws[name].rmse)
+    times, among = _behind(errors, laws), f", at most of {many(len(found), 'joint')}" * (len(found) > 1)
+    message = (
+        f"the network's torque is {format_number(times, 3)} times as far from the logs as that of {best}, the spec's "
+        f"own law{among}: {format_number(errors.rmse, 3)} and {format_number(laws[best].rmse, 3)} {unit}"
+    )
+    severity = Severity.WARNING if times > WORSE else Severity.INFO
+    help = "keep the law, or train longer and on longer logs"
+    yield Diagnostic("LRN035", severity, message, worst, help=help)
 
 
 def limit_of(actuator: JointActuator) -> float | None:
@@ -182,16 +223,11 @@ def evaluate(
         bounds = Bounds.of(actuator)
         torque = np.concatenate([t.torque[t.rows] for t in tracks])
         found = {"network": np.concatenate(predicted(law, tracks, bounds))}
-        bias = actuator.encoder_bias.value or 0.0
-        for name, base in baseline_laws(actuator).items():
-            parts = [
-                base.torque(t.in_force[t.rows], t.position[t.rows] - bias, t.velocity[t.rows]) for t in tracks
-            ]
-            found[name] = np.concatenate(parts)
+        found |= _by_laws(actuator, [(t, t.rows) for t in tracks])
         limit = limit_of(actuator)
         errors = {name: errors_of(part, torque) for name, part in found.items()}
         network = errors.pop("network")
-        joints.append(JointErrors(actuator.joint, network, limit, graded(network, limit), errors))
+        joints.append(JointErrors(actuator.joint, network, limit, graded(network, limit, errors), errors))
         everything.append((torque, found))
     torque = np.concatenate([part for part, _ in everything])
     names = [name for name in BASELINES if all(name in found for _, found in everything)]
@@ -218,6 +254,40 @@ def evaluate(
         why,
         outside(policy or data, manifest),
     )
+
+
+def law_errors(data: Dataset, rows: Sequence[NDArray[np.intp]]) -> dict[str, dict[str, Errors]]:
+    """Joint to errors of the spec's laws at chosen rows of each track; what lies within a torque's slack is none."""
+    import numpy as np
+
+    found = {}
+    for actuator in data.actuators:
+        pairs = zip(data.tracks, rows, strict=True)
+        mine = [(track, some) for track, some in pairs if track.joint == actuator.joint and len(some)]
+        if not mine:
+            continue
+        torque = np.concatenate([track.torque[some] for track, some in mine])
+        slack = np.concatenate(
+            [np.zeros(len(some)) if track.slack is None else track.slack[some] for track, some in mine]
+        )
+        found[actuator.joint] = {
+            name: errors_of(part, np.clip(part, torque - slack, torque + slack))
+            for name, part in _by_laws(actuator, mine).items()
+        }
+    return found
+
+
+def _by_laws(actuator: JointActuator, tracks: Sequence[tuple[Track, NDArray[np.intp]]]) -> dict[str, Array]:
+    """Torque of the spec's laws at rows of a joint's tracks [N*m or N], shape (n,)."""
+    import numpy as np
+
+    bias = actuator.encoder_bias.value or 0.0
+    return {
+        name: np.concatenate(
+            [law.torque(t.in_force[some], t.position[some] - bias, t.velocity[some]) for t, some in tracks]
+        )
+        for name, law in baseline_laws(actuator).items()
+    }
 
 
 def worse_in_motion(found: Evaluation) -> Iterator[Diagnostic]:
@@ -280,6 +350,6 @@ def network_of(
         return found.manifest.law(read_onnx(found.data)), found.manifest
     except OnnxMissing as err:
         message = "a network is read by onnx, which is not installed"
-        raise LogError.of("LRN012", message, Span(path), help="pip install 'actspec[learn]'") from err
+        raise LogError.of("LRN012", message, Span(path), help=extra_line("learn")) from err
     except NetworkFileError as err:
         raise LogError.of("LRN013", f"'{found.name}' cannot be read: {err}", Span(path)) from err

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 
 from actspec.diagnostics import listed
+from actspec.libraries import extra_line
 from actspec.logs import LogError
 
 
@@ -20,4 +21,4 @@ def require(*names: str) -> None:
     lacking = [name for name in names if find_spec(name) is None]
     if lacking:
         message = f"{listed(lacking)} {'is' if len(lacking) == 1 else 'are'} not installed"
-        raise LogError.of("LRN012", message, help="pip install 'actspec[learn]'")
+        raise LogError.of("LRN012", message, help=extra_line("learn"))

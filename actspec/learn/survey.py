@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Span
+from actspec.diagnostics import Collector, Span, listed
 from actspec.learn.train import input_ranges
 from actspec.learn.windows import Dataset, Track
 from actspec.sysid.figures import Bounds
@@ -68,6 +69,7 @@ def survey(data: Dataset, policy: Dataset | None, out: Collector) -> tuple[Joint
     import numpy as np
 
     found = []
+    short: dict[str, float] = {}
     for actuator in data.actuators:
         tracks = [t for t in data.tracks if t.joint == actuator.joint and len(t.rows)]
         if not tracks:
@@ -84,8 +86,7 @@ def survey(data: Dataset, policy: Dataset | None, out: Collector) -> tuple[Joint
         ranges = input_ranges(here, [t.rows for t in tracks])
         place = Span(tracks[0].log.path)
         if seconds < SHORT:
-            message = f"{seconds:.3g} s of rows with a whole history, {SHORT:g} s at least make a network"
-            out.warning("LRN020", message, where=actuator.joint, span=place, help="log longer")
+            short[actuator.joint] = seconds
         if saturation is not None and saturation > OFTEN:
             message = f"the torque is at its limit in {saturation:.0%} of the rows"
             help = "such a row tells the limit alone: log smaller commands"
@@ -109,7 +110,31 @@ def survey(data: Dataset, policy: Dataset | None, out: Collector) -> tuple[Joint
                 beyond,
             )
         )
+    _judge_length(short, len(found), data, out)
     return tuple(found)
+
+
+def _judge_length(short: Mapping[str, float], joints: int, data: Dataset, out: Collector) -> None:
+    """Report joints with too few rows at once: they are in the same logs.
+
+    Args:
+        short: Such joints, with the time of their rows [s].
+        joints: How many there are.
+        data: The logs.
+        out: Takes the finding.
+    """
+    if not short:
+        return
+    first = next(track for track in data.tracks if track.joint in short)
+    low, high = (f"{end(short.values()):.3g}" for end in (min, max))
+    each = f"{low if low == high else f'{low} to {high}'} s"
+    message = f"{each} of rows with a whole history, {SHORT:g} s at least make a network"
+    if len(short) > 1:
+        message = (
+            f"{'all ' if len(short) == joints else ''}{len(short)} joints have {message}: {listed(short)}"
+        )
+    where = next(iter(short)) if len(short) == 1 else data.group
+    out.warning("LRN020", message, where=where, span=Span(first.log.path), help="log longer")
 
 
 def _beyond(tracks: list[Track], name: str, ends: dict[str, float]) -> float:

@@ -252,7 +252,8 @@ def _check_torque(names: Sequence[str], logs: Sequence[Log], out: Collector) -> 
         if lacking:
             current = all(log.joints[name].current is not None for name in lacking)
             message = f"no column {listed(f'{name}.torque' for name in lacking)}"
-            help = "train with --torque inferred, which needs none"
+            named = next((help for n in lacking if (help := log.misnamed(n, ["torque"]))), None)
+            help = named or "train with --torque inferred, which needs none"
             if current:
                 help = "a current is no torque: log it times torque constant and gear, or train with --torque inferred"
             out.error("LRN006", message, where=lacking[0], span=Span(log.path, 1), help=help)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import ActspecError, Span
+from actspec.diagnostics import ActspecError, Span, nearest, shortened
 from actspec.fields import units_of
 from actspec.joints import JointKind
 from actspec.units import Kind
@@ -37,6 +37,15 @@ SIGNALS: Mapping[str, Kind | None] = {
 """What a column `JOINT.SIGNAL` may be, and of which kind; `enabled` is 0 or 1."""
 
 
+def signal_like(name: str) -> str | None:
+    """The signal that a short or misspelt name may stand for, such as `pos`; None: none is near."""
+    name = name.lower()
+    begins = [signal for signal in SIGNALS if len(name) >= _SHORTEST and signal.startswith(name)]
+    return min(begins, key=len) if begins else nearest(name, list(SIGNALS))
+
+
+_SHORTEST = 3
+"""Letters of an abbreviation. Chosen: `t` and `q` are many things."""
 BASE: Mapping[str, tuple[str, str]] = {
     "position": ("xyz", "m"),
     "orientation": ("wxyz", ""),
@@ -138,6 +147,20 @@ class Log:
         import numpy as np
 
         return float(np.median(np.diff(self.time)))
+
+    def misnamed(self, joint: str, signals: Iterable[str]) -> str | None:
+        """Help where a joint lacks signals: a column of it that may be one of them by another name; None: it has none.
+
+        Args:
+            joint: Its name.
+            signals: What it lacks.
+        """
+        lacking = frozenset(signals)
+        for column in self.ignored:
+            owner, _, name = column.rpartition(".")
+            if owner == joint and (signal := signal_like(name)) in lacking:
+                return f"is it '{shortened(column)}'? Name that column `{joint}.{signal}`"
+        return None
 
     def span(self, index: int) -> Span:
         """Place of a row, counted from 0."""

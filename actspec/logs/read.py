@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, did_you_mean, listed, shortened
-from actspec.logs.log import BASE, SIGNALS, BaseLog, JointLog, Log, LogError
+from actspec.logs.log import BASE, SIGNALS, BaseLog, JointLog, Log, LogError, signal_like
 from actspec.logs.sidecar import load_sidecar, sidecar_path
 from actspec.logs.tables import Table, read_table
 from actspec.patterns import PatternError, match_names
@@ -107,6 +107,14 @@ def load_log(path: str) -> Log:
     if not found and not out.failed:
         message = "no column is a signal of a joint"
         help = f"name columns `JOINT.SIGNAL [UNIT]`, or map them in {sidecar_path(path)}; signals: {', '.join(SIGNALS)}"
+        named = [name.rpartition(".") for name in ignored]
+        near = next(
+            ((joint, text, like) for joint, _, text in named if joint and (like := signal_like(text))), None
+        )
+        if near is not None:
+            help = (
+                f"'{shortened(near[0])}.{shortened(near[1])}' may be `{shortened(near[0])}.{near[2]}`: {help}"
+            )
         out.error("LOG011", message, span=Span(path, 1), help=help)
     out.raise_if_failed(LogError)
     assert time is not None

@@ -6,7 +6,7 @@ import math
 import os
 from datetime import date
 
-from actspec.diagnostics import Collector, Span, SpecError, shortened
+from actspec.diagnostics import Collector, Span, SpecError, shell_word, shortened
 from actspec.logs.log import LogError
 from actspec.logs.tables import ENDINGS
 from actspec.spec.document import load_document
@@ -53,6 +53,13 @@ def load_sidecar(path: str) -> Sidecar:
     collector = Collector()
     try:
         document = load_document(beside)
+        if "actspec" in document.data:
+            message = f"is a spec, and stands where the sidecar of {os.path.basename(path)} is looked for"
+            stem, ending = os.path.splitext(path)
+            help = (
+                f"give the log or the spec another name, e.g. {shell_word(f'{stem}_log{ending}')} for the log"
+            )
+            raise LogError.of("LOG010", message, document.spans.value(()), help=help)
         if "format" not in document.data:
             collector.error(
                 "LOG010",

@@ -17,6 +17,7 @@ from typing import Any
 
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, one_line, shortened
 from actspec.files import place_of
+from actspec.libraries import extra_line
 from actspec.processes import IsolatedCall, LostError
 
 MAX_BYTES = 1024 * 1024
@@ -118,7 +119,7 @@ def read_usda(data: bytes, path: str) -> UsdaLayer:
     """
     if find_spec("pxr") is None:
         message = "a .usda layer is read with usd-core, which is not installed"
-        raise _refusal(MISSING, message, Span(path), "pip install 'actspec[usd]'")
+        raise _refusal(MISSING, message, Span(path), extra_line("usd"))
     if len(data) > MAX_BYTES:
         raise _refusal(LOST, f"the layer has {len(data)} bytes, more than {MAX_BYTES}", Span(path))
     with IsolatedCall(_read, TIME_LIMIT, "USD") as call:

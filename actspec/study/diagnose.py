@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Diagnostic, Severity, Span, listed
 from actspec.ir import ActuatorSet, JointActuator, Level
+from actspec.libraries import extra_line
 from actspec.logs import Log, LogError
 from actspec.study.advice import Advice, advise
 from actspec.study.findings import enough, findings
@@ -163,7 +164,7 @@ def _signals(actuators: ActuatorSet, logs: Sequence[Log], out: Collector) -> tup
         message = (
             "signs and units of the logs' columns are not checked: that needs scipy, which is not installed"
         )
-        out.info("DGN016", message, help="pip install 'actspec[sysid]'")
+        out.info("DGN016", message, help=extra_line("sysid"))
         return ()
     seen = Collector()
     kinds = {actuator.joint: actuator.kind for actuator in actuators.joints}

@@ -123,7 +123,8 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
     lacking = [name for name in ("command", "position") if getattr(joint, name) is None]
     if lacking:
         message = f"no column {listed([f'{joint.name}.{name}' for name in lacking])}"
-        out.error("SYS010", message, where=joint.name, span=place, help="a fit needs command and position")
+        help = log.misnamed(joint.name, lacking) or "a fit needs command and position"
+        out.error("SYS010", message, where=joint.name, span=place, help=help)
         return None
     assert joint.command is not None and joint.position is not None
     told = np.isfinite(joint.command)

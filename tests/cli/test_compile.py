@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 
 from actspec.cli.main import main
@@ -143,6 +145,136 @@ def test_an_edited_output_is_not_replaced(spec: Path) -> None:
     spec.write_text(SPEC.replace("kp: 20", "kp: 21"))
     assert main(["compile", "arm.yaml"]) == 2
     assert OUT.read_text().endswith("<!-- tuned by hand -->\n")
+
+
+@pytest.fixture
+def stiff(spec: Path) -> str:
+    """A second spec of the same model with another kp, and a file of the first in the folder `out`."""
+    Path("stiff.yaml").write_text(SPEC.replace("kp: 20", "kp: 40").replace("name: arm", "name: stiff"))
+    assert main(["compile", "arm.yaml", "-o", "out"]) == 0
+    return "out/mujoco/arm.xml"
+
+
+def test_a_file_of_another_spec_is_not_replaced(stiff: str, capsys: Any) -> None:
+    """Both specs are named, whichever comes second; with --force the file has changed hands, and the folder says so."""
+    before = {path: path.read_bytes() for path in Path("out/mujoco").iterdir()}
+    capsys.readouterr()
+    said = "out/mujoco/arm.xml: OUT003: was written from {}, and this run writes {}\n"
+    assert main(["compile", "stiff.yaml", "-o", "out"]) == 2
+    err = capsys.readouterr().err
+    assert said.format("arm.yaml", "stiff.yaml") in err and "another folder with -o" in err
+    assert {path: path.read_bytes() for path in Path("out/mujoco").iterdir()} == before
+    assert main(["compile", "stiff.yaml", "-o", "out", "--force"]) == 0
+    assert main(["compile", "stiff.yaml", "-o", "out", "--check"]) == 0
+    capsys.readouterr()
+    assert main(["compile", "arm.yaml", "-o", "out"]) == 2
+    assert said.format("stiff.yaml", "arm.yaml") in capsys.readouterr().err
+    assert [record["spec"] for record in manifest()] == ["stiff.yaml"]
+
+
+def test_several_files_of_another_spec_are_one_error(spec: Path, capsys: Any) -> None:
+    """Each of two targets has one: both paths are named."""
+    text = SPEC.replace("targets:", "targets:\n  old: {target: mujoco, version: '3.3'}")
+    spec.write_text(text)
+    Path("stiff.yaml").write_text(text.replace("kp: 20", "kp: 40").replace("name: arm", "name: stiff"))
+    assert main(["compile", "arm.yaml", "-o", "out"]) == 0
+    capsys.readouterr()
+    assert main(["compile", "stiff.yaml", "-o", "out"]) == 2
+    err = capsys.readouterr().err
+    assert (
+        "out/old/arm.xml: OUT003: was written from arm.yaml, and this run writes stiff.yaml; so was " in err
+    )
+    assert "; so was 1 more: out/mujoco/arm.xml\n" in err and err.count("OUT003") == 1
+
+
+def test_check_and_diff_name_the_other_spec(stiff: str, capsys: Any) -> None:
+    """What would be replaced is another spec's: said beside its name, where a diff has the time."""
+    capsys.readouterr()
+    assert main(["compile", "stiff.yaml", "-o", "out", "--check"]) == 1
+    assert f"{stiff}: stale, written from arm.yaml\n" in capsys.readouterr().out
+    assert main(["compile", "stiff.yaml", "-o", "out", "--diff"]) == 1
+    assert f"--- {stiff}\twritten from arm.yaml\n+++ {stiff}\n" in capsys.readouterr().out
+
+
+def test_specs_side_by_side(stiff: str) -> None:
+    """Two specs whose files have other names share a folder: each stays fresh, and can be edited and compiled again."""
+    Path("leg.xml").write_text(MODEL)
+    Path("leg.yaml").write_text(SPEC.replace("arm.xml", "leg.xml").replace("name: arm", "name: leg"))
+    alone = Path("out/mujoco/manifest.json").read_bytes()
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 0
+    both = Path("out/mujoco/manifest.json").read_bytes()
+    assert [(r["spec"], r["robot"], [f["path"] for f in r["files"]]) for r in manifest()] == [
+        ("arm.yaml", "arm", ["arm.xml"]),
+        ("leg.yaml", "leg", ["leg.xml"]),
+    ]
+    assert json.loads(alone).items() <= json.loads(both).items()
+    assert main(["compile", "arm.yaml", "-o", "out", "--check"]) == 0
+    assert main(["compile", "leg.yaml", "-o", "out", "--check"]) == 0
+    for name in ("arm", "leg"):
+        path = Path(f"{name}.yaml")
+        path.write_text(path.read_text().replace("kp: 20", "kp: 21"))
+        assert main(["compile", path.name, "-o", "out"]) == 0
+        assert 'kp="21"' in Path(f"out/mujoco/{name}.xml").read_text()
+    Path("out/mujoco/leg.xml").write_text("tuned by hand")
+    Path("leg.yaml").write_text(SPEC.replace("arm.xml", "leg.xml").replace("name: arm", "name: leg"))
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 2
+
+
+def test_a_variant_and_a_spec_of_one_name_are_others(stiff: str, capsys: Any) -> None:
+    """A file that two variants write is refused by their names; specs of one file name are told apart by the robot."""
+    variants = "variants:\n  soft: {}\n  hard: {actuators: {legs: {kp: 80 N*m/rad}}}\n"
+    Path("arm.yaml").write_text(SPEC + variants)
+    assert main(["compile", "arm.yaml#soft", "-o", "two"]) == 0
+    capsys.readouterr()
+    assert main(["compile", "arm.yaml#hard", "-o", "two"]) == 2
+    assert "was written from arm.yaml#soft, and this run writes arm.yaml#hard" in capsys.readouterr().err
+    Path("b").mkdir()
+    Path("b/arm.xml").write_text(MODEL)
+    Path("b/arm.yaml").write_text(Path("stiff.yaml").read_text())
+    assert main(["compile", "b/arm.yaml", "-o", "out"]) == 2
+    assert (
+        "was written from arm.yaml of robot 'arm', and this run writes arm.yaml of robot 'stiff'"
+        in capsys.readouterr().err
+    )
+
+
+def test_a_manifest_of_before(stiff: str, spec: Path, capsys: Any) -> None:
+    """A manifest without robot and others, as actspec wrote it before: its files are those of the spec it names."""
+    path = Path("out/mujoco/manifest.json")
+    record = json.loads(path.read_text())
+    del record["robot"]
+    path.write_text(json.dumps(record))
+    assert main(["compile", "stiff.yaml", "-o", "out"]) == 2
+    assert "was written from arm.yaml, and" in capsys.readouterr().err
+    spec.write_text(SPEC.replace("kp: 20", "kp: 21"))
+    assert main(["compile", "arm.yaml", "-o", "out"]) == 0
+    assert [record["robot"] for record in manifest()] == ["arm"]
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("mine", "arm.xml: OUT003: exists already, and was edited since actspec wrote it"),
+        (None, "arm.xml: OUT003: exists already, and no manifest.json beside it says that actspec wrote it"),
+        ("{}", "manifest.json: OUT003: exists already, and is no manifest of actspec"),
+    ],
+)
+def test_why_a_file_stays(text: str | None, said: str, stiff: str, spec: Path, capsys: Any) -> None:
+    """An edited file, one that no manifest names, and a manifest of another program, each with its reason."""
+    spec.write_text(SPEC.replace("kp: 20", "kp: 21"))
+    if text is None:
+        Path("out/mujoco/manifest.json").unlink()
+    else:
+        Path("out/mujoco/manifest.json" if text == "{}" else stiff).write_text(text)
+    assert main(["compile", "arm.yaml", "-o", "out"]) == 2
+    assert f"out/mujoco/{said}\n" in capsys.readouterr().err
+
+
+def manifest() -> list[dict[str, Any]]:
+    """What the manifest of `out/mujoco` says of each spec; it is as its schema has it."""
+    record = json.loads(Path("out/mujoco/manifest.json").read_text())
+    jsonschema.validate(record, json.loads((ROOT / "schemas/actspec-manifest-v1.schema.json").read_text()))
+    return [record, *record.pop("others", [])]
 
 
 def test_the_model_itself_is_never_replaced(spec: Path) -> None:

@@ -208,6 +208,11 @@ def rewritten(path: Path, change: Any) -> None:
         ),
         (lambda c: c.pop("hip.velocity [rad/s]"), "LRN053", "no column hip.velocity"),
         (
+            lambda c: c.__setitem__("hip.vel [rad/s]", c.pop("hip.velocity [rad/s]")),
+            "LRN053",
+            "is it 'hip.vel'? Name that column `hip.velocity`",
+        ),
+        (
             lambda c: [c.pop(k) for k in list(c) if k.startswith("arm")],
             "LRN052",
             "no arm: it has 1 of 2 joints",
@@ -226,7 +231,18 @@ def rewritten(path: Path, change: Any) -> None:
             "rows come every",
         ),
     ],
-    ids=["rate", "NaN", "no column", "one joint", "copied", "other names", "sign", "short", "two rates"],
+    ids=[
+        "rate",
+        "NaN",
+        "no column",
+        "other column",
+        "one joint",
+        "copied",
+        "other names",
+        "sign",
+        "short",
+        "two rates",
+    ],
 )
 def test_logs_that_are_refused(inside: Path, capsys: Any, change: Any, code: str, said: str) -> None:
     """Exit code 2, the file and joint named, nothing written."""

@@ -13,7 +13,7 @@ import pytest
 
 from actspec.cli.main import main
 from actspec.laws.network import NetworkLaw
-from actspec.learn.evaluate import Evaluation, errors_of, graded, worse_in_motion
+from actspec.learn.evaluate import Evaluation, behind_the_law, errors_of, graded, worse_in_motion
 from actspec.logs import load_log, write_log
 from actspec.owned import kind_of
 from actspec.readings.onnx_network import read_onnx
@@ -171,7 +171,11 @@ def test_data(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: An
     assert re.search(r"hip +0\.35 +200 Hz", capsys.readouterr().out)
     assert main(["net", "data", "spec.yaml", "2.npz", "--policy", "3.npz", "--output-format", "json"]) == 1
     found = checked("net-data", capsys.readouterr().out)
-    assert "LRN020" in {item["code"] for item in found["findings"]}
+    # Both joints are in one log: said once, with both.
+    (short,) = (item for item in found["findings"] if item["code"] == "LRN020")
+    assert short["message"] == (
+        "all 2 joints have 5.97 s of rows with a whole history, 20 s at least make a network: hip, arm"
+    )
     assert found["joints"][0]["outside"]["velocity"] >= 0.0
 
 
@@ -438,4 +442,31 @@ def test_errors_by_hand() -> None:
     assert errors.relative_error == pytest.approx(0.1)
     assert errors.r2 == pytest.approx(1 - 0.125 / 12.25)
     # RMSE 0.354: of 30 N*m 1.2 %, of 20 1.8 %, of 10 3.5 %.
-    assert [graded(errors, limit) for limit in (30.0, 20.0, 10.0, None)] == ["good", "fair", "poor", "good"]
+    assert [graded(errors, limit, {}) for limit in (30.0, 20.0, 10.0, None)] == [
+        "good",
+        "fair",
+        "poor",
+        "good",
+    ]
+
+
+def test_the_grade_by_the_law_that_it_would_replace() -> None:
+    """An RMSE of 0.1 beside 0.11, 0.06 and 0.04 N*m: nearer, 1.67 and 2.5 times as far; the nearest law counts."""
+    torque = np.array([3.0, -3.0, 3.0, -3.0])
+    network, far, near, best = (errors_of(torque + off, torque) for off in (0.1, 0.11, 0.06, 0.04))
+    laws = ({}, {"ideal_pd": far}, {"ideal_pd": far, "dc_motor": near}, {"ideal_pd": best, "dc_motor": far})
+    assert [graded(network, 30.0, law) for law in laws] == ["good", "good", "fair", "poor"]
+    assert not list(behind_the_law([("hip", network, laws[1]), ("knee", network, {})], "N*m"))
+    (one,) = behind_the_law([("hip", network, laws[2])], "N*m")
+    assert (one.code, one.severity.value, one.where) == ("LRN035", "info", "hip")
+    (one,) = behind_the_law(
+        [("hip", network, laws[2]), ("knee", network, laws[3]), ("toe", network, {})], "N*m"
+    )
+    assert (one.severity.value, one.where, one.message) == (
+        "warning",
+        "knee",
+        "the network's torque is 2.5 times as far from the logs as that of ideal_pd, the spec's own law, at most of "
+        "2 joints: 0.1 and 0.04 N*m",
+    )
+    exact = errors_of(torque, torque)
+    assert [graded(one, 30.0, {"ideal_pd": exact}) for one in (exact, network)] == ["good", "poor"]

@@ -63,10 +63,10 @@ def _results(data: bytes) -> None:
 
 
 def _manifest(data: bytes) -> None:
-    from actspec.output import Output, is_ours
+    from actspec.output import Origin, Output, is_ours
 
-    is_ours(Output("x", ".", "plain_cfg.py", b"", b""))
-    is_ours(Output("x", ".", "manifest.json", data, data))
+    is_ours(Output("x", ".", "plain_cfg.py", b"", b"", Origin("arm.yaml", "arm")))
+    is_ours(Output("x", ".", "manifest.json", data, data, Origin("arm.yaml", "arm")))
 
 
 def _robot(path: str) -> None:

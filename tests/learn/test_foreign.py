@@ -291,7 +291,7 @@ def test_convert_by_a_manifest_of_the_other_sign(
             spec.replace("level: actuator_net", named) + "targets: {mujoco: {}}\n"
         )
     assert found == {"good": (0, []), "bad": (1, [("LRN034", "m.json")])}
-    for command in (["validate"], ["compile", "-o", "build"]):
+    for command in (["validate"], ["compile", "-o", "build", "--force"]):
         warned = {}
         for name in ("good", "bad"):
             assert main([command[0], f"{name}.yaml", *command[1:]]) == 0

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from actspec.logs import BaseLog, JointLog, Log, LogError, Sidecar, load_log, write_log
+from actspec.logs.log import signal_like
 
 HEADER = "time [ms],hip.command [deg],hip.position [rad],hip.torque [N*m],note"
 
@@ -207,3 +208,51 @@ def test_a_sidecar_is_read_as_strictly_as_a_spec(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("supply: 24 V\n")
     with pytest.raises(LogError, match="actspec-log/1"):
         load_log(path)
+
+
+def test_a_spec_is_no_sidecar(tmp_path: Path) -> None:
+    """A spec of the log's name: one error with the cause, and what to rename."""
+    path = written(tmp_path, [HEADER, *rows()])
+    (tmp_path / "a.yaml").write_text("actspec: 1\nrobot: {name: a, model: a.xml}\ntargets: {}\n")
+    with pytest.raises(LogError) as caught:
+        load_log(path)
+    (item,) = caught.value.diagnostics
+    assert (item.code, str(item.span)) == ("LOG010", f"{tmp_path / 'a.yaml'}:1:1")
+    assert item.message == "is a spec, and stands where the sidecar of a.csv is looked for"
+    assert item.help is not None and item.help.endswith(f"e.g. {tmp_path / 'a_log.csv'} for the log")
+
+
+@pytest.mark.parametrize(
+    ("name", "signal"),
+    [
+        ("pos", "position"),
+        ("vel", "velocity"),
+        ("cmd", "command"),
+        ("Torqe", "torque"),
+        ("temperature", None),
+        ("q", None),
+    ],
+)
+def test_a_signal_by_another_name(name: str, signal: str | None) -> None:
+    """The beginning of a signal's name, and one that is nearly it."""
+    assert signal_like(name) == signal
+
+
+def test_columns_by_other_names(tmp_path: Path) -> None:
+    """A joint that lacks a signal has it by another name; another joint's is none of its own, nor what it lacks not."""
+    log = load_log(
+        written(tmp_path, ["time [s],hip.command [rad],hip.pos [rad],knee.vel [rad/s]", *ROWS_OF_FOUR])
+    )
+    assert log.misnamed("hip", ["position"]) == "is it 'hip.pos'? Name that column `hip.position`"
+    assert log.misnamed("hip", ["velocity"]) is None
+    path = written(
+        tmp_path, ["time [s],hip.cmd [rad],hip.pos [rad],knee.vel [rad/s]", *ROWS_OF_FOUR], "b.csv"
+    )
+    with pytest.raises(LogError, match="no column is a signal") as caught:
+        load_log(path)
+    assert (caught.value.diagnostics[0].help or "").startswith(
+        "'hip.cmd' may be `hip.command`: name columns "
+    )
+
+
+ROWS_OF_FOUR = [f"{0.01 * i:.2f},0,0,0" for i in range(30)]

@@ -35,6 +35,8 @@ def test_a_log_with_fewer_rows_than_commands(tmp_path: Path) -> None:
     (item,) = [one for one in caught.value.diagnostics if one.severity.value == "error"]
     assert (item.code, item.where) == ("SYS039", "hip")
     assert item.message.startswith("a row comes every 20 ms, ") and "other commands between" in item.message
+    # Nothing is written: there are no figures that could be uncertain.
+    assert "SYS030" not in {one.code for one in caught.value.diagnostics}
 
 
 def test_as_few_rows_whose_commands_are_held_are_sound(tmp_path: Path) -> None:

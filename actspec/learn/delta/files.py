@@ -17,6 +17,7 @@ from actspec.learn.delta.network import DeltaLayers, onnx_of, torchscript_of
 from actspec.learn.dynamics import dynamics_entries
 from actspec.learn.files import SAME, file_entries, network_paths_of, write_files
 from actspec.learn.torchscript import loaded
+from actspec.libraries import extra_line
 from actspec.logs import BASE, Log
 from actspec.readings.onnx_graph import Graph
 from actspec.readings.onnx_network import NetworkFileError, OnnxMissing
@@ -146,7 +147,7 @@ def read_delta(path: str | os.PathLike[str]) -> DeltaNetwork:
         graph = Graph(data)
         _check_graph(graph, manifest)
     except OnnxMissing as err:
-        help = "pip install 'actspec[learn]'"
+        help = extra_line("learn")
         raise DeltaFault.of("LRN012", "a delta action needs onnx, which is not installed", help=help) from err
     except NetworkFileError as err:
         pickled = data[:2] == b"\x80\x02" or data[:1] == b"\x80" or data[:2] == b"PK"

@@ -280,7 +280,10 @@ def _check_log(log: Log, names: Sequence[str], joints: Sequence[str], period: fl
         for signal in ("command", "position", "velocity"):
             values = getattr(log.joints[name], signal) if name in log.joints else np.zeros(1)
             if values is None:
-                out.error("LRN053", f"no column {name}.{signal}", where=name, span=Span(log.path, 1))
+                near = log.misnamed(name, [signal])
+                out.error(
+                    "LRN053", f"no column {name}.{signal}", where=name, span=Span(log.path, 1), help=near
+                )
             elif (bad := np.flatnonzero(~np.isfinite(values))).size:
                 message = f"the {signal} is not a number in {bad.size} rows"
                 help = "leave these rows out: a gap in the time is understood"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal
 from actspec.diagnostics import Collector, Place, SpecError, listed, one_line, shortened
 from actspec.files import NotRegular, TooLarge, is_imported, read_regular
 from actspec.ir import ActuatorSet, Command, JointActuator, Level, Network
+from actspec.libraries import extra_line
 from actspec.readings.onnx_file import NotOnnx, check_onnx
 from actspec.targets.base import EmittedFile
 
@@ -331,7 +332,7 @@ def _fits(network: Network, path: str, data: bytes, manifest: NetworkManifest, p
     try:
         layers = read_onnx(data)
     except (OnnxMissing, NetworkUnknown) as err:
-        help = "pip install 'actspec[learn]'" if isinstance(err, OnnxMissing) else None
+        help = extra_line("learn") if isinstance(err, OnnxMissing) else None
         place.info("NET012", f"whether the network fits its manifest is not checked: {err}", help)
         return True
     except NetworkFileError as err:

@@ -15,6 +15,7 @@ from typing import Any
 from actspec.diagnostics import RobotError, shortened
 from actspec.files import FAULTS
 from actspec.ir import ActuatorSet, JointKind
+from actspec.libraries import extra_line
 from actspec.processes import IsolatedCall, LostError
 from actspec.robot.xml import open_document
 from actspec.robot.xml_tree import Element
@@ -74,7 +75,7 @@ def urdf_rows(target: TargetFiles, actuators: ActuatorSet, asked: Figures, fresh
 def _load(path: str) -> tuple[str, Joints]:
     if find_spec("yourdfpy") is None:
         reason = "yourdfpy, which reads the file a second time, is not installed"
-        raise EngineMissing(reason, "pip install 'actspec[urdf]'", setup=True)
+        raise EngineMissing(reason, extra_line("urdf"), setup=True)
     try:
         text = sanitised(path)
     except (RobotError, *FAULTS) as err:
