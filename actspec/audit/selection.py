@@ -20,6 +20,7 @@ DIAGNOSTICS = {
     "AUD015": "not-compared",
     "AUD021": "lost-file",
     "CFG001": "unknown-without-running",
+    "CFG003": "no-number-in-a-configuration",
     "DEPLOY001": "list-length",
     "DEPLOY002": "list-without-names",
     "DEPLOY003": "no-number",
