@@ -27,7 +27,7 @@ from actspec.readings.pair import (
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
 
-UNKNOWN = frozenset({"AUD015", "CFG001", "DEPLOY002", STEP_OF_WHAT})
+UNKNOWN = frozenset({"AUD015", "CFG001", "CFG003", "DEPLOY002", STEP_OF_WHAT})
 """Codes of information about figures that no rule looks at, or that are not compared."""
 
 

@@ -26,6 +26,7 @@ DIAGNOSTICS = {
     "DEPLOY003": "no-number",
     "DEPLOY004": "stands-twice",
     "DEPLOY005": "step-of-what",
+    "DEPLOY006": "joint-misspelt",
 }
 """What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
 

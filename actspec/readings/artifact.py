@@ -340,7 +340,9 @@ NAMES_NOTHING = ("AUD014", "AUD016")
 STEP_OF_WHAT = "DEPLOY005"
 """Code of the remark on a `dt` of which nobody knows what it is a step of."""
 
-NOT_TAKEN = frozenset({"CFG003", "DEPLOY001", "DEPLOY003", "DEPLOY004", "ROBOT009", "ROBOT123", "ROBOT124"})
+NOT_TAKEN = frozenset(
+    {"CFG003", "DEPLOY001", "DEPLOY003", "DEPLOY004", "DEPLOY006", "ROBOT009", "ROBOT123", "ROBOT124"}
+)
 """Warnings of readers that the file contradicts itself, so that something of it is not taken as it is written.
 
 The others tell no fault of the file: MuJoCo's own warnings, which its releases add to (ROBOT112), a mesh that is not

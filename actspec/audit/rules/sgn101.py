@@ -76,7 +76,7 @@ class NegativeFigure(RuleOver[_Subject]):
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Find gains and passive values below 0."""
         row, field, value = subject
-        if value >= 0.0:
+        if not value < 0.0:
             return
         if field in _GAINS:
             if row.span in case.once(_springs):

@@ -204,16 +204,21 @@ class Draft:
         say = self.notes.warning if certain else self.notes.info
         by_key = one.value.items() if isinstance(one.value, Mapping) else ((None, one.value),)
         for key, value in by_key:
-            if not isinstance(value, (str, tuple)):
+            if isinstance(value, str):
+                what = f"'{shortened(value, 40)}', which is text"
+            elif isinstance(value, tuple):
+                what = "a list"
+            elif isinstance(value, float) and math.isnan(value):
+                what = "nan"
+            else:
                 continue
-            only = value[0] if isinstance(value, tuple) and len(value) == 1 else value
-            number = _as_number(only)
-            what = f"'{shortened(value, 40)}', which is text" if isinstance(value, str) else "a list"
+            number = _as_number(value[0] if isinstance(value, tuple) and len(value) == 1 else value)
             message = f"{what} and no number: it is not judged"
             if key is None:
                 help = f"write {number}" if number else "write a number, or a dict of numbers by joint"
                 say(NO_NUMBER, f"it is {message}", where=where, span=one.span, help=help)
-                return Setting(None, one.span, f"it is {what}")
+                # Import has a word of its own for nan.
+                return one if isinstance(value, float) else Setting(None, one.span, f"it is {what}")
             hint = f"write {number}" if number else None
             said = f"{shortened(str(key), 40)} has {message}"
             say(NO_NUMBER, said, where=where, span=one.place(str(key)), help=hint)
