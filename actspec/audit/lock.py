@@ -17,7 +17,7 @@ from typing import Any
 
 from actspec.audit.case import Case
 from actspec.audit.difference import Difference, axis_text, compare_robots
-from actspec.audit.outcome import UNKNOWN, said_of
+from actspec.audit.outcome import UNKNOWN
 from actspec.audit.places import json_fault, json_places
 from actspec.audit.same_robot import called
 from actspec.audit.settings import read_versions
@@ -116,7 +116,7 @@ def remarks(case: Case, lock: Mapping[str, Any], names: Mapping[str, str]) -> It
         for model in file.refused_models if file.whole is None else ():
             message = f"the model does not compile, and is recorded from its text alone: {model.text_only}"
             yield Diagnostic("LCK004", Severity.WARNING, message, "", model.refused_at or Span(file.path))
-        said = said_of(file)
+        said = file.said
         yield from (item for item in said if item.code == STEP_OF_WHAT)
         unknown = [item for item in said if item.code in UNKNOWN]
         if all(

@@ -27,7 +27,7 @@ from actspec.readings.pair import (
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
 
-UNKNOWN = frozenset({"AUD015", "CFG001", "DEPLOY002", STEP_OF_WHAT})
+UNKNOWN = frozenset({"AUD015", "CFG001", "CFG003", "DEPLOY002", STEP_OF_WHAT})
 """Codes of information about figures that no rule looks at, or that are not compared."""
 
 
@@ -164,7 +164,7 @@ class Report:
         for file in self.case.files:
             found += (
                 item
-                for item in said_of(file)
+                for item in file.said
                 if (file.readable or file.names_nothing or item.severity is not Severity.ERROR)
                 and item not in file.not_taken
                 and not (file.in_folder and item.code in _OF_NAMED)
@@ -185,13 +185,6 @@ class Report:
             if (item.severity is not Severity.INFO or item.code in UNKNOWN)
             and SEVERITIES.index(item.severity) >= SEVERITIES.index(least)
         )
-
-
-def said_of(file: FileReading) -> tuple[Diagnostic, ...]:
-    """What readers have to say of a file, each remark once."""
-    # A deploy file has the notes of its configurations among its own.
-    notes = (note for artifact in file.artifacts if artifact.config for note in artifact.config.notes)
-    return tuple(dict.fromkeys((*file.diagnostics, *notes)))
 
 
 def _from_text(file: FileReading) -> Iterator[Diagnostic]:

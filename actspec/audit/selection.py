@@ -20,11 +20,13 @@ DIAGNOSTICS = {
     "AUD015": "not-compared",
     "AUD021": "lost-file",
     "CFG001": "unknown-without-running",
+    "CFG003": "no-number-in-a-configuration",
     "DEPLOY001": "list-length",
     "DEPLOY002": "list-without-names",
     "DEPLOY003": "no-number",
     "DEPLOY004": "stands-twice",
     "DEPLOY005": "step-of-what",
+    "DEPLOY006": "joint-misspelt",
 }
 """What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
 

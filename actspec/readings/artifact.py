@@ -343,7 +343,9 @@ NAMES_NOTHING = ("AUD014", "AUD016")
 STEP_OF_WHAT = "DEPLOY005"
 """Code of the remark on a `dt` of which nobody knows what it is a step of."""
 
-NOT_TAKEN = frozenset({"DEPLOY001", "DEPLOY003", "DEPLOY004", "ROBOT009", "ROBOT123", "ROBOT124"})
+NOT_TAKEN = frozenset(
+    {"CFG003", "DEPLOY001", "DEPLOY003", "DEPLOY004", "DEPLOY006", "ROBOT009", "ROBOT123", "ROBOT124"}
+)
 """Warnings of readers that the file contradicts itself, so that something of it is not taken as it is written.
 
 The others tell no fault of the file: MuJoCo's own warnings, which its releases add to (ROBOT112), a mesh that is not
@@ -410,14 +412,19 @@ class FileReading:
         return bool(self.artifacts) and all(one.robot and one.text_only is None for one in self.artifacts)
 
     @property
+    def said(self) -> tuple[Diagnostic, ...]:
+        """What readers have to say of it, each remark once."""
+        # A deploy file has the notes of its configurations among its own.
+        notes = (note for artifact in self.artifacts if artifact.config for note in artifact.config.notes)
+        return tuple(dict.fromkeys((*self.diagnostics, *notes)))
+
+    @property
     def not_taken(self) -> tuple[Diagnostic, ...]:
         """What is not taken as it is written, of a file that somebody named."""
         if self.in_folder or not self.readable:
             return ()
         return tuple(
-            item
-            for item in dict.fromkeys(self.diagnostics)
-            if item.code in NOT_TAKEN and item.severity is Severity.WARNING
+            item for item in self.said if item.code in NOT_TAKEN and item.severity is Severity.WARNING
         )
 
     @property

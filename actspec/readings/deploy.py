@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 
 import yaml
 
-from actspec.diagnostics import Collector, Span, listed, one_line, shortened
+from actspec.diagnostics import Collector, Span, listed, many, one_line, shortened
 from actspec.files import place_of
 from actspec.readings.artifact import (
     STEP_OF_WHAT,
@@ -32,6 +32,7 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
+from actspec.readings.deploy_missing import MISSPELT, NO_GAINS, misspelt, slip, why_without_gains
 from actspec.readings.deploy_steps import nearest, steps_of
 from actspec.readings.leftover import Leftover, node_span
 from actspec.readings.twice import keys_twice, name_twice
@@ -115,9 +116,10 @@ _Block: TypeAlias = "dict[str, yaml.Node]"
 """A mapping of the file: key to value."""
 
 
+_GAIN_KEYS = (*PER_JOINT["kp"], *PER_JOINT["kd"])
+
 _GAINS = re.compile(
-    rb"(?:^[^\w#\n]*|[{,][ \t]{0,9}[\"']?)(?:%s)[\"']?[ \t]*:"
-    % "|".join((*PER_JOINT["kp"], *PER_JOINT["kd"])).encode(),
+    rb"(?:^[^\w#\n]*|[{,][ \t]{0,9}[\"']?)(?:%s)[\"']?[ \t]*:" % "|".join(_GAIN_KEYS).encode(),
     re.MULTILINE,
 )
 
@@ -142,13 +144,14 @@ def read_deploy(path: str, data: bytes) -> FileReading:
     except Unfit as err:
         return FileReading(path, None, str(err), files=(file,), refused=err.span(path))
     name = os.path.splitext(os.path.basename(path))[0]
+    reader = _Reader(path)
     try:
-        configs = () if root is None else _Reader(path).whole(root, name)
+        configs = () if root is None else reader.whole(root, name)
         twice = () if root is None or not configs else keys_twice(root, path)
     except Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,), refused=err.span(path))
     if not configs:
-        return FileReading(path, None, "it has no gains (kp, kps, stiffness, ...)", files=(file,))
+        return _without_gains(file, root, reader)
     return FileReading(
         path,
         FileKind.DEPLOY,
@@ -157,6 +160,17 @@ def read_deploy(path: str, data: bytes) -> FileReading:
         (file,),
         (*(note for config in configs for note in config.notes), *twice),
     )
+
+
+def _without_gains(file: ModelFile, root: yaml.Node | None, reader: _Reader) -> FileReading:
+    """A file of which nothing is taken as gains."""
+    reader.steps = 0
+    try:
+        why, node = why_without_gains(root, _GAIN_KEYS, reader.mapping, _number)
+    except Unfit:
+        why, node = NO_GAINS, None
+    span = None if node is None else node_span(file.path, node)
+    return FileReading(file.path, None, why, files=(file,), refused=span)
 
 
 class Unfit(Exception):
@@ -232,7 +246,7 @@ class _Reader:
             return ()
         self.steps = 0
         try:
-            return Leftover(found, self.path, _number, self._mapping, LEAST_JOINTS).kept(root)
+            return Leftover(found, self.path, _number, self.mapping, LEAST_JOINTS).kept(root)
         except Unfit as err:
             # Too much to compare, and its gains are read all the same.
             rest = {"the rest of the file": Setting(None, err.span(self.path), str(err))}
@@ -257,8 +271,8 @@ class _Reader:
                 yield from self.configs(item, above, name, depth + 1)
         if not isinstance(node, yaml.MappingNode):
             return
-        block = self._mapping(node)
-        if any(_is_per_joint(block.get(key)) for field in ("kp", "kd") for key in PER_JOINT[field]):
+        block = self.mapping(node)
+        if self._has_gains(block):
             config = self._config(node, block, above, name)
             if config.groups or any(note.code != STEP_OF_WHAT for note in config.notes):
                 yield config
@@ -266,7 +280,18 @@ class _Reader:
         for key, value in block.items():
             yield from self.configs(value, (*above, block), key if depth == 0 else name, depth + 1)
 
-    def _mapping(self, node: yaml.MappingNode) -> _Block:
+    def _has_gains(self, block: _Block) -> bool:
+        """Whether a block has gains by joint, or one kp and one kd beside the list of joint names that both are for.
+
+        Single numbers elsewhere are those of a controller that stands up, of a Cartesian one, of a group of actuators.
+        """
+        if any(_is_per_joint(block.get(key)) for field in ("kp", "kd") for key in PER_JOINT[field]):
+            return True
+        gains = [nearest((block,), PER_JOINT[field]) for field in ("kp", "kd")]
+        single = all(found is not None and _number(found[1]) is not None for found in gains)
+        return single and any(self._texts(block.get(key)) for key in NAMES)
+
+    def mapping(self, node: yaml.MappingNode) -> _Block:
         """Keys to values, merges applied as YAML 1.1 does: a key of one's own wins."""
         found: _Block = {}
         merged: list[yaml.MappingNode] = []
@@ -307,6 +332,13 @@ class _Reader:
                 lists[field] = NamelessList(found[0], len(found[1].value), self._span(found[1]))
             if found is not None and ".*" in values and isinstance(found[1], yaml.SequenceNode):
                 count = Setting(float(len(found[1].value)), self._span(found[1]))
+        mapped = {
+            found[0]: fields[field]
+            for field in fields
+            if (found := nearest(scopes, PER_JOINT[field])) and isinstance(found[1], yaml.MappingNode)
+        }
+        if joints is None and mapped:
+            misspelt(mapped, out)
         for twice in self.refused[:1]:
             if any(one.entries == len(twice.value) for one in lists.values()):
                 name_twice(twice, self.path, out)
@@ -321,7 +353,7 @@ class _Reader:
             groups.append(ActuatorGroup(joint, "deploy", next(iter(own.values())).span, (joint,), own))
         timing = block.get("timing")
         if ours and isinstance(timing, yaml.MappingNode):
-            scopes = (self._mapping(timing), *scopes)
+            scopes = (self.mapping(timing), *scopes)
         settings = steps_of(scopes, self._setting, out)
         if count is not None:
             settings["joint_count"] = count
@@ -368,7 +400,7 @@ class _Reader:
         for name, (key, part) in OWN_LISTS.items():
             node = block.get(key)
             if part:
-                node = self._mapping(node).get(part) if isinstance(node, yaml.MappingNode) else None
+                node = self.mapping(node).get(part) if isinstance(node, yaml.MappingNode) else None
             if not isinstance(node, yaml.SequenceNode) or len(node.value) != len(joints):
                 continue
             found: dict[str, Setting] = {}
@@ -382,7 +414,7 @@ class _Reader:
     def _sdk_order(self, block: _Block) -> Setting:
         """The robot's numbering in a file that actspec wrote: names, None for a gap; empty: none is stated."""
         order = block.get("order")
-        node = self._mapping(order).get("sdk") if isinstance(order, yaml.MappingNode) else None
+        node = self.mapping(order).get("sdk") if isinstance(order, yaml.MappingNode) else None
         if not isinstance(node, yaml.SequenceNode):
             return Setting((), self._span(block["format"]))
         names: list[str | None] = []
@@ -396,13 +428,13 @@ class _Reader:
     def _names(self, block: _Block, above: tuple[_Block, ...]) -> dict[str, Span] | None:
         """The list of joint names that is nearest: in the block, above it, or in a mapping beside it."""
         for scope in (block, *reversed(above)):
-            beside = [self._mapping(v) for v in scope.values() if isinstance(v, yaml.MappingNode)]
+            beside = [self.mapping(v) for v in scope.values() if isinstance(v, yaml.MappingNode)]
             for place in (scope, *beside):
                 lists = [place.get(key) for key in NAMES]
                 # What actspec writes: `order: {robot: [...]}`.
                 order = place.get("order")
                 if isinstance(order, yaml.MappingNode):
-                    lists.append(self._mapping(order).get("robot"))
+                    lists.append(self.mapping(order).get("robot"))
                 found = next(filter(None, map(self._texts, lists)), None)
                 if found:
                     return found
@@ -447,7 +479,7 @@ class _Reader:
         """Joint to its value; with `.*` for all joints where the names do not matter."""
         span = self._span(node)
         if isinstance(node, yaml.MappingNode):
-            return self._by_name(node, joints)
+            return self._by_name(key, node, joints, out)
         single = _number(node)
         if single is not None:
             return {joint: Setting(single, span) for joint in joints or (".*",)}
@@ -466,7 +498,7 @@ class _Reader:
             }
         first = values[0][0] if values else None
         if joints is not None:
-            message = f"{key} has {len(values)} values for {len(joints)} joint names"
+            message = f"it has {many(len(values), 'value')} for {many(len(joints), 'joint name')}"
             help = f"the names are {listed(joints)}"
             if first is not None and len(values) > len(joints) and all(value == first for value, _ in values):
                 # Whoever reads it takes the right one for each joint.
@@ -477,7 +509,7 @@ class _Reader:
         if first is not None and all(value == first for value, _ in values):
             return {".*": Setting(first, span)}
         if values:
-            message = f"{key} is a list without joint names: which joint a value belongs to is not guessed"
+            message = "it is a list without joint names: which joint a value belongs to is not guessed"
             help = f"add joint_names: [...] with {len(values)} names in the order of the lists"
             if any(len(twice.value) == len(values) for twice in self.refused[:1]):
                 message = message.replace("without joint names", "whose joint names have one twice")
@@ -504,9 +536,12 @@ class _Reader:
             message = f"{joint} has {what}, which is {why}: it is not judged"
             out.warning("DEPLOY003", message, where=key, span=self._span(item))
 
-    def _by_name(self, node: yaml.MappingNode, joints: tuple[str, ...] | None) -> dict[str, Setting]:
+    def _by_name(
+        self, name: str, node: yaml.MappingNode, joints: tuple[str, ...] | None, out: Collector
+    ) -> dict[str, Setting]:
         found: dict[str, Setting] = {}
-        for key, value_node in self._mapping(node).items():
+        odd: dict[str, Setting] = {}
+        for key, value_node in self.mapping(node).items():
             value = _number(value_node)
             if value is None:
                 continue
@@ -515,7 +550,15 @@ class _Reader:
                 found[key] = setting
             else:
                 # legged_gym's rule: a key is part of the joint's name.
-                found.update({joint: setting for joint in joints if key in joint and joint not in found})
+                own = {joint: setting for joint in joints if key in joint}
+                found = {**own, **found}
+                odd.update({} if own else {key: setting})
+        for key, setting in odd.items():
+            meant = slip(key, (joint for joint in joints or () if joint not in found))
+            if meant is not None:
+                message = f"it has '{shortened(key)}', which is no joint of the list"
+                help = f"did you mean '{shortened(meant)}'?"
+                out.warning(MISSPELT, message, where=name, span=setting.span, help=help)
         return found
 
     def _setting(self, node: yaml.Node) -> Setting | None:

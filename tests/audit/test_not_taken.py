@@ -73,7 +73,7 @@ def test_what_stands_twice_is_none_in_a_folder() -> None:
     met = audit(["robots"], Settings())
     assert (met.findings, [item.code for item in met.diagnostics()]) == ((), ["DEPLOY002"])
     (lists,) = met.diagnostics()
-    assert lists.message.startswith("kp is a list whose joint names have one twice: ")
+    assert lists.message.startswith("it is a list whose joint names have one twice: ")
     named = audit(["robots/deploy.yaml"], Settings())
     assert [str(item.finding.span) for item in named.findings] == [
         "robots/deploy.yaml:1:26",
@@ -108,7 +108,7 @@ def test_every_format_has_it(capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("concise", "full", "json", "sarif", "github", "junit", "markdown", "html"):
         run("robots", "--as-named", "--fail-on", "warning", "--output-format", name)
         said[name] = capsys.readouterr().out
-        assert "kp has 2 values for 3 joint names" in said[name]
+        assert "it has 2 values for 3 joint names" in said[name]
     assert 'failures="2"' in said["junit"]
     assert [item["ruleId"] for item in json.loads(said["sarif"])["runs"][0]["results"]] == ["AUD022"] * 2
 

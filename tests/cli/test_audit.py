@@ -214,7 +214,7 @@ def test_what_is_unknown_is_said(capsys: pytest.CaptureFixture[str]) -> None:
     Path("dog.yaml").write_text("kps: [4, 5]\n")
     told = [
         "dog_cfg.py:3:9: CFG001 [info] legs.stiffness: not known without running it: built in a loop",
-        "dog.yaml:1:6: DEPLOY002 [info] kps: kps is a list without joint names: which joint a value belongs to is not "
+        "dog.yaml:1:6: DEPLOY002 [info] kps: it is a list without joint names: which joint a value belongs to is not "
         "guessed",
     ]
     assert run("audit", "dog_cfg.py", "dog.yaml") == 0

@@ -59,7 +59,7 @@ def test_lists_of_unlike_lengths(tmp_path: Path, capsys: pytest.CaptureFixture[s
     """Each has its number of entries; the two of a range are of no joint."""
     deploy = "kps: [30, 40, 50]\nkds: [1, 2, 2]\ndefault_angles: [0, 0.5, -1, 0]\ntorque_limits: [1, 2]\n"
     _, out, err = imported(tmp_path, deploy, capsys)
-    assert "torque_limits: torque_limits is a list without joint names" in err and "kps" not in err
+    assert "torque_limits: it is a list without joint names" in err and "kps" not in err
     assert (
         "no joint is named for kps (3 entries), kds (3 entries), default_angles (4 entries), so they are"
         in out

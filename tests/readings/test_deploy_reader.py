@@ -8,7 +8,9 @@ import pytest
 
 from actspec.audit.engine import audit
 from actspec.audit.settings import Settings
+from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind, RobotConfig
+from actspec.readings.deploy import read_deploy
 from actspec.readings.dynamics import settings_of
 from actspec.readings.read import read_file
 
@@ -147,21 +149,21 @@ def test_a_list_without_names_is_not_guessed(tmp_path: Path) -> None:
     assert found == {".*": {"kd": 2.0}}
     config = read_file(str(tmp_path / "deploy.yaml")).artifacts[0].config
     assert config is not None and config.settings["joint_count"].value == 2.0
-    assert said == ["kps is a list without joint names: which joint a value belongs to is not guessed"]
+    assert said == ["it is a list without joint names: which joint a value belongs to is not guessed"]
 
 
 def test_a_list_of_another_length_is_told(tmp_path: Path) -> None:
     """Three values for two names are no values."""
     _, found, said = _read(tmp_path, "joint_names: [knee, hip]\nkp: [1, 2, 3]\nkd: [4, 5]\n")
     assert found == {"knee": {"kd": 4.0}, "hip": {"kd": 5.0}}
-    assert said == ["kp has 3 values for 2 joint names"]
+    assert said == ["it has 3 values for 2 joint names"]
 
 
 def test_a_list_that_is_too_long_and_of_one_value_is_a_note(tmp_path: Path) -> None:
     """Whichever of its values are read, each joint gets the right one; of a list that is too short one gets none."""
     _, found, said = _read(tmp_path, "joint_names: [knee, hip]\nkp: [80, 80, 80]\nkd: [3]\n")
     assert found == {"knee": {"kp": 80.0}, "hip": {"kp": 80.0}}
-    assert said == ["kp has 3 values for 2 joint names, all 80", "kd has 1 values for 2 joint names"]
+    assert said == ["it has 3 values for 2 joint names, all 80", "it has 1 value for 2 joint names"]
 
 
 def test_a_key_is_a_part_of_the_name(tmp_path: Path) -> None:
@@ -220,6 +222,72 @@ def test_hostile_files_give_a_reason(tmp_path: Path, text: str | bytes, reason: 
     _, found, said = _read(tmp_path, text)
     assert found == {}
     assert said[0].startswith(reason) or (reason == "it has no gains" and "40 deep" in said[0])
+
+
+def test_one_kp_and_one_kd_are_of_all_joints_that_are_named(tmp_path: Path) -> None:
+    """The names stand in the block itself: beside a policy's lists such numbers are those of another controller."""
+    _, found, said = _read(tmp_path, "joint_names: [hip, knee]\nkp: 10\nkd: 0.5\n")
+    assert found == {"hip": {"kp": 10.0, "kd": 0.5}, "knee": {"kp": 10.0, "kd": 0.5}}
+    assert said == []
+
+
+_SINGLE = (
+    "its kp is one number, and no list of joint names stands beside kp and kd: write joint_names: [...] there, or kp: "
+    "{JOINT: NUMBER, ...}"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason", "at"),
+    [
+        ("kp: 10\nkd: 0.5\n", _SINGLE, (1, 5)),
+        ("joint_names: [a, b]\nstand:\n  kp: 400\n  kd: 5\n", _SINGLE, (3, 7)),
+        ("joint_names: [a, b]\nkp: 400\n", _SINGLE, (2, 5)),
+        ("joints:\n  - {name: a, kp: 10, kd: 0.5}\n", _SINGLE, (2, 19)),
+        ("joint_names: [a, b]\nKp: [1, 2]\nKd: [1, 2]\n", "'Kp' is no key that is read: write kp", (2, 5)),
+        (
+            "actuators:\n  legs:\n    joint_names_expr: ['.*']\n    stiffness: 30.0\n    damping: 1.0\n",
+            "its gains are of actuator groups, as Isaac Lab writes them into params/env.yaml of a run, which is not "
+            "read: name the Python configuration that the run had",
+            (4, 16),
+        ),
+    ],
+    ids=["alone", "another block", "kp alone", "a list of joints", "capital", "a run of Isaac Lab"],
+)
+def test_gains_that_are_not_read_are_told(
+    tmp_path: Path, text: str, reason: str, at: tuple[int, int]
+) -> None:
+    """At their place, and not that there are none."""
+    path = tmp_path / "deploy.yaml"
+    reading = read_deploy(str(path), text.encode())
+    assert (reading.kind, reading.reason, reading.refused) == (None, reason, Span(str(path), *at))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            "stiffness: {hip: 20, knee: 20}\ndamping: {hip: 0.5, kneee: 0.5}\n",
+            ["it has 'kneee' where stiffness has 'knee': neither has both figures"],
+        ),
+        (
+            "joint_names: [hip, knee]\nkp: {hip: 20, knee: 20}\nkd: {hip: 0.5, knie: 0.5}\n",
+            ["it has 'knie', which is no joint of the list"],
+        ),
+        # Other joints beside, a part of a name, whole names beside parts, patterns.
+        ("kp: {hip: 20, knee: 20}\nkd: {hip: 0.5, wheel: 0.5, knee: 0.5}\n", []),
+        ("kp: {hip_joint: 20, knee: 20}\nkd: {hip: 0.5, knee: 0.5}\n", []),
+        ("kp: {hip: 20}\nkd: {hip: 1}\ndefault_angles: {fl_hip: 0.1, fr_hip: 0.1}\n", []),
+        ("kp: {.*_hip_roll: 20, a: 1}\nkd: {.*_hip_rol: 0.5, a: 1}\n", []),
+        (
+            "joint_names: [fl_hip, fl_knee]\nkp: {hip: 20, fl_knee: 20, rr_knee: 3}\nkd: {hip: 1, knee: 1}\n",
+            [],
+        ),
+    ],
+)
+def test_a_joint_misspelt_in_one_mapping(tmp_path: Path, text: str, told: list[str]) -> None:
+    """Where a slip explains it, and nowhere else."""
+    assert _read(tmp_path, text)[2] == told
 
 
 def test_tags_are_never_acted_upon(tmp_path: Path) -> None:

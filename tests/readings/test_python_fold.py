@@ -11,7 +11,7 @@ from actspec.readings.artifact import RobotConfig, Setting
 from actspec.readings.python.read import read_python
 
 HEAD = "from isaaclab.actuators import DCMotorCfg\n"
-TAIL = "\nROBOT = DCMotorCfg(joint_names_expr=['.*'], stiffness={})\n"
+TAIL = "\nROBOT = DCMotorCfg(joint_names_expr=['.*'], any_value={})\n"
 
 
 def robot(folder: Path, text: str, name: str = "ROBOT") -> RobotConfig:
@@ -25,7 +25,7 @@ def robot(folder: Path, text: str, name: str = "ROBOT") -> RobotConfig:
 
 def folded(folder: Path, before: str, expression: str) -> Setting:
     """What an expression folds to, after some statements."""
-    return robot(folder, HEAD + before + TAIL.format(expression)).groups[0].settings["stiffness"]
+    return robot(folder, HEAD + before + TAIL.format(expression)).groups[0].settings["any_value"]
 
 
 EXPRESSIONS = {
@@ -234,7 +234,7 @@ def test_unknown(tmp_path: Path, before: str, expression: str, reason: str) -> N
     assert (found.value, found.unknown) == (None, reason)
 
 
-# `ROBOT = DCMotorCfg(` is 19 characters, `joint_names_expr=[.*], ` with its quotes 25, `stiffness=` 10.
+# `ROBOT = DCMotorCfg(` is 19 characters, `joint_names_expr=[.*], ` with its quotes 25, `any_value=` 10.
 PLACES = {
     "literal": ("", "40.0", (2, 55)),
     "constant": ("K = 40.0", "K", (2, 5)),
@@ -251,7 +251,7 @@ PLACES = {
 def test_place(tmp_path: Path, before: str, expression: str, place: tuple[int, int]) -> None:
     """A setting points at where its number is written, columns in characters."""
     text = (HEAD + before + TAIL).replace("\n\n", "\n")
-    span = robot(tmp_path, text.format(expression)).groups[0].settings["stiffness"].span
+    span = robot(tmp_path, text.format(expression)).groups[0].settings["any_value"].span
     assert (span.line, span.column) == place
 
 

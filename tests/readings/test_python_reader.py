@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RandomizedRange, RobotConfig
-from actspec.readings.config import control_of_group
+from actspec.readings.config import control_of_group, figures_of
 from actspec.readings.python.read import read_python
+from actspec.readings.versions import Versions
 
 
 def read(folder: Path, text: str, name: str = "cfg.py") -> dict[str, RobotConfig]:
@@ -370,6 +371,29 @@ DOG_CFG = ArticulationCfg(
         )
         for where, pattern in (("legs.stiffness", "(b*)*"), ("legs.joints", "(a+)+$"))
     ]
+
+
+def test_text_is_no_number(tmp_path: Path) -> None:
+    """A setting that is none is unknown, and the next of its names does not take its place."""
+    config = read(
+        tmp_path,
+        """
+from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+DOG_CFG = ArticulationCfg(
+    actuators={
+        "legs": IdealPDActuatorCfg(
+            joint_names_expr=["hip"], effort_limit="24", effort_limit_sim=80.0, stiffness=[25.0], damping=0.5
+        )
+    },
+)
+""",
+    )["DOG_CFG"]
+    (group,) = config.groups
+    found = figures_of(config, group, "hip", "hip", None, Versions())
+    assert (found["effort_limit"].value, found["effort_limit"].why) == (None, "it is '24', which is text")
+    assert (found["kp"].value, found["kp"].why) == (None, "it is a list")
+    assert (found["kd"].value, found["solver_effort_limit"].value) == (0.5, 80.0)
 
 
 MJLAB = """

@@ -22,10 +22,9 @@ class NotTaken(Rule):
                 # Of a URDF it is a joint, of a deploy file a key.
                 joint = item.where if file.kind is FileKind.URDF else ""
                 key = "" if joint else item.where
-                told = key and not item.message.startswith(key)
                 yield Finding(
                     self.code,
-                    f"{key}: {item.message} ({item.code})" if told else f"{item.message} ({item.code})",
+                    f"{key}: {item.message} ({item.code})" if key else f"{item.message} ({item.code})",
                     item.span or Span(file.path),
                     joint,
                     help=item.help,

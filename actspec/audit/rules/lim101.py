@@ -20,10 +20,10 @@ from actspec.audit.rules.joints import (
 )
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
-from actspec.fields import GRAVITY, LONGEST_LEVER, PLACEHOLDER
+from actspec.fields import FIELDS, GRAVITY, LONGEST_LEVER, PLACEHOLDER
 from actspec.files import in_common
 from actspec.ir import JointKind
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import Artifact, FileKind
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.view import ActuatorView
@@ -34,6 +34,11 @@ _URDF = {
     "effort_limit": "the URDF's effort is 0: MuJoCo reads it as no limit, and a tool that sets up drives from it as a "
     "joint that can give nothing",
     "velocity_limit": "the URDF's velocity is 0: MuJoCo leaves it out, and a solver that enforces it holds the joint",
+}
+
+_LINE = {
+    "stall_torque": "the stall torque is 0: the drive cannot move the joint",
+    "no_load_speed": "the no-load speed is 0: the torque-speed line divides by it, and the torque is not a number",
 }
 
 _BOTH_ZERO = (
@@ -65,7 +70,6 @@ class NoEffectiveLimit(RuleInParts):
     paired = True
     needs = "no file states an effort or velocity limit, and no MJCF has actuators on joints"
     options: ClassVar[dict[str, float]] = {"least": PLACEHOLDER}
-    paired = True
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         written, clamps = (ranges_not_in_force(case, name) for name in ("force", "ctrl"))
@@ -97,6 +101,8 @@ class NoEffectiveLimit(RuleInParts):
                         missing = (_beside(one, elsewhere) for one in missing)
                     quiet = (meant and row.span not in written) or is_called_undriven(row)
                     yield (replace(one, severity=Severity.INFO) for one in missing) if quiet else missing
+        for _, artifact in case.of_kind(FileKind.CFG):
+            yield self._soft(artifact)
         mimics = _mimics(case)
         for row in case.rows:
             if row.effort_limit == math.inf and _is_empty(written.get(row.span)):
@@ -122,6 +128,11 @@ class NoEffectiveLimit(RuleInParts):
                 nothing = self._placeholders(row, limits)
                 yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
                 continue
+            for field, effect in _LINE.items() if case.artifacts[row.artifact].kind is FileKind.CFG else ():
+                if field in row.stated and getattr(row, field) == 0.0 and not idle:
+                    worst = Severity.ERROR if field == "no_load_speed" else self.severity
+                    severity = Severity.INFO if undriven else worst
+                    yield (replace(self._zero(row, field, effect), severity=severity),)
             for field, limit in limits.items():
                 if field == "effort_limit" and row.artifact in case.once(_round_for_all) and not undriven:
                     nothing = self._round(case, row)
@@ -131,6 +142,23 @@ class NoEffectiveLimit(RuleInParts):
                     if field == "effort_limit" and row.span in held:
                         found = self._held_back(case, row, limit, *held[row.span])
                     yield (replace(one, severity=Severity.INFO) for one in found) if unused else found
+
+    def _soft(self, artifact: Artifact) -> Iterator[Finding]:
+        """Of a configuration whose share of the joints' ranges is none."""
+        setting = (
+            None if artifact.config is None else artifact.config.settings.get("soft_joint_pos_limit_factor")
+        )
+        factor = None if setting is None else setting.number
+        if setting is None or factor is None or 0.0 < factor <= 1.0:
+            return
+        effect = (
+            "the soft limits lie outside of the joints' ranges, and limit nothing"
+            if factor > 1.0
+            else "no position lies within the soft limits"
+        )
+        message = f"soft_joint_pos_limit_factor is {factor:g}: {effect}"
+        help = "it is the share of each joint's range: above 0, at most 1"
+        yield Finding(self.code, message, setting.span, value=factor, help=help)
 
     def _held(
         self, case: Case, row: LedgerRow, view: ActuatorView | None
@@ -296,13 +324,13 @@ class NoEffectiveLimit(RuleInParts):
             )
             yield Finding(
                 self.code,
-                f"the {_noun(field)} of {shown(row, field, limit, 6)} is a placeholder: {nothing}, and it limits "
+                f"the {FIELDS[field].noun} of {shown(row, field, limit, 6)} is a placeholder: {nothing}, and it limits "
                 "nothing",
                 row.place(field),
                 row.joint,
                 limit,
                 unit(row, field),
-                help=f"state the motor's {_noun(field)}",
+                help=f"state the motor's {FIELDS[field].noun}",
                 fields=(field,),
                 # Few simulators enforce a speed limit at all, and joints without a motor have one too. A slide is more
                 # often a base, a lift or a block that is moved than an axis with a motor.
@@ -310,7 +338,9 @@ class NoEffectiveLimit(RuleInParts):
             )
         elif limit == 0.0 and not idle:
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
-            effect = _URDF[field] if urdf else f"the {_noun(field)} is 0: the drive cannot move the joint"
+            effect = (
+                _URDF[field] if urdf else f"the {FIELDS[field].noun} is 0: the drive cannot move the joint"
+            )
             found = self._zero(row, field, effect)
             # A drive without stiffness and effort is how a configuration writes a bearing.
             bearing = not urdf and row.kp == 0.0
@@ -329,7 +359,7 @@ class NoEffectiveLimit(RuleInParts):
             row.joint,
             0.0,
             unit(row, field),
-            help=f"state the motor's {_noun(field)}",
+            help=f"state the motor's {FIELDS[field].noun}",
             fields=(field,),
         )
 
@@ -468,10 +498,6 @@ def _beside(found: Finding, other: LedgerRow) -> Finding:
     place, limit = other.place("effort_limit"), shown(other, "effort_limit", other.effort_limit, 6)
     message = f"{found.message}, and {place.path} limits the joint to {limit}"
     return replace(found, message=message, related=(*found.related, place))
-
-
-def _noun(field: str) -> str:
-    return field.replace("_", " ")
 
 
 def _few_zeros(case: Case) -> frozenset[int]:

@@ -6,6 +6,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import shown, unit
 from actspec.diagnostics import Span
+from actspec.fields import FIELDS
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
@@ -20,7 +21,21 @@ _PASSIVE = {
     "actuator_damping": "it feeds energy into every motion",
     "frictionloss": "it pushes a moving joint on",
     "armature": "it takes inertia away from the links",
+    "friction_static": "it pushes a joint that stands",
+    "friction_setting": "it pushes a moving joint on",
+    "dynamic_friction_setting": "it pushes a moving joint on",
 }
+_WITHIN = "nothing lies within it"
+_LIMITS = {
+    "effort_limit": "a drive that is clamped to it gives one torque whatever the command",
+    "solver_effort_limit": _WITHIN,
+    "stall_torque": "on a line from there the drive gives one torque whatever the command",
+    "no_load_speed": "on a line to there the drive gives one torque whatever the command",
+    "velocity_limit": _WITHIN,
+}
+_WRITTEN = (FileKind.CFG, FileKind.DEPLOY)
+"""Files whose limits are one number, for both directions. A URDF's below 0 and a range of MuJoCo's that is turned round
+are AUD022's."""
 
 _FASTEST = 10.0
 """Speed up to which dry friction outweighs a negative damping where no motion gains energy [rad/s or m/s]. Chosen: most
@@ -33,14 +48,23 @@ class NegativeFigure(RuleOver[_Subject]):
     aliases: ClassVar[dict[str, str]] = {"SGN101": "negative-drive-gain", "SGN105": "negative-passive-value"}
     severity = Severity.ERROR
     confidence = Confidence.HIGH
-    needs = "no drive with a gain, and no stated damping, friction or armature, among the files"
+    needs = (
+        "no drive with a gain, no limit in a configuration or deploy file, and no stated damping, friction or "
+        "armature, among the files"
+    )
 
     def subjects(self, case: Case) -> Iterator[_Subject]:
         for row in case.rows:
-            for field in (*_GAINS, *_PASSIVE):
-                value: float | None = getattr(row, field)
-                if value is not None and (field in _GAINS or field in row.stated):
+            written = case.artifacts[row.artifact].kind in _WRITTEN
+            taken = set()
+            for field in (*_GAINS, *_PASSIVE, *(_LIMITS if written else ())):
+                value = getattr(row, field, row.more.get(field))
+                if value is None or not (field in _GAINS or field in row.stated or field in row.more):
+                    continue
+                # What is written once may be two figures: Isaac Lab's friction, and a limit of drive and solver.
+                if not written or row.place(field) not in taken:
                     yield row, field, value
+                taken.add(row.place(field))
         # A sign is wrong whichever joint it is of.
         for index, artifact in case.of_kind(FileKind.DEPLOY):
             nameless = artifact.config.nameless if artifact.config is not None else {}
@@ -52,17 +76,22 @@ class NegativeFigure(RuleOver[_Subject]):
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Find gains and passive values below 0."""
         row, field, value = subject
-        if value >= 0.0:
+        if not value < 0.0:
             return
         if field in _GAINS:
             if row.span in case.once(_springs):
                 return
             text = f"{field} is {shown(row, field, value)}: {_GAINS[field]}"
             help = 'gains are positive; in biasprm the feedback stands with a minus: biasprm="0 -kp -kd"'
+        elif field in _LIMITS:
+            # What a solver does with it, nobody has measured.
+            effect = _WITHIN if row.control == "implicit" else _LIMITS[field]
+            text = f"the {FIELDS[field].noun} is {shown(row, field, value)}, below 0: {effect}"
+            help = "write it without the minus: a limit holds in both directions"
         else:
             if "damping" in field and (row.artifact, row.joint) in case.once(_with_polynomial):
                 return
-            noun = field.replace("_", " ")
+            noun = field.removesuffix("_setting").replace("_", " ")
             text = f"the {noun} of {shown(row, field, value)} is negative: {_PASSIVE[field]}"
             help = "write it without the minus, or leave it out"
         # A least-squares fit of dry and viscous friction together gives such a damping.

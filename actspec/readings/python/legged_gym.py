@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from actspec.readings.artifact import PHYSX, ActuatorGroup, Framework, RobotConfig, Setting
+from actspec.readings.config import IN_FIGURES
 from actspec.readings.python.settings import Draft, known, setting
 from actspec.readings.python.values import Cls, Unknown, Value, ancestors, reason_of
 
@@ -92,9 +93,12 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
             # Half a path finds no network.
             is_file = name.endswith("_file") and not isinstance(value.data, Unknown)
             held = settings[name] = setting(value, "network_file" if is_file else name)
+            where = f"{'asset' if name == 'armature' else 'control'}.{name}"
             if held.unknown is not None:
-                where = "asset" if name == "armature" else "control"
-                draft.note(f"{where}.{name}", held.unknown, held.span)
+                draft.note(where, held.unknown, held.span)
+            elif name in IN_FIGURES:
+                # Forks take lists of their own.
+                settings[name] = draft.figure(where, held, certain=not isinstance(held.value, tuple))
     gains = [settings[name].value for name in ("stiffness", "damping") if name in settings]
     joints = dict.fromkeys(joint for gain in gains if isinstance(gain, dict) for joint in gain)
     certain = all(isinstance(gain, dict) for gain in gains)

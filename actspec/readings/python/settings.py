@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -9,6 +10,7 @@ from dataclasses import dataclass, field
 from actspec.diagnostics import Collector, Span, shortened
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Framework, RandomizedRange, RobotConfig, Setting
+from actspec.readings.config import IN_FIGURES
 from actspec.readings.python.arithmetic import text_of
 from actspec.readings.python.values import (
     MAX_NESTING,
@@ -32,6 +34,12 @@ UNFOLDED = "CFG001"
 
 NOTHING = "CFG002"
 """Code of a file without any configuration."""
+
+NO_NUMBER = "CFG003"
+"""Code of text, or a list, where the framework takes a number or numbers by joint."""
+
+_OF_ROBOT = frozenset({"physics_dt", "decimation", "soft_joint_pos_limit_factor"})
+"""Settings of a whole robot that are numbers, and of no joint."""
 
 MAX_LEAVES = 20_000
 """Numbers and texts in one setting. Chosen: Isaac Lab's largest table has 300."""
@@ -179,9 +187,43 @@ class Draft:
         """Take a robot-wide setting; None: it is not written."""
         if value is not None:
             found = setting(value, as_name or name)
-            self.settings[name] = found
             if found.unknown is not None:
                 self.note(name, found.unknown, found.span)
+            elif name in _OF_ROBOT | IN_FIGURES and not isinstance(found.value, tuple):
+                found = self.figure(name, found)
+            self.settings[name] = found
+
+    def figure(self, where: str, one: Setting, *, certain: bool = True) -> Setting:
+        """A setting that the framework takes as a number, or as numbers by joint: unknown, and said, where it is none.
+
+        Args:
+            where: What is said of: `legs.stiffness`.
+            one: The setting.
+            certain: Whether the class is the framework's own, which refuses anything else; one of somebody's own may
+                take it.
+        """
+        say = self.notes.warning if certain else self.notes.info
+        by_key = one.value.items() if isinstance(one.value, Mapping) else ((None, one.value),)
+        for key, value in by_key:
+            if isinstance(value, str):
+                what = f"'{shortened(value, 40)}', which is text"
+            elif isinstance(value, tuple):
+                what = "a list"
+            elif isinstance(value, float) and math.isnan(value):
+                what = "nan"
+            else:
+                continue
+            number = _as_number(value[0] if isinstance(value, tuple) and len(value) == 1 else value)
+            message = f"{what} and no number: it is not judged"
+            if key is None:
+                help = f"write {number}" if number else "write a number, or a dict of numbers by joint"
+                say(NO_NUMBER, f"it is {message}", where=where, span=one.span, help=help)
+                # Import has a word of its own for nan.
+                return one if isinstance(value, float) else Setting(None, one.span, f"it is {what}")
+            hint = f"write {number}" if number else None
+            said = f"{shortened(str(key), 40)} has {message}"
+            say(NO_NUMBER, said, where=where, span=one.place(str(key)), help=hint)
+        return one
 
     def group(self, name: str, obj: Obj, joints: Value | None, values: Mapping[str, Value]) -> None:
         """Take an actuator group.
@@ -193,6 +235,7 @@ class Draft:
             values: Its fields without that.
         """
         settings = {key: setting(value, key) for key, value in values.items()}
+        bases, unread = tuple(class_names(obj.cls)[1:]), unread_module(obj.cls)
         if obj.open is not None:
             self.note(name, obj.open, obj.span)
         patterns = None if joints is None else texts(joints)
@@ -206,11 +249,11 @@ class Draft:
         for key, one in settings.items():
             if one.unknown is not None:
                 self.note(f"{name}.{key}", one.unknown, one.span)
-            elif isinstance(one.value, Mapping):
+            elif key in IN_FIGURES:
+                settings[key] = self.figure(f"{name}.{key}", one, certain=not bases and unread is None)
+            if isinstance(one.value, Mapping):
                 self._patterns(f"{name}.{key}", one.value, one.span)
         self._patterns(f"{name}.joints", patterns or (), obj.span)
-        bases = tuple(class_names(obj.cls)[1:])
-        unread = unread_module(obj.cls)
         self.groups.append(
             ActuatorGroup(name, obj.cls.name, obj.span, patterns, settings, bases, unread=unread)
         )
@@ -297,6 +340,14 @@ def _pair(value: Value | None) -> tuple[float, float] | None:
     if not isinstance(found, tuple) or len(found) != 2 or not all(map(_is_number, found)):
         return None
     return float(found[0]), float(found[1])
+
+
+def _as_number(value: object) -> str | None:
+    """A number, or the one that a text is, as it would be written; None for anything else."""
+    try:
+        return str(value).strip() if math.isfinite(float(value)) else None  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return None
 
 
 def _is_number(value: object) -> bool:
