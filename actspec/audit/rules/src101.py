@@ -151,10 +151,10 @@ def _limits_nothing(case: Case, found: Disagreement) -> bool:
     """Whether one of the limits is of a joint that no actuator of its file drives, or whose range holds it.
 
     Slides of two models of one kind have none to compare: fingers close as hard as the task of each asks. Nor have
-    joints of two MJCFs whose drives and rotors are others too: each task set up its own.
+    joints of two MJCFs that are set up otherwise as a whole.
     """
     both = (found.rows[0], found.others[0])
-    if are_alternatives(case, found) and (all(_is_slide(row) for row in both) or _is_set_up_twice(*both)):
+    if are_alternatives(case, found) and (all(_is_slide(row) for row in both) or _is_set_up_twice(found)):
         return True
     return is_beyond_the_joint(case, found) or any(is_undriven(case, row) or is_held(row) for row in both)
 
@@ -188,10 +188,21 @@ def _is_margin(case: Case, found: Disagreement) -> bool:
     return is_program and found.ratio is not None and 1.0 / GRAVE < found.ratio < 1.0
 
 
-def _is_set_up_twice(one: LedgerRow, other: LedgerRow) -> bool:
-    """Whether two rows of a joint have no figure of drive and rotor in common."""
-    pairs = [(getattr(one, name), getattr(other, name)) for name in ("kp", "kd", "armature")]
-    return all(a is not None and b is not None and a > 0.0 and b > 0.0 and not same(a, b) for a, b in pairs)
+def _is_set_up_twice(found: Disagreement) -> bool:
+    """Whether a joint has a larger drive in one of two MJCFs, with all that goes along: each task set up its own.
+
+    Then gains and rotor are larger by as much as makes a limit an error, and the command error at which the drive
+    saturates is about the same. A limit that goes farther than its gains, or the other way, is one that nobody set up.
+    """
+    limit = found.ratio or 1.0
+    ratios = []
+    for name in ("kp", "kd", "armature"):
+        mine, theirs = (getattr(rows[0], name) for rows in (found.rows, found.others))
+        if not (mine and theirs and mine > 0.0 and theirs > 0.0):
+            return False
+        ratios.append(mine / theirs if limit > 1.0 else theirs / mine)
+    saturates = max(limit, 1.0 / limit) / ratios[0]
+    return min(ratios) >= GRAVE and saturates < GRAVE
 
 
 def _of_one_limit(case: Case) -> frozenset[tuple[int, bool]]:
