@@ -195,14 +195,13 @@ def _is_set_up_twice(found: Disagreement) -> bool:
     saturates is about the same. A limit that goes farther than its gains, or the other way, is one that nobody set up.
     """
     limit = found.ratio or 1.0
-    ratios = []
+    ratios: list[float] = []
     for name in ("kp", "kd", "armature"):
         mine, theirs = (getattr(rows[0], name) for rows in (found.rows, found.others))
         if not (mine and theirs and mine > 0.0 and theirs > 0.0):
             return False
         ratios.append(mine / theirs if limit > 1.0 else theirs / mine)
-    saturates = max(limit, 1.0 / limit) / ratios[0]
-    return min(ratios) >= GRAVE and saturates < GRAVE
+    return min(ratios) >= GRAVE and max(limit, 1.0 / limit) < GRAVE * ratios[0]
 
 
 def _of_one_limit(case: Case) -> frozenset[tuple[int, bool]]:
