@@ -145,8 +145,8 @@ at its top speed, and few joints come near the one that is published; damping th
 
 _STUCK = 0.1
 """Speed below which a hinge whose whole torque goes into its damping cannot do its task [rad/s]. Chosen: 16 s for a
-quarter of a turn; of 77 strangers' repositories whose models have 1 N*m*s/rad or more, none has a driven hinge below 0.5
-that is no finger."""
+quarter of a turn; of 77 strangers' repositories whose models have 1 N*m*s/rad or more, none has a driven hinge below
+0.5 that is no finger."""
 
 _HELP = (
     "leave only friction in the joint's damping; a D gain belongs to the drive (kv), a torque-speed line to a "
