@@ -6,9 +6,9 @@ from dataclasses import replace
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
-from actspec.audit.rules.joints import is_held, is_undriven
-from actspec.audit.rules.source_blame import GRAVE, Disagreement
-from actspec.audit.rules.source_pairs import are_variants
+from actspec.audit.rules.joints import is_called_undriven, is_held, is_undriven
+from actspec.audit.rules.source_blame import GRAVE, Disagreement, is_met
+from actspec.audit.rules.source_pairs import are_variants, disagreements
 from actspec.audit.rules.source_rule import (
     TIMES,
     SourceRule,
@@ -22,6 +22,7 @@ from actspec.audit.rules.source_rule import (
     shown,
 )
 from actspec.diagnostics import SEVERITIES, Severity
+from actspec.fields import PLACEHOLDER, is_placeholder
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.ledger import LedgerRow
@@ -139,6 +140,24 @@ class EffortLimit(SourceRule):
             return f"the joint has {format_number(found.ratio, 3)} times the {effort} here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint has {share:.3g} % {'more' if found.ratio > 1.0 else 'less'} {effort} here"
+
+
+def placeholders_beside_limits(case: Case) -> dict[tuple[int, str], LedgerRow]:
+    """Joints with a placeholder, by artifact, to the row of another file of the robot that limits them, where a smaller
+    figure would be an error of SRC101; of files that somebody named.
+    """
+    rule = EffortLimit()
+    found: dict[tuple[int, str], LedgerRow] = {}
+    for item in disagreements(case, ("effort_limit",), rule.option(case, "tolerance")):
+        sides = [
+            side
+            for side in (item, item.turned)
+            if is_placeholder(side.mine.value or 0.0) and 0.0 < (side.theirs.value or 0.0) < PLACEHOLDER
+        ]
+        graver = item.one_machine and not is_met(case, item) and not is_called_undriven(item.rows[0])
+        if sides and graver and rule.grave(case, item) is Severity.ERROR:
+            found |= {(side.rows[0].artifact, side.rows[0].joint): side.others[0] for side in sides}
+    return found
 
 
 def _limit_of(case: Case, found: Disagreement) -> tuple[Robot, FileKind, float | None]:
