@@ -49,6 +49,9 @@ SAME = 0.02
 _BY_KEY = ("effort_limit", "stall_torque", "no_load_speed", "velocity_limit", "armature", "kp", "kd")
 """Figures of a row that are held against what is published, and the gains, which tell that nothing drives a joint."""
 
+_GRIPS = re.compile(r"finger|gripper")
+"""Joints of an arm's hand, in its maker's names: many have another one, or theirs in another file."""
+
 _FOLDERS = 3
 """Folders above a file that may name its robot: `x30/mjcf/unitree/robot.xml`."""
 
@@ -114,6 +117,11 @@ class KnownRobot:
     def joints(self) -> tuple[str, ...]:
         """Its joints."""
         return tuple(next(iter(self.variants.values())))
+
+    @property
+    def needed(self) -> frozenset[str]:
+        """Those by which it is known: not the fingers of an arm, whose gripper stands in a file of its own as often."""
+        return frozenset(joint for joint in self.joints if not _GRIPS.search(joint))
 
     def efforts(self, joint: str) -> frozenset[float]:
         """Every torque that is published of a joint, of all variants [N*m]."""
@@ -289,9 +297,12 @@ def _is_a_copy(words: frozenset[str], robot: KnownRobot, rows: Rows) -> bool:
     """
     if any(word[-2:-1] == "_" and word[:-2] in robot.words for word in words - _words()):
         return True
-    limits = [(row.effort_limit, robot.efforts(name)) for row, names in rows for name in names]
+    needed = robot.needed
+    limits = [
+        (row.effort_limit, robot.efforts(name)) for row, names in rows for name in names if name in needed
+    ]
     right = [limit for limit, published in limits if limit and any(same(limit, one) for one in published)]
-    return 3 * len(right) >= 2 * len(robot.joints) and len(set(right)) > 2
+    return 3 * len(right) >= 2 * len(needed) and len(set(right)) > 2
 
 
 def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tuple[Rows, Mapping[str, str]]:
@@ -301,6 +312,7 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
         if row.joint:
             by_joint.setdefault(row.joint, row)
     names, posed = joint_names(artifact), frozenset(_pose_keys(artifact))
+    needed = robot.needed
     best: Rows = ()
     spelling: Mapping[str, str] = {}
     mounted = _mounted_as(robot, posed if names is None else names)
@@ -327,15 +339,16 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
         )
         if names is None and not _has_its_keys(artifact, [row for row, _ in pairs], tuple(known)):
             continue
-        count = len({joint for _, joints in pairs for joint in joints})
+        count = len({joint for _, joints in pairs for joint in joints} & needed)
         of_own = len(pairs) / max(len(names or by_joint), 1)
-        counted = names is None or _counts_alike(known, names)
+        arm = [name for name, joint in known.items() if joint in needed]
+        counted = names is None or _counts_alike(arm, names)
         # What is mounted on a robot all of whose joints are there, a hand or a base, may have any number of its own.
         own = of_own >= OWN_SHARE or (
-            count == len(robot.joints)
-            and (names is not None or (posed >= known.keys() and _counts_alike(known, posed)))
+            count == len(needed)
+            and (names is not None or (posed.issuperset(arm) and _counts_alike(arm, posed)))
         )
-        whole = count >= KNOWN_SHARE * len(robot.joints) and own
+        whole = count >= KNOWN_SHARE * len(needed) and own
         legs = count >= PART and of_own >= PART_SHARE
         if counted and (whole or legs) and len(pairs) > len(best):
             best, spelling = pairs, {joint: name for name, joint in known.items()}
@@ -344,14 +357,15 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
 
 def _mounted_as(robot: KnownRobot, names: Iterable[str]) -> tuple[str, ...]:
     """What a file puts before the names of nearly all joints of the robot, for one or more of it: `left_`, `arm2_`."""
+    needed = robot.needed
     before = Counter(
         prefix
         for name in (each.rpartition("/")[2] for each in names)
-        for joint in robot.joints
+        for joint in needed
         for prefix in (name.removesuffix(joint),)
         if prefix != name and prefix not in robot.prefixes and not prefix[-1:].isalnum()
     )
-    return tuple(prefix for prefix, count in before.items() if count >= MOUNTED_SHARE * len(robot.joints))
+    return tuple(prefix for prefix, count in before.items() if count >= MOUNTED_SHARE * len(needed))
 
 
 def _parts(case: Case, index: int, rows: Rows, spelling: Mapping[str, str]) -> Parts:

@@ -222,3 +222,29 @@ def test_what_several_scenes_attach(
     assert [(item.finding.span.path, item.finding.span.line, item.finding.joint) for item in found] == [
         ("hands.xml", 2, "left_finger")
     ]
+
+
+@pytest.mark.parametrize("angle", ["", '<compiler angle="radian"/>'], ids=["none", "radians"])
+@pytest.mark.parametrize("outer", [False, True], ids=["main", "included"])
+def test_an_attached_model_has_its_own_angle(angle: str, outer: bool) -> None:
+    """In MuJoCo, 0.8 without a compiler are degrees, whatever the model has that attaches it: 0.01396 rad."""
+    import mujoco
+
+    Path("grip.xml").write_text(
+        '<mujoco model="grip"><worldbody><body name="palm"><geom size=".1"/><body>\n'
+        '<joint name="finger" range="0 0.8"/><geom size=".1"/></body></body></worldbody>'
+        '<actuator><position joint="finger" kp="5" ctrlrange="0 0.8"/></actuator></mujoco>'
+    )
+    Path("main.xml").write_text(
+        f'<mujoco>{"" if outer else angle}<asset><model name="g" file="grip.xml"/></asset><worldbody><body>'
+        '<joint name="arm"/><geom size=".1"/><frame><attach model="g" body="palm" prefix="left_"/></frame></body>'
+        '</worldbody><actuator><motor joint="arm"/></actuator></mujoco>'
+    )
+    Path("outer.xml").write_text(f'<mujoco>{angle}<include file="main.xml"/></mujoco>')
+    name = "outer.xml" if outer else "main.xml"
+    model = mujoco.MjModel.from_xml_path(name)
+    assert model.joint("left_finger").range[1] == pytest.approx(0.8 * 3.14159265 / 180.0)
+    (found,) = audited(name, rule="UNT101").findings
+    assert (found.finding.span.path, found.finding.span.line) == ("grip.xml", 2)
+    assert (found.finding.joint, found.severity.value) == ("left_finger", "warning")
+    assert "unless" not in found.finding.message

@@ -49,7 +49,7 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         ("kuka_iiwa", "14", "joint_1", 320.0),
         ("kuka_iiwa", "7", "joint_1", 176.0),
         ("ur3e", "", "wrist_3_joint", 12.0),
-        ("kinova_jaco_6_2", "", "joint_2", 80.0),
+        ("kinova_jaco_6", "", "joint_2", 80.0),
         ("unitree_b2", "", "FL_calf_joint", 320.0),
         ("mini_cheetah", "", "FR_hip_joint", 18.0),
         ("pal_tiago", "", "arm_4_joint", 26.0),
@@ -343,6 +343,50 @@ def test_one_pattern_for_all_joints(
     assert bool(audit(["arms.py"], Settings(select=("KNW101",))).findings) == said
 
 
+@pytest.mark.parametrize(
+    ("file", "names", "said"),
+    [
+        pytest.param(
+            "j2n7s300", [f"j2n7s300_joint_{n}" for n in range(1, 8)], True, id="7 of 7, 7 of 10 with fingers"
+        ),
+        pytest.param("j2n6s300", [f"j2n6s300_joint_{n}" for n in range(1, 7)], True, id="6 of 6, 6 of 9"),
+        pytest.param(
+            "two_j2n6s200",
+            [
+                f"left_j2n6s200_{name}_{n}"
+                for name, many in (("joint", 7), ("joint_finger", 3))
+                for n in range(1, many)
+            ],
+            True,
+            id="fingers of its own count, behind a prefix too",
+        ),
+        pytest.param("two_xarm6", [f"left_joint{n}" for n in range(1, 7)], True, id="6 of 6 behind a prefix"),
+        pytest.param("j2n7s300", [f"j2n7s300_joint_{n}" for n in range(1, 6)], False, id="5 of 7 are 0.71"),
+        pytest.param(
+            "j2n7s300", [f"j2n7s300_joint_finger_{n}" for n in range(1, 4)], False, id="the hand alone"
+        ),
+    ],
+)
+def test_an_arm_without_its_fingers(
+    file: str, names: list[str], said: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is mounted on an arm does not make it another one. 40 N*m is a Jaco's third joint's, 32 an xArm6's."""
+    monkeypatch.chdir(tmp_path)
+    limits = [400 if name.rstrip("_")[-1] == "3" and "finger" not in name else 5 for name in names]
+    joints = "".join(
+        f'<link name="{name}_link"/><joint name="{name}" type="revolute"><parent link="base"/>'
+        f'<child link="{name}_link"/><limit lower="-1" upper="1" effort="{limit}" velocity="0.5"/></joint>'
+        for name, limit in zip(names, limits, strict=True)
+    )
+    Path(f"{file}.urdf").write_text(f'<robot name="{file}"><link name="base"/>{joints}</robot>')
+    found = [
+        item.finding
+        for item in audit([f"{file}.urdf"], Settings(select=("KNW101",))).findings
+        if (item.finding.value or 0.0) > 300.0
+    ]
+    assert [item.joint for item in found] == ([names[2]] if said else [])
+
+
 def test_a_jaco_of_two_fingers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It has another count of joints than the one of three. 2000 / 2 is 1000, and no 1e+03."""
     monkeypatch.chdir(tmp_path)
@@ -354,7 +398,7 @@ def test_a_jaco_of_two_fingers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     )
     Path("j2n6s200.urdf").write_text(f'<robot name="arm"><link name="base"/>{joints}</robot>')
     found = audit(["j2n6s200.urdf"], Settings(select=("KNW101",))).findings
-    message = "the limit of 2000 N*m is 1000 times what is published for kinova_jaco_6_2: 2 N*m"
+    message = "the limit of 2000 N*m is 1000 times what is published for kinova_jaco_6: 2 N*m"
     assert {item.finding.message for item in found} == {message} and len(found) == 2
 
 

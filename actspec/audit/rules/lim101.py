@@ -18,6 +18,7 @@ from actspec.audit.rules.joints import (
     shown,
     unit,
 )
+from actspec.audit.rules.src101 import placeholders_beside_limits
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
 from actspec.fields import FIELDS, GRAVITY, LONGEST_LEVER, PLACEHOLDER
@@ -125,7 +126,7 @@ class NoEffectiveLimit(RuleInParts):
                 yield (replace(one, severity=Severity.INFO) for one in found) if quiet else found
                 continue
             if all(self._is_placeholder(case, row, field) for field in _LIMITS):
-                nothing = self._placeholders(row, limits)
+                nothing = _graver(case, row, self._placeholders(row, limits))
                 yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
                 continue
             for field, effect in _LINE.items() if case.artifacts[row.artifact].kind is FileKind.CFG else ():
@@ -135,7 +136,7 @@ class NoEffectiveLimit(RuleInParts):
                     yield (replace(self._zero(row, field, effect), severity=severity),)
             for field, limit in limits.items():
                 if field == "effort_limit" and row.artifact in case.once(_round_for_all) and not undriven:
-                    nothing = self._round(case, row)
+                    nothing = _graver(case, row, self._round(case, row))
                     yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
                 elif limit is not None:
                     found = self._stated(case, row, field, limit, idle, undriven)
@@ -322,7 +323,7 @@ class NoEffectiveLimit(RuleInParts):
             nothing = (
                 "no motor reaches it" if limit >= PLACEHOLDER else "no joint behind a gear turns so fast"
             )
-            yield Finding(
+            found = Finding(
                 self.code,
                 f"the {FIELDS[field].noun} of {shown(row, field, limit, 6)} is a placeholder: {nothing}, and it limits "
                 "nothing",
@@ -336,6 +337,7 @@ class NoEffectiveLimit(RuleInParts):
                 # often a base, a lift or a block that is moved than an axis with a motor.
                 severity=Severity.INFO if field == "velocity_limit" or row.kind is JointKind.SLIDE else None,
             )
+            yield found if found.severity is Severity.INFO else _graver(case, row, found)
         elif limit == 0.0 and not idle:
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             effect = (
@@ -491,6 +493,12 @@ def _limits_most(case: Case, artifact: int) -> bool:
         row.joint: row.effort_limit for row in case.rows_of(artifact) if row.control != "none" and row.joint
     }
     return 2 * sum(0.0 < (limit or 0.0) < PLACEHOLDER for limit in limits.values()) >= len(limits)
+
+
+def _graver(case: Case, row: LedgerRow, found: Finding) -> Finding:
+    """Of a placeholder an error where another file has the joint's limit, as a smaller figure would be by SRC101."""
+    other = case.once(placeholders_beside_limits).get((row.artifact, row.joint))
+    return found if other is None else replace(_beside(found, other), severity=Severity.ERROR)
 
 
 def _beside(found: Finding, other: LedgerRow) -> Finding:

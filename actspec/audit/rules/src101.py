@@ -6,9 +6,9 @@ from dataclasses import replace
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
-from actspec.audit.rules.joints import is_held, is_undriven
-from actspec.audit.rules.source_blame import GRAVE, Disagreement
-from actspec.audit.rules.source_pairs import are_variants
+from actspec.audit.rules.joints import is_called_undriven, is_held, is_undriven
+from actspec.audit.rules.source_blame import GRAVE, Disagreement, is_met
+from actspec.audit.rules.source_pairs import are_variants, disagreements
 from actspec.audit.rules.source_rule import (
     TIMES,
     SourceRule,
@@ -22,6 +22,7 @@ from actspec.audit.rules.source_rule import (
     shown,
 )
 from actspec.diagnostics import SEVERITIES, Severity
+from actspec.fields import PLACEHOLDER, is_placeholder
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.ledger import LedgerRow
@@ -141,6 +142,24 @@ class EffortLimit(SourceRule):
         return f"the joint has {share:.3g} % {'more' if found.ratio > 1.0 else 'less'} {effort} here"
 
 
+def placeholders_beside_limits(case: Case) -> dict[tuple[int, str], LedgerRow]:
+    """Joints with a placeholder, by artifact, to the row of another file of the robot that limits them, where a smaller
+    figure would be an error of SRC101; of files that somebody named.
+    """
+    rule = EffortLimit()
+    found: dict[tuple[int, str], LedgerRow] = {}
+    for item in disagreements(case, ("effort_limit",), rule.option(case, "tolerance")):
+        sides = [
+            side
+            for side in (item, item.turned)
+            if is_placeholder(side.mine.value or 0.0) and 0.0 < (side.theirs.value or 0.0) < PLACEHOLDER
+        ]
+        graver = item.one_machine and not is_met(case, item) and not is_called_undriven(item.rows[0])
+        if sides and graver and rule.grave(case, item) is Severity.ERROR:
+            found |= {(side.rows[0].artifact, side.rows[0].joint): side.others[0] for side in sides}
+    return found
+
+
 def _limit_of(case: Case, found: Disagreement) -> tuple[Robot, FileKind, float | None]:
     """The limit that departs, with the robot and the kind of file that have it."""
     artifact = found.rows[0].artifact
@@ -151,10 +170,10 @@ def _limits_nothing(case: Case, found: Disagreement) -> bool:
     """Whether one of the limits is of a joint that no actuator of its file drives, or whose range holds it.
 
     Slides of two models of one kind have none to compare: fingers close as hard as the task of each asks. Nor have
-    joints of two MJCFs whose drives and rotors are others too: each task set up its own.
+    joints of two MJCFs that are set up otherwise as a whole.
     """
     both = (found.rows[0], found.others[0])
-    if are_alternatives(case, found) and (all(_is_slide(row) for row in both) or _is_set_up_twice(*both)):
+    if are_alternatives(case, found) and (all(_is_slide(row) for row in both) or _is_set_up_twice(found)):
         return True
     return is_beyond_the_joint(case, found) or any(is_undriven(case, row) or is_held(row) for row in both)
 
@@ -188,10 +207,20 @@ def _is_margin(case: Case, found: Disagreement) -> bool:
     return is_program and found.ratio is not None and 1.0 / GRAVE < found.ratio < 1.0
 
 
-def _is_set_up_twice(one: LedgerRow, other: LedgerRow) -> bool:
-    """Whether two rows of a joint have no figure of drive and rotor in common."""
-    pairs = [(getattr(one, name), getattr(other, name)) for name in ("kp", "kd", "armature")]
-    return all(a is not None and b is not None and a > 0.0 and b > 0.0 and not same(a, b) for a, b in pairs)
+def _is_set_up_twice(found: Disagreement) -> bool:
+    """Whether a joint has a larger drive in one of two MJCFs, with all that goes along: each task set up its own.
+
+    Then gains and rotor are larger by as much as makes a limit an error, and the command error at which the drive
+    saturates is about the same. A limit that goes farther than its gains, or the other way, is one that nobody set up.
+    """
+    limit = found.ratio or 1.0
+    ratios: list[float] = []
+    for name in ("kp", "kd", "armature"):
+        mine, theirs = (getattr(rows[0], name) for rows in (found.rows, found.others))
+        if not (mine and theirs and mine > 0.0 and theirs > 0.0):
+            return False
+        ratios.append(mine / theirs if limit > 1.0 else theirs / mine)
+    return min(ratios) >= GRAVE and max(limit, 1.0 / limit) < GRAVE * ratios[0]
 
 
 def _of_one_limit(case: Case) -> frozenset[tuple[int, bool]]:

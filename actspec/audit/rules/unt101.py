@@ -11,6 +11,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joints import by_joint, shown
 from actspec.diagnostics import Span
+from actspec.fields import is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind
 from actspec.readings.compare import DEGREES
@@ -38,6 +39,7 @@ class RangeInDegrees(RuleInParts):
     def ranges(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare ranges with each other and with what joints do."""
         locked = case.once(read_as_degrees)
+        least = self.option(case, "least")
         found: list[LedgerRow] = []
         turning: list[LedgerRow] = []
         for (index, _), rows in by_joint(case, FileKind.MJCF).items():
@@ -51,30 +53,41 @@ class RangeInDegrees(RuleInParts):
                 yield ()
                 if index in locked:
                     continue
-                if is_degrees_of(command, joint):
+                artifact = case.artifacts[index]
+                in_degrees = (joint[0] * DEGREES, joint[1] * DEGREES)
+                if is_degrees_of(command, in_degrees) and not artifact.states(b"radian"):
+                    yield (_graded(self._of_both(row, command, joint), artifact),)
+                elif is_degrees_of(command, joint):
                     found.append(row)
                 elif is_degrees_of(joint, command) and largest(joint) > _TURN:
                     turning.append(row)
-        least = self.option(case, "least")
+                elif (
+                    joint[0] < joint[1]
+                    and largest(joint) <= _TURN
+                    and least <= largest(command) <= self.option(case, "most")
+                ):
+                    yield self._of_degrees(row, command, joint, artifact)
         # One range that is radians by its servo tells that all of the file are, endless joints' too.
         radians = Counter(row.artifact for row in found if not _turns(row))
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
         for row in found:
             assert row.command_range is not None and row.position_range is not None
+            is_part = _is_part(case.artifacts[row.artifact], row.place("position_range"))
             if _turns(row) and row.artifact not in radians:
                 found_here = self._of_control(row, row.command_range, row.position_range, fixes.get(row.span))
                 # Included by a file in radians, both would be the same few turns.
-                few = case.artifacts[row.artifact].is_part and largest(row.command_range) < least
+                few = is_part and largest(row.command_range) < least
                 yield (_of_a_part(found_here) if few else found_here,)
-            elif not (artifact := case.artifacts[row.artifact]).is_part or radians[row.artifact] > 1:
+            elif not is_part or radians[row.artifact] > 1:
                 # One servo of a part with the range of its joint is as it should be where the includer has radians.
-                found_here = self._of_range(row, row.command_range, row.position_range, artifact.is_part)
-                yield (_graded(found_here, artifact),)
+                found_here = self._of_range(row, row.command_range, row.position_range, is_part)
+                yield (_graded(found_here, case.artifacts[row.artifact]),)
         told = Counter(row.artifact for row in turning)
         for row in turning:
             assert row.command_range is not None and row.position_range is not None
+            artifact = case.artifacts[row.artifact]
             # As above, of one servo of a part either range may be the right one.
-            if not (artifact := case.artifacts[row.artifact]).is_part or told[row.artifact] > 1:
+            if not _is_part(artifact, row.place("position_range")) or told[row.artifact] > 1:
                 found_here = self._of_turns(row, row.command_range, row.position_range)
                 yield (_graded(found_here, artifact),)
         by_servo = {(row.artifact, row.joint) for row in turning}
@@ -83,7 +96,7 @@ class RangeInDegrees(RuleInParts):
                 continue
             hinges = _limited_hinges(artifact)
             if index in locked:
-                yield (_graded(self._of_file(_moving(hinges), artifact.is_part), artifact),)
+                yield (_graded(self._of_file(_moving(hinges), artifact), artifact),)
                 continue
             virtual = _placeholder_ranges(artifact)
             for hinge in hinges:
@@ -119,9 +132,52 @@ class RangeInDegrees(RuleInParts):
             largest(command),
             "rad",
             largest(joint),
-            f"write {format_number(joint[0], 4)} {format_number(joint[1], 4)}",
+            f"write {_written(joint)}",
             fix=fix,
         )
+
+    def _of_both(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
+        ranges = ((shown(row, "default_position", end) for end in ends) for ends in (joint, command))
+        (low, high), (left, right) = ranges
+        return Finding(
+            self.code,
+            f"the joint's range is {low} ... {high} and its servo's control range {left} ... {right}: they are "
+            "exchanged, radians that MuJoCo takes for degrees, and degrees that it takes for radians",
+            row.place("position_range"),
+            row.joint,
+            largest(joint),
+            "rad",
+            largest(joint) * DEGREES,
+            f'write range="{_written(command)}" and ctrlrange="{_written(command, 1.0 / DEGREES)}"',
+            related=(row.place("command_range"),),
+        )
+
+    def _of_degrees(
+        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], artifact: Artifact
+    ) -> Iterator[Finding]:
+        """A control range of whole degrees that is another than the joint's."""
+        share = (command[1] - command[0]) / ((joint[1] - joint[0]) * DEGREES)
+        near = 1.0 / _NEAR <= share <= _NEAR and all(end % 5.0 == 0.0 for end in command)
+        if not near and any(end % 90.0 for end in command):
+            return
+        low, high = (shown(row, "default_position", end) for end in command)
+        found = Finding(
+            self.code,
+            f"the control range is {low} ... {high}, {(command[1] - command[0]) / _TURN:.2g} full turns, of a joint "
+            f"that has {format_number(joint[1] - joint[0], 3)} rad: it looks like degrees, which MuJoCo takes for "
+            "radians here whatever the file's angle is",
+            row.place("command_range"),
+            row.joint,
+            largest(command),
+            "rad",
+            largest(command) / DEGREES,
+            f"write {_written(command, 1.0 / DEGREES)}",
+            confidence=Confidence.MEDIUM,
+        )
+        # A round figure may be there to hold nothing.
+        placeholder = all(end == 0.0 or is_power_of_ten(abs(end)) for end in command)
+        noted = placeholder or _is_part(artifact, row.place("position_range"))
+        yield _of_a_part(found) if noted else found
 
     def _of_turns(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
         low, high = (shown(row, "default_position", end) for end in joint)
@@ -134,7 +190,7 @@ class RangeInDegrees(RuleInParts):
             largest(joint),
             "rad",
             largest(command),
-            f"write {format_number(joint[0] / DEGREES, 4)} {format_number(joint[1] / DEGREES, 4)}",
+            f"write {_written(joint, 1.0 / DEGREES)}",
         )
 
     def _of_joint(self, case: Case, joint: JointView, told: bool) -> Iterator[Finding]:
@@ -154,20 +210,21 @@ class RangeInDegrees(RuleInParts):
             most,
             "rad",
             most / DEGREES,
-            f"write {format_number(ends[0] / DEGREES, 4)} {format_number(ends[1] / DEGREES, 4)}",
+            f"write {_written(ends, 1.0 / DEGREES)}",
             confidence=Confidence.MEDIUM,
         )
 
-    def _of_file(self, joints: list[JointView], is_part: bool) -> Finding:
+    def _of_file(self, joints: list[JointView], artifact: Artifact) -> Finding:
         first = joints[0]
+        place = first.places.get("range", first.span)
         ends = first.range or (0.0, 0.0)
         most = max(largest(joint.range or (0.0, 0.0)) for joint in joints) * DEGREES
         return Finding(
             self.code,
             f"none of the {len(joints)} limited hinges may move by more than {most:.3g} degrees from 0, the first from "
             f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees"
-            + _unless(is_part),
-            first.places.get("range", first.span),
+            + _unless(_is_part(artifact, place)),
+            place,
             "",
             largest(ends),
             "rad",
@@ -202,9 +259,18 @@ above 2 pi / 57.3."""
 
 _SEVERAL = 3
 
+_NEAR = 2.5
+"""Factor between the span of a control range in degrees and the joint's up to which they are one joint's. Chosen: a
+half or a whole turn is written for a hinge that turns half of it."""
+
 
 _TURN = 2.0 * math.pi
 """Chosen: a target beyond a full turn is in degrees; below it is the joint's range that is not."""
+
+
+def _written(ends: tuple[float, float], factor: float = 1.0) -> str:
+    """A range as it is to be written."""
+    return " ".join(format_number(end * factor, 4) for end in ends)
 
 
 def _unless(is_part: bool) -> str:
@@ -219,9 +285,23 @@ def _of_a_part(found: Finding) -> Finding:
 
 def _graded(found: Finding, artifact: Artifact) -> Finding:
     """By what the file is: to a whole robot without `<compiler>` a program may add one, as safety-gymnasium does."""
-    if artifact.is_part:
+    if _is_part(artifact, found.span):
         return _of_a_part(found)
-    return replace(found, confidence=Confidence.MEDIUM) if artifact.may_be_part else found
+    may_be = artifact.may_be_part and _is_own(artifact, found.span)
+    return replace(found, confidence=Confidence.MEDIUM) if may_be else found
+
+
+def _is_part(artifact: Artifact, place: Span) -> bool:
+    """Whether what includes a model may have the angle of a range that is written at a place."""
+    return artifact.is_part and _is_own(artifact, place)
+
+
+def _is_own(artifact: Artifact, place: Span) -> bool:
+    """Whether a place is in a model itself, and not in one that it attaches, which has its own angle.
+
+    Measured with MuJoCo 4.0.0: in degrees where it states none, whatever attaches it or includes what does.
+    """
+    return artifact.robot is None or any(file.path == place.path for file in artifact.robot.files)
 
 
 def _turns(row: LedgerRow) -> bool:
