@@ -189,6 +189,8 @@ _MISNOMERS = {
         ("rated_speed", "nominal_speed"),
         "the speed under load is no key: `no_load_speed` is that without load, which is higher",
     ),
+    "stall_current": "the stall current, volts over ohms, is no `peak_current`, which is what the drive gives: "
+    "leave it out; times `torque_constant` it is the motor's `stall_torque`",
     "rated_current": "the continuous current is `nominal_current`",
     "gains": "`kp` and `kd` stand in the group itself, each on a line of its own",
     "gear": "gears are the motor's `gear_ratio`, and `reduction` from its output to the joint",

@@ -22,12 +22,16 @@ FASTEST_OUTPUT = 120.0
 """[rad/s], behind a gear. Published: 100.7 (ankle of the H2) and 110 (shoulder of the Qinglong)."""
 FASTEST_SLIDE = 30.0
 """[m/s]. Chosen: belts and linear motors reach 10."""
+FASTEST_SCREW = 5.0
+"""The same behind a lead. Chosen: fast ball screws reach 2.5."""
 STRONGEST_SLIDE = 300e3
 """[N]. Chosen: roller screws of robots have 10 to 100 kN."""
 STRONGEST_HINGE = 3000.0
 """[N*m], behind a transmission."""
 LEADS = (1e-3, 0.02)
 """Of usual screws [m/rev]."""
+LEAST_STAGE = 0.8
+"""Ratio of one stage of several that reduce. Chosen: bevel wheels and idlers are about 1."""
 LIMIT_ABOVE = 3.0
 """Effort limit over the largest of the motor's torques at the joint."""
 LIMIT_FAR_ABOVE = 30.0
@@ -101,11 +105,37 @@ def _is_whole(teeth: float) -> bool:
     return math.isclose(teeth, round(teeth), rel_tol=1e-6)
 
 
-def stage_relations(stages: Sequence[Stage], path: Path, what: str) -> Iterator[Relation]:
-    """Stages that make what is driven turn faster, at the one that does most of it."""
+def stage_relations(stages: Sequence[Stage], path: Path, what: str, said: bool) -> Iterator[Relation]:
+    """Stages that make what is driven turn faster, at the one that does most of it; one among others that do not.
+
+    `said`: the robot's file has about such a torque.
+    """
     ratios = [stage_ratio(stage) for stage in stages]
     if not ratios:
         return
+    for index, ratio in enumerate(ratios):
+        others = math.prod(other for other in (*ratios[:index], *ratios[index + 1 :]) if other is not None)
+        if said or ratio is None or not ratio * others > 1.0:
+            continue
+        wheels = stages[index].teeth
+        what_stage = (
+            f"a ratio of {format_quantity(ratio, '', 4)}"
+            if wheels is None
+            else f"{wheels.driving.written} driving and {wheels.driven.written} driven teeth"
+        )
+        yield Relation(
+            "SPEC182",
+            ratio,
+            (LEAST_STAGE, math.inf),
+            (LEAST_STAGE, math.inf),
+            f"{what_stage}: this stage turns {format_quantity(1 / ratio, '', 3)} times as fast, and the others reduce "
+            f"by {format_quantity(others, '', 4)}",
+            stage_path(stages[index], (*path, index)),
+            "are driving and driven swapped? Driving is the wheel on the motor's side"
+            if wheels is not None
+            else "a stage has turns at its input in one turn at its output",
+            about=f"stage {index} {path}",
+        )
     plain = [(ratio, index) for index, ratio in enumerate(ratios) if ratio is not None]
     if len(plain) < len(ratios):
         return
@@ -129,11 +159,11 @@ def stage_relations(stages: Sequence[Stage], path: Path, what: str) -> Iterator[
     )
 
 
-def train_relations(drive: Drive, output: Output) -> Iterator[Relation]:
-    """Speed and force of the joints behind a transmission."""
+def train_relations(drive: Drive, output: Output, said: bool) -> Iterator[Relation]:
+    """Speed and force of the joints behind a transmission; `said` as in `stage_relations`."""
     for path, train in drive.trains.items():
         yield from stage_relations(
-            train.stages, train.root, "turns of the motor's output in one turn of the joint"
+            train.stages, train.root, "turns of the motor's output in one turn of the joint", said
         )
         for index, stage in enumerate(train.stages):
             if stage.lead is not None and stage.lead.value:
@@ -158,7 +188,8 @@ def train_relations(drive: Drive, output: Output) -> Iterator[Relation]:
         written = f"a {place[-1]} of {given.written}" if travels else "the transmission"
         slide = train.slide
         fast, unit = (FASTEST_SLIDE, "m/s") if slide else (FASTEST_OUTPUT, "rad/s")
-        kind = "slide" if slide else "hinge"
+        fast = FASTEST_SCREW if slide and place[-1] == "lead" else fast
+        kind = "hinge" if not slide else "screw" if place[-1] == "lead" else "slide"
         help = "look for a wrong unit: mm as m"
         if output.speed and travels:
             yield Relation(

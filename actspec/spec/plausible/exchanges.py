@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path
@@ -18,7 +18,7 @@ from actspec.spec.plausible.table import Doubt, at
 
 MATCHES = 1.05
 """With the lines exchanged each limit is what its motor gives, by this factor: two of them are no accident."""
-_LINES = ("gear_ratio", "peak_torque", "stall_torque")
+_LINES = ("gear_ratio", "peak_torque", "stall_torque", "continuous_torque")
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,20 +42,21 @@ def exchanges(drives: Sequence[Drive], model: SpecModel, spans: SourceMap) -> It
         model: The spec.
         spans: Where it says what it says.
     """
+    thermal = _thermal(model)
     off = {
         drive.name: drive
         for drive in drives
-        if (efforts := _efforts(drive)) and not any(_is_within(item, AGREES) for item in efforts)
+        if (efforts := _efforts(drive, thermal)) and not any(_is_within(item, AGREES) for item in efforts)
     }
     for first, second in itertools.combinations(tuple(off), 2):
         if first not in off or second not in off:
             continue
         one, two = off[first], off[second]
-        found = list(_exchanged(one, two, model))
+        found = list(_exchanged(one, two, model, thermal))
         if not found:
             continue
         del off[first], off[second]
-        told = [_efforts(drive)[0] for drive in (one, two)]
+        told = [_efforts(drive, thermal)[0] for drive in (one, two)]
         help = "; or ".join(
             f"are {line} of '{ours[-2]}' and of '{theirs[-2]}' ({spans.value(theirs)}) exchanged?"
             for line, ours, theirs in found
@@ -70,28 +71,30 @@ def exchanges(drives: Sequence[Drive], model: SpecModel, spans: SourceMap) -> It
         yield Exchange(frozenset((first, second)), replace(doubt, blamed=wrong))
 
 
-def _exchanged(one: Drive, two: Drive, model: SpecModel) -> Iterator[tuple[str, Path, Path]]:
+def _exchanged(
+    one: Drive, two: Drive, model: SpecModel, thermal: Collection[str]
+) -> Iterator[tuple[str, Path, Path]]:
     """What may be exchanged: the field, and where the two stand."""
     for field in _LINES:
         ours, theirs = getattr(one.motor, field), getattr(two.motor, field)
         if ours is None or theirs is None or one.motor.side != two.motor.side:
             continue
         motors = (one.motor.model_copy(update={field: theirs}), two.motor.model_copy(update={field: ours}))
-        if _fits(one, two, *motors):
+        if _fits(one, two, thermal, *motors):
             yield field, ("motors", one.name, field), ("motors", two.name, field)
     places = [
         [path for path, fields, _ in layers(model) if fields.motor == drive.name] for drive in (one, two)
     ]
-    if all(len(paths) == 1 for paths in places) and _fits(one, two, two.motor, one.motor):
+    if all(len(paths) == 1 for paths in places) and _fits(one, two, thermal, two.motor, one.motor):
         (mine,), (other,) = places
         yield "motor", (*mine, "motor"), (*other, "motor")
 
 
-def _fits(one: Drive, two: Drive, *motors: Motor) -> bool:
+def _fits(one: Drive, two: Drive, thermal: Collection[str], *motors: Motor) -> bool:
     """Whether with these motors all is sound, and every limit what its motor gives."""
     for drive, motor in zip((one, two), motors, strict=True):
         changed = replace(drive, motor=motor)
-        efforts = _efforts(changed)
+        efforts = _efforts(changed, thermal)
         if not efforts or not all(_is_within(item, MATCHES) for item in efforts):
             return False
         if any(item.broken for item in relations(changed)):
@@ -99,8 +102,28 @@ def _fits(one: Drive, two: Drive, *motors: Motor) -> bool:
     return True
 
 
-def _efforts(drive: Drive) -> list[Relation]:
-    """What its torque makes of every limit of its joints; beside a peak the stall torque says nothing of that."""
+def _thermal(model: SpecModel) -> frozenset[str]:
+    """Motors whose joints are all limited to the continuous torque."""
+    limits: dict[str | None, set[object]] = {}
+    for _, fields, group in layers(model):
+        limit = group.effort_limit if fields.effort_limit is None else fields.effort_limit
+        limits.setdefault(fields.motor or group.motor, set()).add(limit if isinstance(limit, str) else None)
+    return frozenset(name for name, taken in limits.items() if name is not None and taken == {"continuous"})
+
+
+def _efforts(drive: Drive, thermal: Collection[str]) -> list[Relation]:
+    """What its torque makes of every limit of its joints; beside a peak the stall torque says nothing of that.
+
+    Of a motor whose joints take the continuous torque it is that one.
+    """
+    if drive.name in thermal and drive.motor.continuous_torque is not None:
+        motor = drive.motor.model_copy(update={"peak_torque": drive.motor.continuous_torque})
+        own = _efforts(replace(drive, motor=motor), ())
+        field = ("motors", drive.name, "continuous_torque")
+        return [
+            replace(item, path=field, message=item.message.replace("peak_torque", "continuous_torque"))
+            for item in own
+        ]
     known = drive.motor.peak_torque is not None
     return [
         item

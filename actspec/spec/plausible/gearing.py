@@ -4,14 +4,34 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Path
+from actspec.ir import JointActuator
+from actspec.spec.document import SourceMap
+from actspec.spec.models import SpecModel
 from actspec.spec.plausible.drive import Drive, gear_of, number, stage_path
+from actspec.spec.plausible.driven import AGREES
+from actspec.spec.plausible.groups import MULTIPLIERS, layers
 from actspec.spec.plausible.motors import relations
 from actspec.spec.plausible.relations import RARE, Repair
 from actspec.spec.plausible.slips import inertias, multiplied, stage_slips
+from actspec.spec.plausible.table import Doubt, at
+from actspec.units import format_quantity
+
+TWICE = 5.0
+"""A reduction from which on it is the motor's gear once more if the two are equal. Published reductions: to 2.2; a belt
+of 3 or 4 behind a gear of 3 or 4 is built."""
+SAME_GEAR = 0.01
+"""They are equal by this part: one of the two may be rounded."""
+COUNTED_TWICE = (
+    f"is the gear counted twice? Then remove this: {MULTIPLIERS['reduction']}, behind its own gear"
+)
+MOST_MOTORS = 8
+"""Of one joint. Published: 2; chosen: slews of large machines have 8."""
+SEVERAL_MOTORS = 3
+"""Motors of one joint from which on they are those of all joints if they are as many."""
 
 
 def stages_repaired(drive: Drive) -> Iterator[Repair]:
@@ -77,19 +97,22 @@ def counts_repaired(drive: Drive) -> Iterator[Repair]:
                 key: replace(train, motors=1) if one(key) else train for key, train in drive.trains.items()
             },
         )
-        same = gear is not None and math.isclose(gear, motors, rel_tol=0.05)
-        help = "is it the gear ratio" if same else "did you mean 1"
-        help += "? motors_per_joint is how many motors drive one joint together"
-        yield Repair(tuple(relations(changed)), (place,), help)
+        yield Repair(tuple(relations(changed)), (place,), _one_motor(gear, motors))
 
 
 def reductions_repaired(drive: Drive) -> Iterator[Repair]:
-    """A reduction from the motor to the joint whose point is in the wrong place."""
+    """A reduction from the motor to the joint that is the gear's again, or whose point is in the wrong place."""
+    gear = gear_of(drive.motor)
     reductions = {item.reduced: item.reduction for item in drive.limits if item.reduced is not None}
     reductions |= {item.reduced: item.reduction for item in drive.witnesses if item.reduced is not None}
     for place, size in reductions.items():
-        for power in (-2, -1, 1, 2):
-            factor = 10.0**power
+        slips = [
+            (10.0**power, f"did you mean {size * 10.0**power:.4g}? {MULTIPLIERS['reduction']}", RARE)
+            for power in (-2, -1, 1, 2)
+        ]
+        if gear is not None and size >= TWICE and math.isclose(gear, size, rel_tol=SAME_GEAR):
+            slips.append((1.0 / size, COUNTED_TWICE, 0.0))
+        for factor, help, rare in slips:
             limits = tuple(
                 replace(item, reduction=item.reduction * factor) if item.reduced == place else item
                 for item in drive.limits
@@ -101,5 +124,68 @@ def reductions_repaired(drive: Drive) -> Iterator[Repair]:
                 for item in drive.witnesses
             )
             after = tuple(relations(replace(drive, limits=limits, witnesses=witnesses)))
-            help = f"did you mean {size * factor:.4g}? reduction is turns of the motor's output in one of the joint"
-            yield Repair(after, (place,), help, RARE)
+            yield Repair(after, (place,), help, rare)
+
+
+def multiplier_doubts(
+    drive: Drive, model: SpecModel, joints: Sequence[JointActuator], spans: SourceMap
+) -> Iterator[Doubt]:
+    """A gear that is stated in the motor and again as a reduction, and the motors of the whole robot at one joint.
+
+    A robot's file that has about such a torque says that it is right.
+
+    Args:
+        drive: The motor, with the limits that the robot's file states.
+        model: The spec.
+        joints: The resolved spec; none: whatever the robot is.
+        spans: Where the spec says what it says.
+    """
+    if _is_said(drive):
+        return
+    gear = gear_of(drive.motor)
+    for path, fields, group in layers(model):
+        if (fields.motor or group.motor) != drive.name:
+            continue
+        reduction = fields.reduction
+        size = None if reduction is None else reduction.value
+        if (
+            reduction is not None
+            and size
+            and gear
+            and size >= TWICE
+            and math.isclose(gear, size, rel_tol=SAME_GEAR)
+        ):
+            field = "gearbox" if drive.motor.gearbox else "gear_ratio"
+            own: Path = ("motors", drive.name, field)
+            turned = format_quantity(gear * size, "", 4)
+            message = (
+                f"{reduction.written} turns of the motor's output in one of the joint, and the motor's own {field} is "
+                f"{format_quantity(gear, '', 4)} ({spans.value(own)}): {turned} turns of the rotor"
+            )
+            yield at(spans, "SPEC182", message, (*path, "reduction"), COUNTED_TWICE, own)
+        count = fields.motors_per_joint or 1
+        mine = [joint for joint in joints if joint.group == path[1] and joint.motor == drive.name]
+        every = [joint for joint in joints if joint.motor is not None]
+        if count > MOST_MOTORS or (count >= SEVERAL_MOTORS and count in (len(mine), len(every))):
+            message = f"{count} motors '{drive.name}' drive one joint"
+            if mine:
+                message += f", and {count * len(mine)} the {len(mine)} joints of {path[1]}"
+            yield at(spans, "SPEC182", message, (*path, "motors_per_joint"), _one_motor(gear, count))
+
+
+def _is_said(drive: Drive) -> bool:
+    """Whether the robot's file has the torque that the motor gives at its joints."""
+    return any(
+        item.witnessed
+        and item.code == "SPEC187"
+        and item.path[0] == "motors"
+        and 1.0 / AGREES < item.value < AGREES
+        for item in relations(drive)
+    )
+
+
+def _one_motor(gear: float | None, motors: int) -> str:
+    """What is meant by so many motors of one joint."""
+    same = gear is not None and math.isclose(gear, motors, rel_tol=0.05)
+    help = "is it the gear ratio" if same else "did you mean 1"
+    return f"{help}? {MULTIPLIERS['motors_per_joint']}"

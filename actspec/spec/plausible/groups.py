@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 from actspec.diagnostics import Path, Span
 from actspec.fields import FRICTION_SHARE
@@ -35,6 +36,13 @@ DIGIT = 50.0
 """Above it two factors are in per cent, below it they are without their points."""
 SPREAD = 10.0
 """Standard deviation over value. Chosen: of what a fit hardly sees it is 1 to 3."""
+MULTIPLIED = 4.0
+"""What multiplies a motor may be the wrong number from it on. Published: reductions to 2.2, and 2 motors."""
+MULTIPLIERS = {
+    "reduction": "reduction is turns of the motor's output in one of the joint",
+    "motors_per_joint": "motors_per_joint is how many motors drive one joint together",
+}
+"""What multiplies a motor, in words."""
 OFF = {"rad": 0.25, "m": 0.1}
 """Largest error of an encoder [rad or m]. Published: 0.02 rad."""
 
@@ -168,10 +176,9 @@ def group_doubts(
             if own and isinstance(gain, DerivedGain):
                 yield from derived_doubts(gain, place, spans)
         if (own_kp or own_kd) and isinstance(kp, SpecValue) and isinstance(kd, SpecValue):
-            slide = kp.linear or kd.linear
-            known = None if slide else _most_of(stated, model, spans, doubted)
-            if slide and isinstance(limit, SpecValue) and not told:
-                known = limit.value
+            slide = bool(kp.linear or kd.linear)
+            most = _most_of(stated, model, spans, doubted, slide)
+            known = None if most is None else most.value
             viscous = 0.0 if friction is None or friction.viscous is None else friction.viscous.value or 0.0
             driven = stated("motor")[0] in model.motors
             kind = JointKind.SLIDE if slide else JointKind.HINGE
@@ -183,6 +190,17 @@ def group_doubts(
             if found is not None:
                 field, message, help = found
                 place = paths.pop(field)
+                if most is not None and most.times >= MULTIPLIED and most.place is not None:
+                    alone = replace(gains, limit=most.value / most.times)
+                    if gain_words(alone, {}) is None:
+                        # Without what multiplies the motor the gains are sound.
+                        times = format_quantity(most.times, "", 4)
+                        message += f", {times} times what the motor gives"
+                        words = MULTIPLIERS[str(most.place[-1])]
+                        help = (
+                            f"one of 2 numbers is wrong. {words}. Or {field} ({spans.value(place)}): {help}"
+                        )
+                        paths[field], place = place, most.place
                 yield at(spans, "SPEC192", message, place, help, *paths.values())
         bias = fields.encoder_bias
         if bias is not None and _is_off(bias):
@@ -197,12 +215,13 @@ def group_doubts(
                 if not told_of_draws:
                     drawn += _negative(entry, field, place, group, spans)
                 yield from drawn
-                most, rub = _most_of(stated, model, spans, doubted), _dry(field, group)
-                takes = most and rub is not None and (rub.value or 0.0) >= FRICTION_SHARE * most
+                hinged, rub = _most_of(stated, model, spans, doubted), _dry(field, group)
+                limited = None if hinged is None else hinged.value
+                takes = limited and rub is not None and (rub.value or 0.0) >= FRICTION_SHARE * limited
                 # Where the nominal friction takes the limit it is told itself, and may be the wrong one.
                 if not drawn and not takes:
                     replaced = list(_replaced(entry, field, place, group, spans))
-                    yield from replaced or _rubbing(entry, field, place, most, rub, spans)
+                    yield from replaced or _rubbing(entry, field, place, limited, rub, spans)
 
 
 def std_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
@@ -225,33 +244,69 @@ def std_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
                 yield at(spans, "SPEC188", message, (*path, key, "std"), help, (*path, key))
 
 
+class _Most(NamedTuple):
+    """What a joint has at most.
+
+    Attributes:
+        value: [N*m or N].
+        times: What its motor gives is so many times less; 1 where it is stated.
+        place: Where the larger of what multiplies the motor is written; None: nothing does.
+    """
+
+    value: float
+    times: float = 1.0
+    place: Path | None = None
+
+
 def _most_of(
     stated: Callable[[str], tuple[Any, Path, bool]],
     model: SpecModel,
     spans: SourceMap,
     doubted: Collection[str | Span | None],
-) -> float | None:
-    """The effort limit of a hinge, or what its motor gives there [N*m]; None where it is unknown or doubted."""
+    slide: bool = False,
+) -> _Most | None:
+    """The effort limit of a hinge or slide, or what its motor gives there; None where it is unknown or doubted."""
     limit, path, _ = stated("effort_limit")
     if spans.value(path) in doubted:
         return None
     if isinstance(limit, SpecValue):
-        return None if limit.linear else limit.value
-    name, reduction = stated("motor")[0], stated("reduction")[0]
+        return None if bool(limit.linear) != slide or not limit.value else _Most(limit.value)
+    name, (reduction, reduced, _) = stated("motor")[0], stated("reduction")
+    count, counted, _ = stated("motors_per_joint")
     motor = model.motors.get(name)
-    if motor is None or stated("transmission")[0] is not None or (reduction and _is_geared_up(reduction)):
+    if motor is None or (reduction and _is_geared_up(reduction)):
         return None
-    if any(isinstance(place, str) and place.startswith(f"motors.{name}.") for place in doubted) or not turns(
-        motor
-    ):
+    if any(isinstance(place, str) and place.startswith(f"motors.{name}.") for place in doubted):
+        return None
+    between, way, _ = stated("transmission")
+    if not {spans.value(reduced), spans.value(counted)}.isdisjoint(doubted):
         return None
     if limit == "continuous":
         motor = motor.model_copy(update={"peak_torque": None, "stall_torque": None, "curve": None})
+    if slide:
+        force = _force_of(name, motor, model, way if between is not None else (*path[:2], "gearbox"))
+        return None if force is None or reduction is not None else _Most(force)
+    if between is not None or not turns(motor):
+        return None
     torque = output_of(name, motor).torque
     factor = 1.0 if reduction is None else reduction.value
     if not torque or not factor:
         return None
-    return float(torque * factor * (stated("motors_per_joint")[0] or 1))
+    times = float(factor * (count or 1))
+    place = reduced if factor >= (count or 1) else counted
+    return _Most(torque * times, times, None if times == 1.0 else place)
+
+
+def _force_of(name: str, motor: Motor, model: SpecModel, way: Path) -> float | None:
+    """What a motor gives behind a screw, a pinion or a belt [N]; `way` is the key of that among its trains."""
+    drive = next(drive for drive in drives_of(model) if drive.name == name)
+    train = drive.trains.get(way)
+    if train is None or not train.slide:
+        return None
+    cut = cut_gearbox(motor)
+    torque = output_of(name, motor if cut is None else cut[0]).torque
+    force = (torque or 0.0) * train.torque
+    return force if 0.0 < force < math.inf else None
 
 
 def reduction_of(name: str, group: Actuators) -> tuple[Path, float] | None:

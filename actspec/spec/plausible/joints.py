@@ -20,11 +20,11 @@ from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, unreached_limit
 from actspec.spec.plausible.gains import blamed
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
-from actspec.spec.plausible.limits import levers_of, velocity_found
+from actspec.spec.plausible.limits import levers_of, slow_found, velocity_found
 from actspec.spec.plausible.motors import WINDING
 from actspec.spec.plausible.numbers import number_doubts
 from actspec.spec.plausible.relations import DEGREE
-from actspec.spec.plausible.repairs import misread_speeds
+from actspec.spec.plausible.repairs import misread_lengths, misread_speeds
 from actspec.spec.plausible.servos import gains_found
 from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import (
@@ -62,8 +62,12 @@ _CONSEQUENCES = frozenset(("SPEC193", "FRC106"))
 """Checks of action scale and viscous friction by limits, gains and friction: where one of those is found itself, they
 say nothing, though the author is sure of it.
 """
-_TO_INERTIA = frozenset(("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction"))
+_TO_INERTIA = frozenset(
+    ("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction", "motors_per_joint")
+)
 """Figures of a motor from which the inertia at its joint follows."""
+_BETWEEN = frozenset(("reduction", "transmission", "motors_per_joint"))
+"""What stands between a motor and its joints."""
 _SIZES = ("_torque", ".no_load_speed")
 """Figures from which it does not."""
 
@@ -190,7 +194,7 @@ def _joint_doubts_of(
     reported = _sections(item for item in told if item.code != "SPEC183" or not item.where.endswith(_SIZES))
     gained = _sections(item for item in told if item.code == "SPEC192")
     parts = (re.split(r"[.\[]", item.where) for item in told)
-    reduced = {".".join(part[:2]) for part in parts if {"reduction", "transmission"}.intersection(part)}
+    reduced = {".".join(part[:2]) for part in parts if _BETWEEN.intersection(part)}
     places = {item.span for item in told}.union(rubbed)
     linked, written = _linked(model), written_numbers(model, spans)
     # A motor's torque that is none too large at other joints is not what is wrong, but what reduces it here.
@@ -198,7 +202,7 @@ def _joint_doubts_of(
     every = {
         joint.joint: [
             *levers[joint.joint],
-            *_viscous(joint, drives, written, kept),
+            *_viscous(joint, drives, written, spans, kept),
             *_joint_doubts(joint, joints, model, written, kept),
         ]
         for joint in joints
@@ -254,8 +258,9 @@ def _joint_doubts(
 ) -> Iterator[Found]:
     for check in (pose_found, command_range_found, scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
-    yield from _friction(joint, joints, kept)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
+    yield from slow_found(joint, motor)
+    yield from _friction(joint, joints, kept)
     inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
     yield from inertia or gains_found(joint)
@@ -329,7 +334,11 @@ def _stribeck(joint: JointActuator) -> Iterator[Found]:
 
 
 def _viscous(
-    joint: JointActuator, drives: Mapping[str, Drive], written: Mapping[Span, SpecValue], kept: Kept
+    joint: JointActuator,
+    drives: Mapping[str, Drive],
+    written: Mapping[Span, SpecValue],
+    spans: SourceMap,
+    kept: Kept,
 ) -> Iterator[Found]:
     """Viscous friction at the end of the torque-speed line, whatever the level; published: to 0.43 (ANYmal D).
 
@@ -374,18 +383,26 @@ def _viscous(
         )
         if torque * reading.factor < most
     ]
+    place = speed.span
+    if not readings and drive is not None and lined and limit.origin is Origin.DERIVED:
+        # Another length gives another force, too.
+        lengths = [item for item in misread_lengths(drive) if torque * item.factor**2 < most]
+        readings = [item for item in lengths if item.path == lengths[0].path and item.path not in kept.paths][
+            :1
+        ]
+        place = spans.value(readings[0].path) if readings else place
     if readings:
-        fast = "; or ".join(reading.help for reading in readings)
+        fast, named = "; or ".join(reading.help for reading in readings), readings[0].path[-1]
         known = in_file(*viscous.lost)
         bearing = 0.0 if known is None else known.value or 0.0
         if bearing / AGREES < viscous.value < bearing * AGREES or any(
             reading.likelier for reading in readings
         ):
             # The robot's file has that friction, or the speed is odd by itself, too.
-            where, number, other = dotted(readings[0].path), speed, viscous
-            help = f"no_load_speed: {fast}. Or viscous ({viscous.span}): {help}"
+            where, number, other = dotted(readings[0].path), replace(speed, span=place), viscous
+            help = f"{named}: {fast}{'' if fast.endswith('?') else '.'} Or viscous ({viscous.span}): {help}"
         else:
-            help = f"viscous: {help} Or no_load_speed ({speed.span}): {fast}"
+            help = f"viscous: {help} Or {named} ({place}): {fast}"
         help = f"one of 2 numbers is wrong. {help}"
     elif lined:
         help += " The slope of the torque-speed line belongs to the motor, not to friction"

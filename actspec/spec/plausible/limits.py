@@ -8,12 +8,14 @@ from collections.abc import Iterator
 from actspec.diagnostics import listed
 from actspec.fields import FRICTION_SHARE, GRAVITY, LONGEST_LEVER, is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
+from actspec.spec.models import Motor
 from actspec.spec.plausible.armatures import ARMATURE_RATE, LARGEST_LIMIT
 from actspec.spec.plausible.commands import own_speed
+from actspec.spec.plausible.drive import gear_of
 from actspec.spec.plausible.driven import FASTEST_SLIDE
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE
 from actspec.spec.plausible.relations import DEGREE, KGF_CM, POINT, RPM
-from actspec.spec.plausible.table import Found, found_at, is_files, is_stated, shown
+from actspec.spec.plausible.table import Found, found_at, in_file, is_files, is_stated, shown
 from actspec.units import format_quantity
 
 FASTEST_LIMIT = 200.0
@@ -27,6 +29,18 @@ USUAL_SPEED = (0.3, 50.0)
 USUAL_ARMATURE = 3e-3
 """An armature of so much is no rotor's alone, beside an effort limit above `LARGEST_LIMIT` [kg*m^2]."""
 
+SLOW_SPEED = 0.3
+"""No-load speed of a motor without a stated gear, below which gains are asked [rad/s]. Chosen: large arms have 1."""
+SPIN_UP = 2e-3
+"""Time to that speed by the motor's own inertia, from which on it is right [s]. Published: 0.005 to 0.052."""
+SLOW_RETURN = 1.5
+"""Effort limit over kp, over that speed [s]. Published: to 0.1 (legs); chosen: a slow joint has a stiff drive."""
+NO_SPEED = 0.02
+"""Below it no joint of a robot moves: a turn takes 5 minutes [rad/s]."""
+ABOUT_FILE = 5.0
+"""The robot's file has about such a speed by this factor."""
+SERVO_TIMES = (0.03, 0.3)
+"""Of servos [s per 60 deg]."""
 LEVER = 1.8
 """Effort limit over the robot's weight [m]. Published: to 1.7 (Aloha), but for a UR10's 330 N*m on a UR3 (3.2)."""
 RATE = 3.1e4
@@ -218,6 +232,51 @@ def velocity_found(joint: JointActuator) -> Iterator[Found]:
         help,
         limit,
         force if fast > most else None,
+    )
+
+
+def slow_found(joint: JointActuator, motor: Motor | None) -> Iterator[Found]:
+    """A no-load speed with which the joint of a robot cannot do what its gains ask for.
+
+    Of a motor whose gear is stated the speed of the rotor is judged; a file with about such a speed says it as well.
+
+    Args:
+        joint: A joint with a motor.
+        motor: The motor.
+    """
+    speed, limit, kp = own_speed(joint), joint.effort_limit, joint.kp
+    if motor is None or gear_of(motor) is not None or joint.kind is not JointKind.HINGE or speed is None:
+        return
+    fast, most, said = (
+        speed.value or 0.0,
+        limit.value or 0.0,
+        in_file(*joint.velocity_limit.lost, joint.velocity_limit),
+    )
+    if not 0.0 < fast < SLOW_SPEED or not 0.0 < most < LARGEST_LIMIT:
+        return
+    if said is not None and said.value and said.value < ABOUT_FILE * fast:
+        return
+    if (joint.reflected_inertia.value or 0.0) * fast > SPIN_UP * most:
+        # A heavy motor is as slow as that.
+        return
+    error = 0.0 if kp is None or not kp.value else most / kp.value
+    if fast < NO_SPEED:
+        message = f"a no-load speed of {shown(speed)}: one turn takes {format_quantity(2.0 * math.pi / fast, 's', 3)}"
+    elif error > SLOW_RETURN * fast:
+        message = (
+            f"a no-load speed of {shown(speed)}: the joint takes {format_quantity(error / fast, 's', 3)} for the "
+            f"{format_quantity(error, 'rad', 3)} at which kp {shown(kp) if kp is not None else ''} asks for the effort "
+            f"limit of {shown(limit)}"
+        )
+    else:
+        return
+    help = "look for a wrong unit, or the point in the wrong place"
+    if SERVO_TIMES[0] <= fast <= SERVO_TIMES[1]:
+        meant = format_quantity(60.0 * DEGREE / fast, "rad/s", 3)
+        help = f"is it in s per 60 deg, as sheets of servos have it? Then it is {meant}; or {help}"
+    where = f"motors.{joint.motor}.{'no_load_speed' if motor.curve is None else 'curve.no_load_speed'}"
+    yield found_at(
+        joint, "SPEC184", where, 1.0 / fast, message, help, speed, kp if fast >= NO_SPEED else None
     )
 
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 from actspec.diagnostics import Path
 from actspec.spec.models import Motor
+from actspec.spec.plausible.currents import ROUNDING, constant_relations
 from actspec.spec.plausible.drive import Drive, Output, is_geared, number, output_of
 from actspec.spec.plausible.driven import (
     AGREES,
-    CURRENT_RATIO,
     FASTEST_OUTPUT,
     FASTEST_SLIDE,
     NEVER_GEARED_UP,
@@ -24,11 +24,7 @@ from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
-ROUNDING = 1.02
-"""Two figures of a datasheet may differ by this much and be the same."""
 FAR_ABOVE_STALL = 3.0
-VOLTAGE_RATIO = (0.2, 3.0)
-"""Torque constant times no-load speed, over the voltage."""
 LARGEST_TORQUE = 100e3
 """[N*m] at the output. Chosen: the strongest arms hold 2300 kg at 3.7 m, 84 kN*m; axes of a KR 210 have 11 kN*m."""
 MOST_TURNS = 1000.0
@@ -101,12 +97,6 @@ LEAST_EFFICIENCY = 0.1
 """Of a gearbox. Chosen: lead screws and worm gears have 0.2 to 0.4."""
 
 
-CURRENTS = (0.1, 200.0)
-VOLTAGES = (3.0, 120.0)
-"""Of drives of robots [A, V]. Chosen: from hobby servos to humanoids."""
-ANY_CURRENT = (5e-3, 2000.0)
-ANY_VOLTAGE = (1.0, 1000.0)
-"""Of any motor [A, V]. Chosen: from micro motors to those of vehicles."""
 GEAR_INVERSE = "did you mean {}? gear_ratio is rotor turns in one output turn"
 
 
@@ -122,15 +112,15 @@ def _relations(drive: Drive) -> Iterator[Relation]:
     output = output_of(drive.name, motor)
     witnesses = list(witness_relations(drive, output))
     yield from _torques(drive.name, motor)
-    yield from _constant(drive.name, motor)
-    yield from _gear(drive.name, motor)
-    yield from _efficient(drive)
+    yield from constant_relations(drive.name, motor)
     said = any(_is_said(relation) for relation in witnesses)
+    yield from _gear(drive.name, motor, said)
+    yield from _efficient(drive)
     yield from _beyond(drive, output, said)
     yield from _speed(drive, output)
     yield from _rotor(drive.name, motor, output)
     yield from _stage_inertias(drive.name, motor)
-    yield from train_relations(drive, output)
+    yield from train_relations(drive, output, said)
     yield from limit_relations(drive, output)
     yield from witnesses
 
@@ -208,75 +198,10 @@ def _far(field: str, value: SpecValue, other: str, most: SpecValue) -> str:
     return f"{field} {value.written} is {how} {other} {most.written}"
 
 
-def _constant(name: str, motor: Motor) -> Iterator[Relation]:
-    """Torque constant times current is a torque, times speed a voltage."""
-    path: Path = ("motors", name)
-    constant = number(motor.torque_constant)
-    # Of a winding the stall torque is many times what the drive's current gives.
-    most = (0.0, CURRENT_RATIO[1]), (0.02, 2.0)
-    for field, product, key, bounds, usual, unit in (
-        ("peak_current", "gives", "peak_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
-        ("nominal_current", "gives", "continuous_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
-        ("peak_current", "gives", "stall_torque", *most, "N*m"),
-        ("nominal_current", "gives", "stall_torque", *most, "N*m"),
-        ("no_load_speed", "needs", "nominal_voltage", VOLTAGE_RATIO, (0.3, 2.0), "V"),
-    ):
-        factor: SpecValue | None = getattr(motor, field)
-        other: SpecValue | None = getattr(motor, key)
-        first, second = number(factor), number(other)
-        if not constant or motor.torque_constant is None:
-            continue
-        if factor is None or other is None or not first or not second:
-            continue
-        yield Relation(
-            "SPEC181",
-            constant * first / second,
-            bounds,
-            usual,
-            f"a torque constant of {motor.torque_constant.written} {product} "
-            f"{format_quantity(constant * first, unit, 3)} at {field} {factor.written}, and {key} is {other.written}",
-            (*path, "torque_constant"),
-            "torque = torque constant x current, voltage = torque constant x speed",
-            ((*path, field), (*path, key)),
-        )
-    nominal, peak = number(motor.nominal_current), number(motor.peak_current)
-    if nominal and peak and motor.nominal_current is not None and motor.peak_current is not None:
-        yield Relation(
-            "SPEC181",
-            nominal / peak,
-            (0.0, ROUNDING),
-            (0.0, ROUNDING),
-            f"nominal_current {motor.nominal_current.written} is above peak_current {motor.peak_current.written}",
-            (*path, "nominal_current"),
-            "are the two swapped? The thermal limit is the lower one",
-            ((*path, "peak_current"),),
-            about="currents",
-        )
-    # Which of two factors is the wrong one is told by its own size.
-    for field, sizes, (low, high), unit in (
-        ("peak_current", CURRENTS, ANY_CURRENT, "A"),
-        ("nominal_current", CURRENTS, ANY_CURRENT, "A"),
-        ("nominal_voltage", VOLTAGES, ANY_VOLTAGE, "V"),
-    ):
-        given: SpecValue | None = getattr(motor, field)
-        value = number(given)
-        if value and given is not None:
-            yield Relation(
-                "SPEC181",
-                value,
-                (low, high),
-                sizes,
-                f"{field} {given.written}: motors of robots have {low:g} to {format_quantity(high, unit)}",
-                (*path, field),
-                None,
-            )
-
-
-def _gear(name: str, motor: Motor) -> Iterator[Relation]:
+def _gear(name: str, motor: Motor, said: bool) -> Iterator[Relation]:
     if motor.gearbox is not None:
-        yield from stage_relations(
-            motor.gearbox, ("motors", name, "gearbox"), "rotor turns in one output turn"
-        )
+        path = ("motors", name, "gearbox")
+        yield from stage_relations(motor.gearbox, path, "rotor turns in one output turn", said)
         return
     ratio = number(motor.gear_ratio)
     if not ratio or motor.gear_ratio is None:

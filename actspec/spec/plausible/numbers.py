@@ -14,6 +14,7 @@ from actspec.spec.plausible.clamps import range_doubts
 from actspec.spec.plausible.contradicted import contradictions
 from actspec.spec.plausible.driven import gear_doubts
 from actspec.spec.plausible.exchanges import exchanges
+from actspec.spec.plausible.gearing import multiplier_doubts
 from actspec.spec.plausible.groups import group_doubts, layers, std_doubts
 from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
@@ -82,6 +83,7 @@ def number_doubts(
     for drive in drives:
         if drive.name not in together and drive.name not in made:
             own = list(motor_doubts(drive, spans))
+            own = own or list(multiplier_doubts(drive, model, joints, spans))
             doubts += own or contradictions(drive, joints, model, spans)
     places = {doubt.span for doubt in doubts}
     doubts += (doubt for doubt in by_number(file_doubts(joints, model, spans)) if doubt.span not in places)

@@ -147,9 +147,10 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
         ):
             # The robot's file does not say this, either.
             continue
-        further = sum(max(0.0, relation.excess - was.get(_about(relation), 0.0)) for relation in repair.after)
+        after = _each_once(repair.after)
+        further = sum(max(0.0, relation.excess - was.get(_about(relation), 0.0)) for relation in after)
         if further <= NEAR:
-            cost = sum(relation.excess for relation in repair.after) + repair.rare
+            cost = sum(relation.excess for relation in after) + repair.rare
             # A slip that makes it the figure of the file, to the digit, is no accident.
             just = [relation.value for relation in repair.after if _about(relation) in refuted]
             exact = bool(just) and all(1.0 / TO_THE_DIGIT < value < TO_THE_DIGIT for value in just)
@@ -195,6 +196,13 @@ def _told(
         )
     )
     return replace(repair, help=POINT) if repair.is_point and vague else repair
+
+
+def _each_once(relations: Sequence[Relation]) -> list[Relation]:
+    """Without what the robot's file says of one figure again at other joints: twelve legs are no twelve reasons."""
+    plain = [relation for relation in relations if not relation.witnessed]
+    told = {(item.code, item.path, f"{item.value:.6g}"): item for item in relations if item.witnessed}
+    return [*plain, *told.values()]
 
 
 def _about(relation: Relation) -> tuple[object, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -11,6 +12,19 @@ from typing import NamedTuple
 from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
 from actspec.spec.models import Motor
+from actspec.spec.plausible.currents import (
+    REFUTED,
+    SPEEDS,
+    by_peer,
+    gives_stall,
+    is_at_rotor,
+    is_proved_by,
+    is_refuted,
+    of_kv,
+    or_twice,
+    proof,
+    stalled,
+)
 from actspec.spec.plausible.drive import (
     GEARED,
     Drive,
@@ -21,20 +35,21 @@ from actspec.spec.plausible.drive import (
     number,
     with_figure,
 )
-from actspec.spec.plausible.driven import AGREES, CURRENT_RATIO, SLOWED
+from actspec.spec.plausible.driven import AGREES, SLOWED
 from actspec.spec.plausible.gearing import counts_repaired, reductions_repaired, stages_repaired
 from actspec.spec.plausible.motors import GEAR_INVERSE, relations
 from actspec.spec.plausible.relations import (
+    ALIKE,
     KGF_CM,
     POINT,
     RARE,
-    RPM,
     Relation,
     Repair,
     explained,
     explanation,
 )
 from actspec.spec.plausible.slips import (
+    amount_of,
     in_unit,
     inertias,
     kgf_cm,
@@ -61,27 +76,17 @@ EXACT = 1.003
 """A torque in kgf*cm, 1.02 times one with a wrong point, is told from that if it agrees with a limit by this factor."""
 ONCE = 1.02
 """A limit at the rotor is told if at the joint it is motor's or file's by this factor: else less may be meant."""
-PROVED = 1.25
-"""A torque is what its current gives if they agree by this factor; then it was not exchanged for another."""
 PROVED_COST = 1.0
 """What an exchange of such a torque costs, and a correction to one that its current refutes, as `RARE`."""
-REFUTED = 2.0
-"""A torque is not what its current gives beyond this factor: amplitudes, phases and saturation make so much."""
 PROVED_NOW = 1.05
 """A torque that comes in the place of another by an exchange is what its current gives if they agree by this factor."""
 ODD = 0.4
 """What it costs that a limit is the odd one beside motor and file, where no slip makes it theirs, as `RARE`."""
 BY_CURRENT = 0.25
 """What it costs that a torque is what its current gives, where no slip makes it so, as `RARE`."""
-OF_KV = 1.01
-"""A no-load speed is Kv times the voltage by this factor: both are rounded to three digits. From mN*m/A, which near 98
-is the same, nothing else tells it."""
 NO_LIKELIER = 0.01
 """What it costs, beyond a wrong point, that a constant is wrong which with its current gives the stall torque: the
 voltage stands first then, and a winding's stall torque may be any."""
-REACHED = (0.4, 1.35)
-"""A no-load speed, corrected, over what voltage and constant give: nearly all of it is reached, and hardly more.
-Published: 1.29 (AK70-10: 0.123 N*m/A, 4800 rpm, 48 V; its KV of 100 gives 0.0955)."""
 
 TORQUES: tuple[Path, ...] = (
     ("stall_torque",),
@@ -90,7 +95,6 @@ TORQUES: tuple[Path, ...] = (
     ("curve", "drive_torque"),
     ("curve", "brake_torque"),
 )
-SPEEDS: tuple[Path, ...] = (("no_load_speed",), ("curve", "no_load_speed"))
 
 
 def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
@@ -141,11 +145,11 @@ def _is_large(relation: Relation) -> bool:
 
 
 class MisreadSpeed(NamedTuple):
-    """A no-load speed in another unit.
+    """A no-load speed, or a length that makes a speed of it, in another unit.
 
     Attributes:
         path: Where it is written.
-        factor: From what stands to what is meant.
+        factor: From the speed that stands to what is meant.
         help: The same in words.
         likelier: Whether the motor's figures are more usual with it.
     """
@@ -176,6 +180,32 @@ def misread_speeds(drive: Drive) -> Iterator[MisreadSpeed]:
                 yield MisreadSpeed(("motors", drive.name, *path), factor, help, excess < now)
 
 
+def misread_lengths(drive: Drive) -> Iterator[MisreadSpeed]:
+    """Readings of a screw's lead or a pulley's radius in another unit, as `misread_speeds`.
+
+    Args:
+        drive: The motor, with the trains to its joints.
+    """
+    before = list(relations(drive))
+    speeds = {
+        item.path: item.value
+        for item in before
+        if item.about.startswith("train (") and item.code == "SPEC184"
+    }
+    now = sum(relation.excess for relation in before)
+    for repair in stages_repaired(drive):
+        (place,) = repair.paths[:1]
+        own = speeds.get(place)
+        excess = sum(relation.excess for relation in repair.after)
+        if own is None or excess > now or any(relation.broken for relation in repair.after):
+            continue
+        fast = next(
+            (item.value for item in repair.after if item.path == place and item.about.startswith("train (")),
+            own,
+        )
+        yield MisreadSpeed(place, fast / own, repair.help or "", excess < now)
+
+
 def _repairs(drive: Drive) -> Iterator[Repair]:
     """Every correction of a drive, those before that are preferred where two are equally good."""
     motor, root = drive.motor, ("motors", drive.name)
@@ -183,7 +213,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     yield from _limits(drive)
 
     def changed(result: Motor, paths: Sequence[Path], help: str, rare: float = 0.0) -> Repair:
-        rare += PROVED_COST * any(_is_refuted(result, path) for path in paths)
+        rare += PROVED_COST * any(is_refuted(result, path) for path in paths)
         after = tuple(relations(replace(drive, motor=result)))
         return Repair(after, tuple((*root, *path) for path in paths), help, rare)
 
@@ -228,6 +258,12 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             inverse = moved([("gear_ratio",)], 1.0 / ratio / ratio, help)
             yield inverse
             turned = not any(relation.broken for relation in inverse.after)
+        numbers = re.findall(r"\d+(?:\.\d+)?", drive.name)
+        if f"{ratio:g}" in numbers:
+            # AK80-9: the size of the motor stands before its gear.
+            for other in {size for size in numbers if float(size) not in (0.0, ratio)}:
+                help = f"did you mean {other}, the other number of '{drive.name}'?"
+                yield moved([("gear_ratio",)], float(other) / ratio, help)
         if ratio != 1.0 and not turned:
             # A direct drive, or what is sound the other way round, is no gear with its point in the wrong place.
             yield from (moved([("gear_ratio",)], *slip) for slip in tens(motor.gear_ratio))
@@ -246,32 +282,42 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         update = {"nominal_current": motor.peak_current, "peak_current": motor.nominal_current}
         help = "are nominal_current and peak_current swapped? The thermal limit is the lower one"
         yield changed(motor.model_copy(update=update), [("nominal_current",), ("peak_current",)], help)
+        both: list[Path] = [("nominal_current",), ("peak_current",)]
+        for factor, help, rare in slips_of(_given(motor, ("peak_current",))):
+            named = help.replace("is it in", "are nominal_current and peak_current in")
+            if rare and help.startswith("did you mean "):
+                named = f"are nominal_current and peak_current {_too(factor)}? Then peak_current is "
+                named += help.removeprefix("did you mean ").removesuffix("?")
+            if named != help:
+                # Of two explanations the one of a single number is likelier.
+                yield moved(both, factor, named, rare + ALIKE)
+    yield from stalled(motor, moved)
     for field in ("torque_constant", "peak_current", "nominal_current", "nominal_voltage"):
         value: SpecValue | None = getattr(motor, field)
         if value is not None and number(value):
-            slips = list(slips_of(value))
-            if field == "torque_constant" and motor.side == "motor" and (by_kv := _of_kv(motor)):
+            slips = [by_peer(motor, field, slip) for slip in slips_of(value)]
+            if field == "torque_constant" and across is not None:
+                slips = [or_twice(value, gear or 1.0, slip) for slip in slips]
+            if field == "torque_constant" and is_at_rotor(motor) and (from_kv := of_kv(motor)):
                 help = "is it Kv, in rpm/V? Then the constant is 60 / (2 pi Kv), "
-                help += format_quantity(by_kv, value.unit, 3)
-                yield moved([(field,)], by_kv / (value.value or 1.0), help)
+                help += format_quantity(from_kv, value.unit, 3)
+                yield moved([(field,)], from_kv / (value.value or 1.0), help)
                 slips = [slip for slip in slips if slip[0] != 1e-3]
-            if field == "torque_constant" and _gives_stall(motor):
+            if field == "torque_constant" and gives_stall(motor):
                 slips = [(factor, help, max(rare, RARE + NO_LIKELIER)) for factor, help, rare in slips]
             yield from _apart((slip[0], moved([(field,)], *slip)) for slip in slips)
             if field == "torque_constant" and across is not None:
                 # What the current proves is no matter of the side.
                 factor = across * (passed if across > 1.0 else 1.0 / passed)
-                ours = not any(_is_proved_by(motor, slip[0]) for slip in slips) or _is_proved_by(
-                    motor, factor
-                )
+                ours = not any(is_proved_by(motor, slip[0]) for slip in slips) or is_proved_by(motor, factor)
                 rare = 0.0 if ours else RARE + SIDED
-                if _gives_stall(motor):
+                if gives_stall(motor):
                     rare = max(rare, RARE + NO_LIKELIER)
                 yield sided((field,), across, lossy=True, rare=rare)
     plain = [path for path in torques if len(path) == 1]
     for one, two in itertools.combinations(plain, 2):
         result = with_figure(with_figure(motor, one, figure_at(motor, two)), two, figure_at(motor, one))
-        shares = [(_proof(motor, str(path[0])), _proof(result, str(path[0]))) for path in (one, two)]
+        shares = [(proof(motor, str(path[0])), proof(result, str(path[0]))) for path in (one, two)]
         # By its own current it was the right one, or the other is not.
         against = any(
             was and now and abs(math.log(now)) >= min(abs(math.log(was)), math.log(PROVED_NOW))
@@ -307,7 +353,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
                 yield servo
         slips = list(slips_of(given))
         yield from _apart((slip[0], moved([path], *slip)) for slip in slips)
-        share = _proof(motor, str(path[-1]))
+        share = proof(motor, str(path[-1]))
         # Else it may as well be constant or current.
         told = any(item.code != "SPEC181" and item.path == (*root, *path) for item in broken)
         factors = [across or 1.0, *(slip[0] for slip in slips)]
@@ -317,6 +363,14 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             yield moved([path], share, help, BY_CURRENT)
         if across is not None and len(plain) > 1 and path in plain:
             yield sided(path, across, lossy=True, rare=ONE_SIDED)
+    if (
+        torques
+        and number(motor.torque_constant)
+        and any(item.code in ("SPEC181", "SPEC183") for item in broken)
+    ):
+        every = listed([str(path[-1]) for path in (*torques, ("torque_constant",))], 6)
+        help = f"are {every} in mN*m? {milli(_given(motor, torques[0]))}"
+        yield moved([*torques, ("torque_constant",)], 1e-3, help)
     if torques:
         first = _given(motor, torques[0])
         names = listed([str(path[-1]) for path in torques], 5)
@@ -346,12 +400,20 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         inertia: SpecValue | None = getattr(motor, field)
         if inertia is None or not number(inertia):
             continue
-        yield from (moved([(field,)], *slip) for slip in inertias(inertia))
+        in_other = amount_of(inertia)[1] not in ("", inertia.unit)
+        made = [moved([(field,)], *slip) for slip in inertias(inertia)]
+        fits = [
+            repair for repair in made if not repair.rare and not any(item.broken for item in repair.after)
+        ]
+        if in_other and fits:
+            # Whoever writes a unit has the point where the sheet has it.
+            made = fits
+        yield from made
         if field == "rotor_inertia" and across is not None:
             help = "is it the inertia at the output? Then write `reflected_inertia`; or a wrong unit, g*cm^2"
-            yield changed(
-                motor.model_copy(update={field: None, "reflected_inertia": inertia}), [(field,)], help, 0.15
-            )
+            rare = RARE if in_other and fits else 0.0
+            update = {field: None, "reflected_inertia": inertia}
+            yield changed(motor.model_copy(update=update), [(field,)], help, rare + 0.15)
         elif field == "reflected_inertia" and gear is not None and gear >= GEARED and not travels:
             help = "is it the rotor's own, before the gear? Then write `rotor_inertia`"
             yield changed(motor.model_copy(update={field: None, "rotor_inertia": inertia}), [(field,)], help)
@@ -398,65 +460,9 @@ def _unknown_gear(drive: Drive, moved: Callable[..., Repair]) -> Iterator[Repair
                 yield moved([("reflected_inertia",)], turned, help, SIDED)
 
 
-def _proof(motor: Motor, field: str) -> float | None:
-    """What the motor's constant gives of the current that belongs to a torque, over the torque."""
-    current = {"peak_torque": motor.peak_current, "continuous_torque": motor.nominal_current}.get(field)
-    constant, ampere = number(motor.torque_constant), number(current)
-    torque = number(figure_at(motor, (field,))) if constant and ampere else None
-    if not constant or not ampere or not torque:
-        return None
-    return constant * ampere / torque
-
-
-def _is_proved(motor: Motor, field: str) -> bool:
-    """Whether a torque is what the motor's constant gives of the current that belongs to it."""
-    share = _proof(motor, field)
-    return share is not None and 1.0 / PROVED <= share <= PROVED
-
-
-def _is_refuted(motor: Motor, path: Path) -> bool:
-    """Whether a figure is not what the motor's constant gives of its current, or of the voltage."""
-    if path in SPEEDS:
-        speed, constant, voltage = map(
-            number, (figure_at(motor, path), motor.torque_constant, motor.nominal_voltage)
-        )
-        if not speed or not constant or not voltage:
-            return False
-        return not REACHED[0] <= constant * speed / voltage <= REACHED[1]
-    share = _proof(motor, str(path[-1]))
-    return share is not None and not 1.0 / REFUTED <= share <= REFUTED
-
-
-def _is_proved_by(motor: Motor, factor: float) -> bool:
-    """Whether a torque is what the motor's constant, so many times as large, gives of its current."""
-    constant = multiplied(motor.torque_constant, factor)
-    other = motor.model_copy(update={"torque_constant": constant})
-    return any(_is_proved(other, field) for field in ("peak_torque", "continuous_torque"))
-
-
-def _gives_stall(motor: Motor) -> bool:
-    """Whether the motor's constant gives about the stall torque of its peak current."""
-    constant, ampere, stall = map(number, (motor.torque_constant, motor.peak_current, motor.stall_torque))
-    if not constant or not ampere or not stall:
-        return False
-    return CURRENT_RATIO[0] <= constant * ampere / stall <= CURRENT_RATIO[1]
-
-
-def _of_kv(motor: Motor) -> float | None:
-    """The constant [N*m/A] of a Kv in its place, if by it the currents give the torques.
-
-    Less so in mN*m/A, unless Kv times the voltage is the no-load speed.
-    """
-    kv = number(motor.torque_constant)
-    shares = [share for field in ("peak_torque", "continuous_torque") if (share := _proof(motor, field))]
-    if not kv or not shares:
-        return None
-    meant = 1.0 / RPM / kv
-    off = [max(abs(math.log(share * factor)) for share in shares) for factor in (meant / kv, 1e-3)]
-    speed, voltage = number(motor.no_load_speed), number(motor.nominal_voltage)
-    # No-load speed of a sheet is just Kv times voltage.
-    just = speed and voltage and 1.0 / OF_KV < meant * speed / voltage < OF_KV
-    return meant if off[0] < math.log(PROVED) and (just or off[0] < off[1]) else None
+def _too(factor: float) -> str:
+    """Ten times too large, or a hundred times too small."""
+    return f"{max(factor, 1.0 / factor):g} times too {'large' if factor < 1.0 else 'small'}"
 
 
 def _is_exact(repair: Repair) -> bool:
@@ -510,6 +516,12 @@ def _limits(drive: Drive) -> Iterator[Repair]:
             if any(item.path == limit.path and 1.0 / ONCE < item.value < ONCE for item in repair.after):
                 yield repair
                 continue
+            if not fast:
+                once = multiplied(limit.value, 1.0 / turns)
+                repair = changed(once, f"is the gear counted twice? Once it is {in_unit(once)}", SIDED)
+                if any(item.path == limit.path and 1.0 / ONCE < item.value < ONCE for item in repair.after):
+                    yield repair
+                    continue
         made = []
         for factor, help, rare in slips_of(limit.value, fast):
             value = multiplied(limit.value, factor)

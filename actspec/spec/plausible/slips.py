@@ -70,13 +70,20 @@ def inertias(value: SpecValue) -> Iterator[tuple[float, str, float]]:
     """An inertia in another unit: one with g in place of kg, or one of datasheets."""
     size = value.value or 0.0
     amount, _, unit = value.written.partition(" ")
-    units = [(amount, *pair) for pair in ((1e-3, unit.removeprefix("k")), (1e3, f"k{unit}"))]
+    sheets = {other: factor for factor, other in INERTIAS}
+    pair = {unit.removeprefix("k"): 1e-3, f"k{unit}": 1e3}
+    pair.pop(unit, None)
     if unit in ("", "kg*m^2"):
-        units = [(f"{size:g}", *pair) for pair in INERTIAS]
-    for shown, factor, other in units:
+        amount, units = f"{size:g}", sheets
+    elif size and sheets.keys().isdisjoint(pair):
+        # Nobody's sheet has g*mm^2.
+        units = {other: float(amount) * factor / size for other, factor in sheets.items()}
+    else:
+        units = pair
+    for other, factor in units.items():
         if other != unit and other.startswith(("g*", "kg*")):
             meant = format_quantity(size * factor, "kg*m^2", 4)
-            yield factor, f"is it in {other}? {shown} {other} is {meant}", 0.0
+            yield factor, f"is it in {other}? {amount} {other} is {meant}", 0.0
     yield from tens(value)
 
 

@@ -64,21 +64,28 @@ CHECKS = (
     Check(
         "SPEC181",
         "torque-constant",
-        "Torque constant times current far from the torque, or times no-load speed far from the voltage; a nominal "
-        "current above the peak current.",
+        "Torque constant times current far from the torque, or times no-load speed far from the voltage; a speed "
+        "constant in its place; a nominal current above the peak current.",
         "N*m/A and V*s/rad are one unit. A warning outside of 0.4 to 2.5 times the torque: amplitudes for effective "
         "values, phases for lines, losses and saturation make up to 2. A stall torque that stands alone is a "
         "winding's, unless it is in kgf*cm, to 1 %, what constant, current and effort limit agree on. Outside of 0.2 "
         "to 3 times the voltage: field weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. "
+        "From 1.6 times on where currents and voltage say so by one factor, to 1.15, with which it is the inverse of "
+        "the number that stands there: Kv in rpm/V. "
         "Of any motor 1 to 1000 V and 5 mA to 2000 A (chosen: from micro motors to those of vehicles).",
     ),
     Check(
         "SPEC182",
         "gear-below-one",
         "A gear ratio or a reduction below 1, or stages that make one: the output would turn faster than the rotor, "
-        "or the joint than the output. Teeth that are no whole number; a planetary stage that nobody can make.",
+        "or the joint than the output; one stage of several that does. Teeth that are no whole number; a planetary "
+        "stage that nobody can make. A reduction that is the motor's own gear again, as many motors for one joint as "
+        "there are joints.",
         "A warning; an error below 0.05, as no joint is geared up twenty times. Published: gears of 5 to 345, "
-        "reductions to 2.2. A planetary stage above 15: three planets touch each other from 14.9 on (published: 4.5).",
+        "reductions to 2.2. One stage below 0.8 of several that reduce together, unless the robot's file has the "
+        "torque. A planetary stage above 15: three planets touch each other from 14.9 on (published: 4.5). A reduction "
+        "of 5 or more that is the motor's gear ratio to 1 %, and 3 motors or more per joint that are as many as the "
+        "joints of the group or the robot, or more than 8 (published: 2), but for a torque that the file has.",
     ),
     Check(
         "SPEC183",
@@ -111,7 +118,8 @@ CHECKS = (
         "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less; 40 rad/s by the speed of "
         "the output), an output above 120 rad/s; a rotor above 8000 rad/s, or 150000 rpm below 1 mN*m (micro motors "
         "are sold with 120000); behind a screw, a pinion or a lever a slide above 30 m/s and a hinge above 120 rad/s "
-        "(chosen: belts reach 10 m/s), as a motor that travels, or one of 200 kW (20 kW below 100 V); a lever arm "
+        "(chosen: belts reach 10 m/s; a screw above 5, as fast ones reach 2.5), "
+        "as a motor that travels, or one of 200 kW (20 kW below 100 V); a lever arm "
         "above 3 m (chosen: large excavators have 1); a joint, behind reduction and transmission, above 1000 rad/s "
         "divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and "
         "where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s; where the "
@@ -121,6 +129,9 @@ CHECKS = (
         "slip in one figure makes them agree to a quarter (by a factor of 2 from 30 times above on), and a limit "
         "above 30 times it in any case; where no slip does, a motor that is 5 times slower than every joint of a "
         "group has it, as a slower joint is often chosen; 0, powers of ten and figures of one digit are placeholders. "
+        "Of a motor whose gear is not stated, below 700 N*m, a no-load speed below 0.02 rad/s, or below 0.3 where the "
+        "error at which kp asks for the effort limit takes more than 1.5 s at it (legs: 0.1 s); not where the robot's "
+        "file or the motor's inertia has it (2 ms to that speed; published: 5). "
         "A stated Stribeck velocity from the motor's no-load speed, else the velocity limit, on (published: to 1 "
         "rad/s).",
     ),

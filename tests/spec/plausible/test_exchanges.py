@@ -103,3 +103,35 @@ def test_the_end_of_a_line_above_the_peak_hides_no_exchange(tmp_path: Path) -> N
     (found,) = said(tmp_path, at_output=True, motors=("flex", "abd"))
     assert found.where == "actuators.leg.motor"
     assert (found.help or "").startswith("are motor of 'leg' and of 'hip' (")
+
+
+@pytest.mark.parametrize("exchanged", ["", "motor", "continuous_torque"])
+def test_motors_of_which_the_joints_take_the_continuous_torque(tmp_path: Path, exchanged: str) -> None:
+    """113 and 30 N*m, which the file has; the peaks, 233 and 64, are neither's."""
+    path = tmp_path / "leg.urdf"
+    links = "".join(f'<link name="{name}"/>' for name in ("base", "hip_", "knee_"))
+    hip = JOINT.format(name="hip", parent="base", effort=113, speed=5.8)
+    knee = JOINT.format(name="knee", parent="hip_", effort=30, speed=6.3)
+    path.write_text(f'<robot name="leg">{links}{hip}{knee}</robot>', encoding="utf-8")
+    big, small = ("sha20", "sha25") if exchanged == "motor" else ("sha25", "sha20")
+    torques = (30, 113) if exchanged == "continuous_torque" else (113, 30)
+    group = "level: ideal_pd, kp: 800, kd: 40, effort_limit: continuous"
+    text = f"""actspec: 1
+robot: {{name: leg, model: leg.urdf}}
+motors:
+  sha25: {{side: joint, peak_torque: 233, continuous_torque: {torques[0]}, no_load_speed: 55.4 rpm}}
+  sha20: {{side: joint, peak_torque: 64, continuous_torque: {torques[1]}, no_load_speed: 60 rpm}}
+actuators:
+  hip: {{joints: [hip], motor: {big}, {group}}}
+  knee: {{joints: [knee], motor: {small}, {group}}}
+"""
+    if exchanged == "continuous_torque":
+        # Of a torque above its peak that is told.
+        text = text.replace("peak_torque: 64", "peak_torque: 150")
+    spec = validate(document_from_text(text, str(tmp_path / "s.yaml")))
+    found = [item for item in resolve(spec, joints_of_text(str(path))).diagnostics if item.code in BY_CODE]
+    assert len(found) == bool(exchanged)
+    for item in found:
+        assert item.code == "SPEC187"
+        assert "continuous_torque 113 N*m" in item.message or "continuous_torque 113" in item.message
+        assert (item.help or "").startswith(f"are {exchanged} of ")

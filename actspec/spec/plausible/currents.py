@@ -1,0 +1,255 @@
+"""What torque constant, currents and voltage of a motor imply of each other, and what is meant where they do not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+from actspec.diagnostics import Path, listed
+from actspec.spec.models import Motor
+from actspec.spec.plausible.drive import figure_at, number
+from actspec.spec.plausible.driven import CURRENT_RATIO
+from actspec.spec.plausible.relations import MET, RARE, RPM, Relation, Repair
+from actspec.spec.plausible.slips import amount_of, in_unit, multiplied
+from actspec.spec.values import SpecValue
+from actspec.units import format_quantity
+
+ROUNDING = 1.02
+"""Two figures of a datasheet may differ by this much and be the same."""
+VOLTAGE_RATIO = (0.2, 3.0)
+"""Torque constant times no-load speed, over the voltage."""
+KV_OFF = 1.6
+"""A constant that is so many times off, either way, may be a speed constant: the
+inverse of its number, which agrees then, tells that from phases and amplitudes, which make up to 1.73."""
+ONE_FACTOR = 1.15
+"""Currents and voltage say the same of it by this factor, and it is what the inverse of the number makes."""
+PROVED = 1.25
+"""A torque is what its current gives if they agree by this factor; then it was not exchanged for another."""
+REFUTED = 2.0
+"""A torque is not what its current gives beyond this factor: amplitudes, phases and saturation make so much."""
+OF_KV = 1.01
+"""A no-load speed is Kv times the voltage by this factor: both are rounded to three digits. From mN*m/A, which near 98
+is the same, nothing else tells it."""
+REACHED = (0.4, 1.35)
+"""A no-load speed, corrected, over what voltage and constant give: nearly all of it is reached, and hardly more.
+Published: 1.29 (AK70-10: 0.123 N*m/A, 4800 rpm, 48 V; its KV of 100 gives 0.0955)."""
+STALLED = 1.05
+"""A current gives the stall torque by this factor."""
+NEARLY_TEN = 1.2
+"""A gear is about ten by this factor: nothing tells it from a wrong point."""
+SPEEDS: tuple[Path, ...] = (("no_load_speed",), ("curve", "no_load_speed"))
+"""Where a no-load speed is written in a motor."""
+CURRENTS = (0.1, 200.0)
+VOLTAGES = (3.0, 120.0)
+"""Of drives of robots [A, V]. Chosen: from hobby servos to humanoids."""
+ANY_CURRENT = (5e-3, 2000.0)
+ANY_VOLTAGE = (1.0, 1000.0)
+"""Of any motor [A, V]. Chosen: from micro motors to those of vehicles."""
+
+
+def constant_relations(name: str, motor: Motor) -> Iterator[Relation]:
+    """Torque constant times current is a torque, times speed a voltage."""
+    path: Path = ("motors", name)
+    constant = number(motor.torque_constant)
+    # Of a winding the stall torque is many times what the drive's current gives.
+    most = (0.0, CURRENT_RATIO[1]), (0.02, 2.0)
+    for field, product, key, bounds, usual, unit in (
+        ("peak_current", "gives", "peak_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
+        ("nominal_current", "gives", "continuous_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
+        ("peak_current", "gives", "stall_torque", *most, "N*m"),
+        ("nominal_current", "gives", "stall_torque", *most, "N*m"),
+        ("no_load_speed", "needs", "nominal_voltage", VOLTAGE_RATIO, (0.3, 2.0), "V"),
+    ):
+        factor: SpecValue | None = getattr(motor, field)
+        other: SpecValue | None = getattr(motor, key)
+        first, second = number(factor), number(other)
+        if not constant or motor.torque_constant is None:
+            continue
+        if factor is None or other is None or not first or not second:
+            continue
+        yield Relation(
+            "SPEC181",
+            constant * first / second,
+            bounds,
+            usual,
+            f"a torque constant of {motor.torque_constant.written} {product} "
+            f"{format_quantity(constant * first, unit, 3)} at {field} {factor.written}, and {key} is {other.written}",
+            (*path, "torque_constant"),
+            "torque = torque constant x current, voltage = torque constant x speed",
+            ((*path, field), (*path, key)),
+        )
+    yield from _inverse(path, motor)
+    nominal, peak = number(motor.nominal_current), number(motor.peak_current)
+    if nominal and peak and motor.nominal_current is not None and motor.peak_current is not None:
+        yield Relation(
+            "SPEC181",
+            nominal / peak,
+            (0.0, ROUNDING),
+            (0.0, ROUNDING),
+            f"nominal_current {motor.nominal_current.written} is above peak_current {motor.peak_current.written}",
+            (*path, "nominal_current"),
+            "are the two swapped? The thermal limit is the lower one",
+            ((*path, "peak_current"),),
+            about="currents",
+        )
+    # Which of two factors is the wrong one is told by its own size.
+    for field, sizes, (low, high), unit in (
+        ("peak_current", CURRENTS, ANY_CURRENT, "A"),
+        ("nominal_current", CURRENTS, ANY_CURRENT, "A"),
+        ("nominal_voltage", VOLTAGES, ANY_VOLTAGE, "V"),
+    ):
+        given: SpecValue | None = getattr(motor, field)
+        value = number(given)
+        if value and given is not None:
+            yield Relation(
+                "SPEC181",
+                value,
+                (low, high),
+                sizes,
+                f"{field} {given.written}: motors of robots have {low:g} to {format_quantity(high, unit)}",
+                (*path, field),
+                None,
+            )
+
+
+def by_kv(motor: Motor) -> float | None:
+    """The constant of a speed constant that stands in its place, in rpm/V: the number as it is written [N*m/A]."""
+    constant = motor.torque_constant
+    amount = 0.0 if constant is None or not number(constant) else amount_of(constant)[0]
+    return 1.0 / RPM / amount if amount > 0.0 else None
+
+
+def is_at_rotor(motor: Motor) -> bool:
+    """Whether the motor's figures are those of its rotor."""
+    return motor.side == "motor" or (motor.gearbox is None and number(motor.gear_ratio) == 1.0)
+
+
+def _inverse(path: Path, motor: Motor) -> Iterator[Relation]:
+    """A torque constant that is off by one factor for currents and voltage, which the inverse of its number is not."""
+    meant, constant = by_kv(motor), number(motor.torque_constant)
+    if not meant or not constant or motor.torque_constant is None or not is_at_rotor(motor):
+        return
+    told = [
+        (constant * first / second, field, key)
+        for field, key in (
+            ("nominal_current", "continuous_torque"),
+            ("peak_current", "peak_torque"),
+            ("no_load_speed", "nominal_voltage"),
+        )
+        if (first := number(getattr(motor, field))) and (second := number(getattr(motor, key)))
+    ]
+    off = constant / meant
+    if len(told) < 2 or told[-1][1] != "no_load_speed" or 1.0 / KV_OFF < off < KV_OFF:
+        return
+    if all(1.0 / ONE_FACTOR < share / off < ONE_FACTOR for share, _, _ in told):
+        pairs = listed([f"{field} and {key}" for _, field, key in told], 3)
+        yield Relation(
+            "SPEC181",
+            off,
+            (1.0 / KV_OFF, KV_OFF),
+            (1.0 / KV_OFF, KV_OFF),
+            f"a torque constant of {motor.torque_constant.written} is {format_quantity(max(off, 1.0 / off), '', 3)} "
+            f"times too {'large' if off > 1.0 else 'small'} for each of {pairs}",
+            (*path, "torque_constant"),
+            None,
+            about="kv",
+        )
+
+
+def proof(motor: Motor, field: str) -> float | None:
+    """What the motor's constant gives of the current that belongs to a torque, over the torque."""
+    current = {"peak_torque": motor.peak_current, "continuous_torque": motor.nominal_current}.get(field)
+    constant, ampere = number(motor.torque_constant), number(current)
+    torque = number(figure_at(motor, (field,))) if constant and ampere else None
+    if not constant or not ampere or not torque:
+        return None
+    return constant * ampere / torque
+
+
+def _is_proved(motor: Motor, field: str) -> bool:
+    """Whether a torque is what the motor's constant gives of the current that belongs to it."""
+    share = proof(motor, field)
+    return share is not None and 1.0 / PROVED <= share <= PROVED
+
+
+def is_refuted(motor: Motor, path: Path) -> bool:
+    """Whether a figure is not what the motor's constant gives of its current, or of the voltage."""
+    if path in SPEEDS:
+        speed, constant, voltage = map(
+            number, (figure_at(motor, path), motor.torque_constant, motor.nominal_voltage)
+        )
+        if not speed or not constant or not voltage:
+            return False
+        return not REACHED[0] <= constant * speed / voltage <= REACHED[1]
+    share = proof(motor, str(path[-1]))
+    return share is not None and not 1.0 / REFUTED <= share <= REFUTED
+
+
+def is_proved_by(motor: Motor, factor: float) -> bool:
+    """Whether a torque is what the motor's constant, so many times as large, gives of its current."""
+    constant = multiplied(motor.torque_constant, factor)
+    other = motor.model_copy(update={"torque_constant": constant})
+    return any(_is_proved(other, field) for field in ("peak_torque", "continuous_torque"))
+
+
+def gives_stall(motor: Motor) -> bool:
+    """Whether the motor's constant gives about the stall torque of its peak current."""
+    constant, ampere, stall = map(number, (motor.torque_constant, motor.peak_current, motor.stall_torque))
+    if not constant or not ampere or not stall:
+        return False
+    return CURRENT_RATIO[0] <= constant * ampere / stall <= CURRENT_RATIO[1]
+
+
+def stalled(motor: Motor, moved: Callable[..., Repair]) -> Iterator[Repair]:
+    """A peak current that gives the stall torque of the winding, where the drive's peak is another."""
+    ampere, share, end = motor.peak_current, proof(motor, "peak_torque"), number(motor.stall_torque)
+    given = (number(motor.torque_constant) or 0.0) * (number(ampere) or 0.0)
+    if share and end and 1.0 / STALLED < given / end < STALLED and share > CURRENT_RATIO[1]:
+        meant = in_unit(multiplied(ampere, 1.0 / share))
+        help = f"is it the stall current? It gives stall_torque by torque_constant, and peak_torque is that of {meant}"
+        yield moved([("peak_current",)], 1.0 / share, help)
+
+
+def by_peer(motor: Motor, field: str, slip: tuple[float, str, float]) -> tuple[float, str, float]:
+    """A current with its point moved, without that figure where the other current of the sheet is more exact."""
+    torques = {"peak_current": "peak_torque", "nominal_current": "continuous_torque"}
+    factor, help, rare = slip
+    if field not in torques or rare < RARE or not help.startswith("did you mean"):
+        return slip
+    own = proof(motor, torques[field])
+    (other,) = (proof(motor, torque) for current, torque in torques.items() if current != field)
+    if not own or not other or 1.0 / MET <= own * factor / other <= MET:
+        return slip
+    meant = in_unit(multiplied(getattr(motor, field), 1.0 / own))
+    help = f"torque_constant and {torques[field]} give {meant}"
+    if field == "nominal_current" and factor > 1.0:
+        help += ": is it the current without load?"
+    return factor, help, rare
+
+
+def or_twice(value: SpecValue, gear: float, slip: tuple[float, str, float]) -> tuple[float, str, float]:
+    """A constant with its point moved, where the gear, counted twice, is about as much."""
+    factor, help, rare = slip
+    if not rare or not 1.0 / NEARLY_TEN < factor * gear < NEARLY_TEN:
+        return slip
+    return (
+        factor,
+        f"{help}; or is the gear in it twice? Then it is {in_unit(multiplied(value, 1.0 / gear))}",
+        rare,
+    )
+
+
+def of_kv(motor: Motor) -> float | None:
+    """The constant [N*m/A] of a Kv in its place, if by it the currents give the torques.
+
+    Less so in mN*m/A, unless Kv times the voltage is the no-load speed.
+    """
+    own, meant = number(motor.torque_constant), by_kv(motor)
+    shares = [share for field in ("peak_torque", "continuous_torque") if (share := proof(motor, field))]
+    if not own or not meant or not shares:
+        return None
+    off = [max(abs(math.log(share * factor)) for share in shares) for factor in (meant / own, 1e-3)]
+    speed, voltage = number(motor.no_load_speed), number(motor.nominal_voltage)
+    # No-load speed of a sheet is just Kv times voltage.
+    just = speed and voltage and 1.0 / OF_KV < meant * speed / voltage < OF_KV
+    return meant if off[0] < math.log(PROVED) and (just or off[0] < off[1]) else None

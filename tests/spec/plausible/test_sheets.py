@@ -1,0 +1,370 @@
+"""Datasheets of motors as people retype them, one slip in each: told once, at its line, with a figure that is right."""
+
+from __future__ import annotations
+
+import pytest
+
+from actspec.diagnostics import ActspecError, Diagnostic
+from actspec.spec.plausible import BY_CODE
+from tests.fitting import faults_of, fit
+
+LEGS = [f"{side}_{part}" for side in ("fl", "fr", "hl", "hr") for part in ("abad", "hip", "knee")]
+
+AK80 = """actspec: 1
+robot: {name: dog, ROBOT}
+motors:
+  ak80_9:
+    side: joint
+    gear_ratio: 9
+    peak_torque: 18 N*m
+    continuous_torque: 9 N*m
+    no_load_speed: 570 rpm
+    stall_torque: 28.5 N*m
+    torque_constant: 0.945 N*m/A
+    nominal_current: 12 A
+    peak_current: 24 A
+    nominal_voltage: 48 V
+    rotor_inertia: 607 g*cm^2
+actuators:
+  legs:
+    joints: [".*"]
+    motor: ak80_9
+    level: dc_motor
+    kp: 30 N*m/rad
+    kd: 0.8 N*m*s/rad
+    effort_limit: peak
+""".replace("ROBOT", f"model: none, joints: {LEGS}")
+"""Its stall torque is that of the line through 9 N*m at 390 rpm."""
+
+MAXON = """actspec: 1
+robot: {name: leg, model: none, joints: [hip, knee]}
+motors:
+  m:
+    side: motor
+    nominal_voltage: 24 V
+    no_load_speed: 3190 rpm
+    continuous_torque: 444 mN*m
+    nominal_current: 6.06 A
+    stall_torque: 4940 mN*m
+    peak_torque: 1500 mN*m
+    peak_current: 21 A
+    torque_constant: 70.5 mN*m/A
+    rotor_inertia: 3060 g*cm^2
+    gear_ratio: 26
+    efficiency: 0.83
+actuators:
+  legs: {joints: [hip, knee], motor: m, level: dc_motor, kp: 40, kd: 1, effort_limit: peak}
+"""
+
+SERVO = """actspec: 1
+robot: {name: leg, model: none, joints: [hip, knee]}
+motors:
+  m: {side: joint, no_load_speed: 9.5 rad/s, stall_torque: 35 kgf*cm, reflected_inertia: unknown}
+actuators:
+  legs: {joints: [hip, knee], motor: m, level: dc_motor, kp: 10, kd: 0.2}
+"""
+"""3.43 N*m, which kp asks for at 0.343 rad."""
+
+SLIDES = """actspec: 1
+robot: {name: lift, model: none, joints: [{name: lift, kind: slide}, {name: reach, kind: slide}, roll]}
+motors:
+  screw:
+    side: motor
+    no_load_speed: 3500 rpm
+    stall_torque: 3.9 N*m
+    continuous_torque: 1.27 N*m
+    rotor_inertia: 0.6 kg*cm^2
+    gearbox: [{lead: 10 mm/rev, efficiency: 0.9}]
+  belt:
+    side: motor
+    no_load_speed: 3500 rpm
+    stall_torque: 1.2 N*m
+    continuous_torque: 0.4 N*m
+    rotor_inertia: 0.2 kg*cm^2
+    gearbox: [{planetary: {sun: 18, ring: 54}}, {radius: 20 mm, efficiency: 0.95}]
+  roll:
+    side: motor
+    no_load_speed: 3000 rpm
+    stall_torque: 0.3 N*m
+    rotor_inertia: 60 g*cm^2
+    gearbox: [{teeth: {driving: 15, driven: 60}}, {ratio: 10, efficiency: 0.8}]
+actuators:
+  lift: {joints: [lift], motor: screw, level: dc_motor, kp: 20000 N/m, kd: 800 N*s/m, friction: {viscous: 40 N*s/m}}
+  reach: {joints: [reach], motor: belt, level: dc_motor, kp: 3000 N/m, kd: 120 N*s/m, friction: {viscous: 10 N*s/m}}
+  roll: {joints: [roll], motor: roll, level: dc_motor, kp: 10, kd: 0.3, friction: {viscous: 0.01 N*m*s/rad}}
+"""
+"""3.9 N*m x 2 pi / 10 mm x 0.9 = 2205 N; 1.2 N*m x 4 / 20 mm x 0.95 = 228 N, at 1.83 m/s."""
+
+
+def said(text: str, *changes: tuple[str, str], model: str | None = None) -> list[Diagnostic]:
+    """What the checks of numbers report of a spec with these changes, each of which occurs in it."""
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    try:
+        found = fit(text, model).diagnostics
+    except ActspecError as err:
+        found = err.diagnostics
+    return [item for item in found if item.code in BY_CODE]
+
+
+def dog(effort: float) -> tuple[str, str]:
+    """The AK80's robot as an MJCF whose joints have an effort limit: the spec and the model."""
+    joints = "".join(
+        f'<body><joint name="{name}" actuatorfrcrange="-{effort} {effort}"/><geom size="0.1" mass="1"/></body>'
+        for name in LEGS
+    )
+    text = AK80.replace(f"model: none, joints: {LEGS}", "model: robot.xml")
+    return text, f"<mujoco><worldbody>{joints}</worldbody></mujoco>"
+
+
+def test_sound_sheets() -> None:
+    for text in (AK80, MAXON, SERVO, SLIDES):
+        assert said(text) == []
+    spec, model = dog(18)
+    assert said(spec, model=model) == []
+
+
+LIMIT = "    effort_limit: peak\n"
+TWICE = (
+    "is the gear counted twice? Then remove this: reduction is turns of the motor's output in one of the joint, "
+    "behind its own gear"
+)
+ONE = "did you mean 1? motors_per_joint is how many motors drive one joint together"
+
+
+@pytest.mark.parametrize("effort", [None, 18])
+@pytest.mark.parametrize(
+    ("line", "help"), [("reduction: 9", TWICE), ("reduction: 9.05", TWICE), ("motors_per_joint: 12", ONE)]
+)
+def test_what_multiplies_the_motor(line: str, help: str, effort: float | None) -> None:
+    """12 motors of the robot's 12 joints; with a limit in the robot's file that one is beside it."""
+    spec, model = (AK80, None) if effort is None else dog(effort)
+    (found,) = said(spec, (LIMIT, f"{LIMIT}    {line}\n"), model=model)
+    assert found.where == f"actuators.legs.{line.partition(':')[0]}"
+    assert found.help == help
+
+
+@pytest.mark.parametrize(
+    "line", ["reduction: 1.5", "reduction: 8", "motors_per_joint: 2", "motors_per_joint: 4"]
+)
+def test_what_may_multiply_it(line: str) -> None:
+    """A reduction of another size, and as many motors as no group has joints."""
+    assert said(AK80, (LIMIT, f"{LIMIT}    {line}\n")) == []
+
+
+def test_more_motors_than_any_joint_has() -> None:
+    (found,) = said(AK80, (LIMIT, f"{LIMIT}    motors_per_joint: 50\n"))
+    assert (found.code, found.where) == ("SPEC182", "actuators.legs.motors_per_joint")
+    assert found.message == "50 motors 'ak80_9' drive one joint, and 600 the 12 joints of legs"
+
+
+def test_the_file_says_that_the_gear_stands_twice() -> None:
+    """18 x 9 = 162 N*m, which the robot's file has."""
+    spec, model = dog(162)
+    assert said(spec, (LIMIT, f"{LIMIT}    reduction: 9\n"), model=model) == []
+
+
+def test_a_reduction_before_gains_that_are_sound() -> None:
+    """18 N*m x 90 = 1620 N*m, 54 rad by kp; without the reduction 0.6 rad."""
+    (found,) = said(AK80, (LIMIT, f"{LIMIT}    reduction: 90\n"))
+    assert (found.code, found.where) == ("SPEC192", "actuators.legs.reduction")
+    assert found.message.endswith("for the effort limit of 1620 N*m, 90 times what the motor gives")
+    assert "Or kp (" in (found.help or "")
+
+
+@pytest.mark.parametrize(
+    ("group", "changes", "help"),
+    [
+        (
+            "lift",
+            [("20000 N/m", "20 N/m"), ("800 N*s/m", "0.8 N*s/m")],
+            "are kp and kd per mm? Per metre they are 20000 N/m and 800 N*s/m",
+        ),
+        (
+            "reach",
+            [("3000 N/m", "3 N/m"), ("120 N*s/m", "0.12 N*s/m")],
+            "are kp and kd per mm? Per metre they are 3000 N/m and 120 N*s/m",
+        ),
+    ],
+)
+@pytest.mark.parametrize("limit", ["", "effort_limit: peak, ", "effort_limit: continuous, "])
+def test_gains_per_mm_beside_a_motor(
+    group: str, changes: list[tuple[str, str]], help: str, limit: str
+) -> None:
+    """By the force that the motor gives behind its screw or belt, without a limit that is written."""
+    stated = (f"{group}: {{joints", f"{group}: {{{limit}joints")
+    assert said(SLIDES, stated) == []
+    (found,) = said(SLIDES, stated, *changes)
+    assert (found.code, found.where, found.help) == ("SPEC192", f"actuators.{group}.kp", help)
+
+
+@pytest.mark.parametrize("viscous", [True, False])
+@pytest.mark.parametrize(
+    ("change", "code", "where", "help"),
+    [
+        (
+            ("driving: 15, driven: 60", "driving: 60, driven: 15"),
+            "SPEC182",
+            "motors.roll.gearbox[0].teeth",
+            "are driving and driven swapped?",
+        ),
+        # 3500 rpm x 0.1 m: 5.83 m/s, of 2.5 that fast screws reach.
+        (("10 mm/rev", "100 mm/rev"), "SPEC184", "motors.screw.gearbox[0].lead", "did you mean 10 mm/rev?"),
+    ],
+)
+def test_a_stage_and_not_the_friction(
+    change: tuple[str, str], code: str, where: str, help: str, viscous: bool
+) -> None:
+    """With such a stage right friction takes the limit: it is not what is told."""
+    rub = [(f", friction: {{viscous: {size}}}", "") for size in ("40 N*s/m", "10 N*s/m", "0.01 N*m*s/rad")]
+    (found,) = said(SLIDES, change, *([] if viscous else rub))
+    assert (found.code, found.where, found.help) == (code, where, help)
+
+
+def test_a_stage_and_not_the_friction_by_a_stated_limit() -> None:
+    """0.04 N*m*s/rad x 125.7 rad/s = 5 N*m, more than three times 1.5 N*m."""
+    limit = ("roll, level: dc_motor", "roll, level: ideal_pd, effort_limit: 1.5 N*m")
+    stated = limit, ("0.01 N*m*s", "0.04 N*m*s")
+    assert said(SLIDES, *stated) == []
+    (found,) = said(SLIDES, *stated, ("driving: 15, driven: 60", "driving: 60, driven: 15"))
+    assert found.where == "motors.roll.gearbox[0].teeth"
+
+
+def test_a_stage_of_about_one() -> None:
+    assert said(SLIDES, ("driving: 15, driven: 60", "driving: 20, driven: 17")) == []
+
+
+def test_friction_names_the_pulley() -> None:
+    """10 N*s/m x 18.33 m/s = 183 N of 22.8 N; behind 2 cm 18.3 of 228 N."""
+    (found,) = said(SLIDES, ("20 mm", "20 cm"))
+    assert (found.code, found.where) == ("FRC106", "motors.belt.gearbox[1].radius")
+    assert (found.help or "").startswith("one of 2 numbers is wrong. radius: did you mean 2 cm? Or viscous (")
+
+
+@pytest.mark.parametrize(
+    ("text", "changes", "code", "where", "help"),
+    [
+        # 70.5 mN*m/A x 70 A = 4.935 N*m; 1500 mN*m is 21.28 A.
+        (
+            MAXON,
+            [("peak_current: 21 A", "peak_current: 70 A")],
+            "SPEC181",
+            "motors.m.peak_current",
+            "is it the stall current? It gives stall_torque by torque_constant, and peak_torque is that of 21.28 A",
+        ),
+        (
+            AK80,
+            [("12 A", "120 A"), ("24 A", "240 A")],
+            "SPEC181",
+            "motors.ak80_9.nominal_current",
+            "are nominal_current and peak_current 10 times too large? Then peak_current is 24 A",
+        ),
+        # 0.444 N*m / 0.0705 N*m/A = 6.298 A, and 5.38 A, ten times it, is not that.
+        (
+            MAXON,
+            [("6.06 A", "0.538 A")],
+            "SPEC181",
+            "motors.m.nominal_current",
+            "torque_constant and continuous_torque give 6.298 A: is it the current without load?",
+        ),
+        (MAXON, [("6.06 A", "60.6 A")], "SPEC181", "motors.m.nominal_current", "did you mean 6.06 A?"),
+        # 60 / (2 pi 135) = 0.0707; by each of three pairs 0.135 is 1.9 times too much.
+        (
+            MAXON,
+            [("70.5 mN*m/A", "135 mN*m/A")],
+            "SPEC181",
+            "motors.m.torque_constant",
+            "is it Kv, in rpm/V? Then the constant is 60 / (2 pi Kv), 0.0707 N*m/A",
+        ),
+        (
+            MAXON,
+            [("mN*m", "N*m")],
+            "SPEC183",
+            "motors.m.peak_torque",
+            "are stall_torque, peak_torque, continuous_torque, torque_constant in mN*m? 4940 mN*m is 4.94 N*m; "
+            "`sure: true` beside it keeps a number that is right",
+        ),
+        (
+            MAXON,
+            [("3060 g*cm^2", "3060 kg*mm^2")],
+            "SPEC185",
+            "motors.m.rotor_inertia",
+            "is it in g*cm^2? 3060 g*cm^2 is 0.000306 kg*m^2",
+        ),
+        # 18 N*m x 9.
+        (
+            AK80,
+            [("effort_limit: peak", "effort_limit: 162 N*m")],
+            "SPEC187",
+            "actuators.legs.effort_limit",
+            "is the gear counted twice? Once it is 18 N*m",
+        ),
+        # 0.945 N*m/A x 9: a tenth and a ninth do as well.
+        (
+            AK80,
+            [("0.945 N*m/A", "8.505 N*m/A")],
+            "SPEC181",
+            "motors.ak80_9.torque_constant",
+            "is it in kgf*cm/A? 8.505 kgf*cm/A is 0.8341 N*m/A; or did you mean 0.8505 N*m/A?; or is the gear in it "
+            "twice? Then it is 0.945 N*m/A",
+        ),
+        (
+            AK80,
+            [("gear_ratio: 9", "gear_ratio: 80")],
+            "SPEC185",
+            "motors.ak80_9.gear_ratio",
+            "did you mean 9, the other number of 'ak80_9'?",
+        ),
+    ],
+)
+def test_one_line_of_a_sheet(
+    text: str, changes: list[tuple[str, str]], code: str, where: str, help: str
+) -> None:
+    (found,) = said(text, *changes)
+    assert (found.code, found.where, found.help) == (code, where, help)
+
+
+@pytest.mark.parametrize("constant", ["100 mN*m/A", "122 mN*m/A", "41 mN*m/A"])
+def test_a_constant_that_is_no_kv(constant: str) -> None:
+    """By phases or amplitudes a constant is 1.41 or 1.73 times another; 9.549 / 0.122 is 78 and not 70.5 mN*m/A."""
+    assert said(MAXON, ("70.5 mN*m/A", constant)) == []
+
+
+def test_a_stall_current_is_no_peak_current() -> None:
+    (fault,) = faults_of(MAXON.replace("peak_current: 21 A", "stall_current: 70 A"))
+    assert fault.startswith("SPEC101 motors.m.stall_current: unknown key")
+
+
+@pytest.mark.parametrize(
+    ("speed", "message"),
+    [
+        # 0.343 rad / 0.11 rad/s.
+        (
+            "0.11 rad/s",
+            "the joint takes 3.12 s for the 0.343 rad at which kp 10 N*m/rad asks for the effort limit",
+        ),
+        ("0.01 rad/s", "one turn takes 628 s"),
+        ("0.001 rad/s", "one turn takes 6283 s"),
+    ],
+)
+def test_a_speed_that_does_not_move(speed: str, message: str) -> None:
+    (found,) = said(SERVO, ("9.5 rad/s", speed))
+    assert (found.code, found.where) == ("SPEC184", "motors.m.no_load_speed")
+    assert message in found.message
+    # 60 deg in 0.11 s.
+    assert ("it is 9.52 rad/s" in (found.help or "")) == (speed == "0.11 rad/s")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [("9.5 rad/s", "0.3 rad/s")],
+        # A slow joint has a stiff drive.
+        [("9.5 rad/s", "0.11 rad/s"), ("kp: 10, kd: 0.2", "kp: 100, kd: 5")],
+        # A heavy motor: 3.43 N*m turn 0.1 kg*m^2 to 0.11 rad/s in 3.2 ms.
+        [("9.5 rad/s", "0.11 rad/s"), ("unknown", "0.1 kg*m^2")],
+    ],
+)
+def test_a_speed_that_is_slow(changes: list[tuple[str, str]]) -> None:
+    assert said(SERVO, *changes) == []
