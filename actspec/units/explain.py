@@ -50,8 +50,8 @@ def unreadable(bad: BadUnit, text: str, whole: str, shown: str, kind: Kind) -> U
         if 0 < first < second:
             help += f", or `{format_number(second / first)}` for a gearbox that reduces the speed so"
         return UnitError(f"{shortened(whole)} is two numbers, not a ratio", help)
-    help = _amperes(text, shown, kind) or _did_you_mean(text, bad.unknown, shown, kind)
-    return UnitError(f"{shortened(whole)} is not {an(kind.noun)}: {bad.reason}", help or in_units(kind))
+    meant = _amperes(text, shown, kind) or _did_you_mean(text, bad.unknown, shown, kind)
+    return UnitError(f"{shortened(whole)} is not {an(kind.noun)}: {bad.reason}", meant or in_units(kind))
 
 
 _AMPERES = re.compile(r"(?<![A-Za-z])([umk]?A)(?:_| ?-? ?\(?)(?i:(rms|eff)|(pk|peak|p)|p-?p|pk-?pk)\b\)?")
@@ -225,16 +225,16 @@ def _other_kind(given: str, number: float, unit: Unit, kind: Kind) -> str | None
     if _MINUTE.search(given):
         # Of a shaft turns are counted: sheets write rpm so.
         if kind is Kind.SPEED and rotary == _shift(dims, rad=1):
-            speed = format_number(si * turn)
-            return f"1/min of a shaft is rpm: write `{format_number(si * 60)} rpm`, which is {speed} rad/s"
+            in_si = format_number(si * turn)
+            return f"1/min of a shaft is rpm: write `{format_number(si * 60)} rpm`, which is {in_si} rad/s"
         if rotary == _shift(dims, rad=-1):
             return f"1/min of a shaft is rpm: write `{format_number(si / turn)} {kind.rotary_unit}`"
         if kind is Kind.TORQUE_CONSTANT and dims == _shift(rotary, m=-4, kg=-2, s=4, a=2) and si > 0:
             constant = format_number(1 / (turn * si))
             return f"1/min of a shaft is rpm: a speed constant of {given} is a torque constant of {constant} N*m/A"
     if kind is Kind.SPEED and dims == _shift(ONE, s=-1) and unit.num == unit.den:
-        count, speed = format_number(si), format_number(turn * si)
-        return f"1/s of a shaft is rad/s or rev/s: write `{count} rad/s`, or `{count} rev/s`, which is {speed} rad/s"
+        count, in_si = format_number(si), format_number(turn * si)
+        return f"1/s of a shaft is rad/s or rev/s: write `{count} rad/s`, or `{count} rev/s`, which is {in_si} rad/s"
     if rotary != ONE and rotary in (_shift(dims, rad=-1), _shift(dims, rad=1)):
         return f"angle is a dimension of its own: write `{format_number(si)} {kind.rotary_unit}` if that is meant"
     if rotary == _shift(dims, s=2):
