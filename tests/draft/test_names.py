@@ -363,7 +363,7 @@ def test_comment_ends_with_its_line(text: str) -> None:
         (["left_hip_joint", "waist_yaw_joint"], None),
         (["joint1"], None),
     ],
-    ids=["legs", "arms", "torso", "two", "none"],
+    ids=["legs", "hexapod", "arms", "torso", "two", "none"],
 )
 def test_body_parts(joints: list[str], expected: str | None) -> None:
     """Joints are of a body part where all of their names say so."""
