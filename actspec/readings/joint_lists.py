@@ -199,9 +199,12 @@ def named_joints(
         help = f"its joints: {listed(map(one_line, names), 4)}"
         if differ_by_ending(configs, names):
             help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
-        if not patterns:
+        if not patterns and any(config.framework is Framework.DEPLOY for config in every):
             message = "no file selects joints: the lists of the deploy file have no names"
             help = "add joint_names: [...] to it, in the order of its lists"
+        elif not patterns:
+            message = "no file selects joints: no actuators are read of the configuration"
+            help = "name the file that has the robot's actuators"
         out.error("DRF011", message, span=Span(one_line(named)), where="--joints", help=help)
     return joints, renamed
 
