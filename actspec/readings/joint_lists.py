@@ -33,8 +33,8 @@ _NO_NAME = re.compile(r"[,;\s]+")
 _COMMENT = re.compile(r"#.*")
 _NUMBERED = re.compile(r"^[ \t]*(?:[-*][ \t]+)?(?:\d+[:.)][ \t]+)?", re.MULTILINE)
 """Before a name in a list of lines: a dash, a number."""
-_PRINTED = re.compile(r"\s*\[([^\[\]]*)\]\s*")
-"""A list as Python prints it."""
+_PRINTED = re.compile(r"\s*(?:[A-Za-z][\w ]*[:=])?\s*\[([^\[\]]*)\]\s*")
+"""A list as Python prints it, alone or behind words: `Joint names: ['hip', 'knee']`."""
 _NAME_KEYS = ("name", "joint", "joint_name", "joint name", "dof_name", "dof name")
 """What the name of a joint is called in a table, or in a list of mappings."""
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
