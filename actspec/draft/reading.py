@@ -223,7 +223,9 @@ def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> 
         full = [part for part in own if part.config is None or part.config.groups]
         if name is None:
             # A spare motor is no robot beside one.
-            full = [part for part in full if not _is_motor_alone(part)] or full
+            spare = [part for part in full if _is_motor_alone(part)]
+            full = [part for part in full if part not in spare] or full
+            own = [part for part in own if part in full or part not in spare]
         named = [part for part in full if part.name == name]
         distinct: list[Artifact] = []
         for part in named or full:

@@ -330,7 +330,7 @@ def test_imports_of_folders_without_init(tmp_path: Path, importer: str, statemen
         ("alone/robot/cfg.py", "from robot import K", "alone/robot.py"),
         ("code/robot/cfg.py", "from gains import K", "gains.py"),
         # A folder of this name is not the framework, nor Python's own module.
-        ("code/robot/cfg.py", "from isaaclab.gains import K", "code/isaaclab/gains.py"),
+        ("code/cfg.py", "from isaaclab.gains import K", "code/isaaclab/gains.py"),
         ("code/robot/cfg.py", "from statistics import K", "code/statistics.py"),
     ],
 )
