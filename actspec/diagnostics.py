@@ -295,7 +295,8 @@ def many(count: int, noun: str) -> str:
 
 def nearest(name: str, known: Sequence[str]) -> str | None:
     """The known name that is nearest to a misspelt one, or None if none is near."""
-    cased = [other for other in known if other.lower() == name.lower()]
+    spelt = name.lower().replace("-", "_")
+    cased = [other for other in known if other.lower().replace("-", "_") == spelt]
     if cased:
         return cased[0]
     if len(known) > _MOST_COMPARED:

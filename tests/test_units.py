@@ -21,6 +21,8 @@ from actspec.units import (
 # Only products with pi and three-factor imperial units are rounded more than once.
 ROUNDING = 1e-15
 
+RPM_570 = "1/min of a shaft is rpm: write `570 rpm`, which is 59.6903 rad/s"
+PER_SECOND_60 = "1/s of a shaft is rad/s or rev/s: write `60 rad/s`, or `60 rev/s`, which is 376.991 rad/s"
 OZ_IN = 0.45359237 / 16 * 9.80665 * 0.0254  # 0.00706155181422604
 
 
@@ -40,6 +42,7 @@ OZ_IN = 0.45359237 / 16 * 9.80665 * 0.0254  # 0.00706155181422604
         ("-0.5 rad", Kind.POSITION, -0.5, "rad", False),
         ("15 cm", Kind.POSITION, 0.15, "m", True),
         ("90 deg", Kind.ANGLE, math.pi / 2, "rad", None),
+        ("15 arcmin", Kind.ANGLE, math.pi / 720, "rad", None),
         ("8 ms", Kind.TIME, 0.008, "s", None),
         ("30 Hz", Kind.FREQUENCY, 30.0, "Hz", None),
         ("20 %", Kind.RATIO, 0.2, "1", None),
@@ -221,7 +224,8 @@ ANGLE = "angle is a dimension of its own: write `{}` if that is meant"
             "30 1/s", Kind.FREQUENCY, "30 1/s is not a frequency",
             "a frequency counts cycles: write `30 Hz` if cycles are meant",
         ),
-        ("30 /s", Kind.SPEED, "30 /s is not a speed", ANGLE.format("30 rad/s")),
+        ("30 /s", Kind.SPEED, "30 /s is not a speed",
+         "1/s of a shaft is rad/s or rev/s: write `30 rad/s`, or `30 rev/s`, which is 188.496 rad/s"),
         (10, Kind.TIME, "10 has no unit, and a time needs one", "write `10 ms` or `10 s`"),
         ("10", Kind.FREQUENCY, "10 has no unit, and a frequency needs one", "write `10 Hz`"),
         (
@@ -292,6 +296,22 @@ ANGLE = "angle is a dimension of its own: write `{}` if that is meant"
         ),
         ("3 rps", Kind.SPEED, "3 rps is not a speed: unknown unit `rps`",
          "did you mean `3 rev/s`? That is 18.8496 rad/s"),
+        # 570 x 2 pi / 60 = 59.6903.
+        ("570 min^-1", Kind.SPEED, "570 min^-1 is not a speed", RPM_570),
+        ("570 1/min", Kind.SPEED, "570 1/min is not a speed", RPM_570),
+        ("570/min", Kind.SPEED, "570/min is not a speed", RPM_570),
+        ("570 min⁻¹", Kind.SPEED, "570 min⁻¹ is not a speed", RPM_570),
+        ("570 min-1", Kind.SPEED, "570 min-1 is not a speed: unexpected `-`", f"did you mean `min^-1`? {RPM_570}"),
+        ("570 U/min", Kind.SPEED, "570 U/min is not a speed: unknown unit `U`",
+         "did you mean `570 rev/min`? That is 59.6903 rad/s"),
+        # 60 x 2 pi = 376.991.
+        ("60 1/s", Kind.SPEED, "60 1/s is not a speed", PER_SECOND_60),
+        ("60 s^-1", Kind.SPEED, "60 s^-1 is not a speed", PER_SECOND_60),
+        # 0.002 x 60 / (2 pi); 60 / (2 pi 135).
+        ("0.002 N*m*min", Kind.VELOCITY_GAIN, "0.002 N*m*min is not a velocity gain",
+         "1/min of a shaft is rpm: write `0.0190986 N*m*s/rad`"),
+        ("135 min^-1/V", Kind.TORQUE_CONSTANT, "135 min^-1/V is not a torque constant",
+         "1/min of a shaft is rpm: a speed constant of 135 min^-1/V is a torque constant of 0.0707355 N*m/A"),
         ("3 N*m/rps", Kind.VELOCITY_GAIN, "3 N*m/rps is not a velocity gain: unknown unit `rps`",
          "did you mean `3 N*m/(rev/s)`? That is 0.477465 N*m*s/rad"),  # 3/(2 pi)
         ("5 Radd", Kind.POSITION, "5 Radd is not a position: unknown unit `Radd`", "did you mean `5 rad`?"),
@@ -316,7 +336,21 @@ ANGLE = "angle is a dimension of its own: write `{}` if that is meant"
             "25 N.m.s/rad is not a velocity gain: units are multiplied by `*`, not by `.`",
             "did you mean `25 N*m*s/rad`?",
         ),
-        ("4.4 Arms", Kind.CURRENT, "4.4 Arms is not a current: unknown unit `Arms`", "did you mean `4.4 A`?"),
+        # x sqrt(2) = 6.22254; / sqrt(2): 63.6396 and 1.48492.
+        ("4.4 Arms", Kind.CURRENT, "4.4 Arms is not a current: unknown unit `Arms`",
+         "write `4.4 A` beside a torque constant per A rms, `6.22254 A` beside one per A peak"),
+        ("90 A_pk", Kind.CURRENT, "90 A_pk is not a current: unexpected `_`",
+         "write `90 A` beside a torque constant per A peak, `63.6396 A` beside one per A rms"),
+        ("90 App", Kind.CURRENT, "90 App is not a current: unknown unit `App`",
+         "write `45 A` beside a torque constant per A peak, `31.8198 A` beside one per A rms"),
+        ("90 mA (rms)", Kind.CURRENT, "90 mA (rms) is not a current: unknown unit `rms`",
+         "write `90 mA` beside a torque constant per A rms, `127.279 mA` beside one per A peak"),
+        ("2.1 Nm/Arms", Kind.TORQUE_CONSTANT, "2.1 Nm/Arms is not a torque constant: unknown unit `Arms`",
+         "write `2.1 Nm/A` where the motor's currents are A rms, `1.48492 Nm/A` where they are A peak"),
+        ("2.1 Nm/Apk", Kind.TORQUE_CONSTANT, "2.1 Nm/Apk is not a torque constant: unknown unit `Apk`",
+         "write `2.1 Nm/A` where the motor's currents are A peak, `2.96985 Nm/A` where they are A rms"),
+        # What says which figure it is, and changes none.
+        ("4.4 Adc", Kind.CURRENT, "4.4 Adc is not a current: unknown unit `Adc`", "did you mean `4.4 A`?"),
         (
             "9 Newton meter", Kind.TORQUE, "9 Newton meter is not a torque: unknown unit `Newton`",
             "did you mean `9 N*m`?",

@@ -27,7 +27,8 @@ _BEFORE = re.compile(r"(?<=[^_\-./ :])(?=[_\-./ :])|(?<=[a-z0-9])(?=[A-Z])")
 _AFTER = re.compile(r"(?<=[_\-./ :])(?=[^_\-./ :])|(?<=[a-z0-9])(?=[A-Z])")
 
 _SIDES = _words(
-    "l r fl fr rl rr bl br hl hr lf rf lh rh lb rb ll lr la ra left right front rear hind back fore upper lower"
+    "l r fl fr rl rr bl br hl hr lf rf lm rm ml mr lh rh lb rb ll lr la ra left right front rear hind back fore "
+    "upper lower"
 )
 _HANDS = {"l": "left", "left": "left", "r": "right", "right": "right"}
 _ENDS = {
@@ -43,6 +44,8 @@ _PLACES = {
     **{h + e: (_ENDS[e], _HANDS[h]) for e in "fbh" for h in "lr"},
     **dict.fromkeys(("rl", "lr"), ("rear", "left")),
     "rr": ("rear", "right"),
+    **dict.fromkeys(("lm", "ml"), ("middle", "left")),
+    **dict.fromkeys(("rm", "mr"), ("middle", "right")),
 }
 """Word of a joint's name to the end and the side of the robot that it may say; `B_wheel` says the end with a letter."""
 _END = re.compile(r"([bf])_([a-z]+)")

@@ -22,6 +22,7 @@ from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remar
 from actspec.draft.environment import are_one, in_environment, written_once
 from actspec.draft.including import as_part, whole_of
 from actspec.draft.sources import RobotReading, stated
+from actspec.draft.unread import check_drives, with_drives
 from actspec.draft.unselected import (
     misspelt,
     not_listed,
@@ -88,7 +89,9 @@ def read_robot_files(
     every = [artifact for reading in readings for artifact in reading.artifacts]
     artifacts = _chosen(every, robot, out)
     out.raise_if_failed(AuditError)
-    artifacts = list(_one_a_file(artifacts, robot, out))
+    artifacts = with_drives(list(_one_a_file(artifacts, robot, out)))
+    out.raise_if_failed(AuditError)
+    check_drives(artifacts, any(map(_has_gains, artifacts)), out)
     out.raise_if_failed(AuditError)
     names = None if named is None else named_joints(artifacts, named, out)
     out.raise_if_failed(AuditError)
@@ -218,6 +221,11 @@ def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> 
         by_file.setdefault(part.path, []).append(part)
     for path, own in by_file.items():
         full = [part for part in own if part.config is None or part.config.groups]
+        if name is None:
+            # A spare motor is no robot beside one.
+            spare = [part for part in full if _is_motor_alone(part)]
+            full = [part for part in full if part not in spare] or full
+            own = [part for part in own if part in full or part not in spare]
         named = [part for part in full if part.name == name]
         distinct: list[Artifact] = []
         for part in named or full:
@@ -229,6 +237,21 @@ def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> 
             out.error("DRF007", message, span=Span(path), help=f"name one with --robot: {names}")
         yield from distinct
         yield from (part for part in own if part not in full)
+
+
+def _is_motor_alone(part: Artifact) -> bool:
+    """Whether a configuration is one actuator cfg that a name of the file has."""
+    config = part.config
+    if config is None or config.settings or len(config.groups) != 1:
+        return False
+    return config.groups[0].name == config.name
+
+
+def _has_gains(part: Artifact) -> bool:
+    """Whether a robot file has servos: their gains are a drive."""
+    if part.robot is None:
+        return False
+    return any(joint.kp is not None and joint.kp.known for joint in lift(part).actuators.joints)
 
 
 def _is_base(part: Artifact, other: Artifact) -> bool:

@@ -33,8 +33,8 @@ _NO_NAME = re.compile(r"[,;\s]+")
 _COMMENT = re.compile(r"#.*")
 _NUMBERED = re.compile(r"^[ \t]*(?:[-*][ \t]+)?(?:\d+[:.)][ \t]+)?", re.MULTILINE)
 """Before a name in a list of lines: a dash, a number."""
-_PRINTED = re.compile(r"\s*\[([^\[\]]*)\]\s*")
-"""A list as Python prints it."""
+_PRINTED = re.compile(r"\s*(?:[A-Za-z][\w ]*[:=])?\s*\[([^\[\]]*)\]\s*")
+"""A list as Python prints it, alone or behind words: `Joint names: ['hip', 'knee']`."""
 _NAME_KEYS = ("name", "joint", "joint_name", "joint name", "dof_name", "dof name")
 """What the name of a joint is called in a table, or in a list of mappings."""
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -199,9 +199,12 @@ def named_joints(
         help = f"its joints: {listed(map(one_line, names), 4)}"
         if differ_by_ending(configs, names):
             help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
-        if not patterns:
+        if not patterns and any(config.framework is Framework.DEPLOY for config in every):
             message = "no file selects joints: the lists of the deploy file have no names"
             help = "add joint_names: [...] to it, in the order of its lists"
+        elif not patterns:
+            message = "no file selects joints: no actuators are read of the configuration"
+            help = "name the file that has the robot's actuators"
         out.error("DRF011", message, span=Span(one_line(named)), where="--joints", help=help)
     return joints, renamed
 

@@ -40,6 +40,7 @@ _QUALIFIERS = re.compile(
     r"[ad]c|rms|pea?k|max(imum)?|min(imum)?|nom(inal)?|rated|typ(ical)?|cont(inuous)?|approx", re.I
 )
 """Words that say of a figure which one it is, and are no source."""
+_ALTERNATING = re.compile(r"\(?(rms|eff|pk|p-?p)\)?", re.I)
 
 
 def explained(given: str, kind: Kind, words: tuple[str, ...], inside: bool) -> tuple[str, str] | None:
@@ -205,6 +206,9 @@ def _words_behind(text: str, kind: Kind, inside: bool) -> tuple[str, str] | None
             # What stands behind a bare number is meant as its unit.
             return None
         if _REMARK.fullmatch(rest) is None or _is_unit(words[count]) or _FACTOR_BEHIND.match(rest):
+            return None
+        if kind in (Kind.CURRENT, Kind.TORQUE_CONSTANT) and _ALTERNATING.fullmatch(rest):
+            # Another number, not a remark: the reader of units has both.
             return None
         remark = rest.strip("()")
         alone = count == len(words) - 1 and remark == rest and rest[0] != "@"

@@ -57,6 +57,9 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
         if word is not given and word in options:
             more = "; `sure: true` stands at a number that was judged with it" if "sure" in given else ""
             help = f"write `{path[-1]}: {word}`{more}"
+        commented = _COMMENTED.match(word) if isinstance(word, str) else None
+        if commented is not None and commented[1] in options:
+            help = f"a comment begins with a space and `#`: write `{commented[1]} # {short(commented[2])}`"
         breaches.error(
             "SPEC105",
             f"must be {'one of ' * (len(options) > 1)}{', '.join(options)}, got {_got(given)}",
@@ -171,8 +174,19 @@ def _as_mapping(path: Path, given: list[Any]) -> str | None:
 _DASHED = re.compile(r"-[^\S ]?([^\s\d-]\S*)")
 """A list's item without the space behind its hyphen."""
 
+_COMMENTED = re.compile(r"(\w+)\s*(?://|#|;|--)\s*(\S.*)")
+"""A word with a comment of another language behind it."""
+
 _MISNOMERS = {
     "kv": "a motor's speed constant is stated as its inverse, `torque_constant`: 100 rpm/V is 0.0955 N*m/A",
+    "kt": "a motor's torque per ampere is `torque_constant`",
+    **dict.fromkeys(
+        (
+            *("backlash", "pole_pairs", "poles", "resistance", "phase_resistance", "terminal_resistance"),
+            *("inductance", "phase_inductance", "terminal_inductance"),
+        ),
+        "nothing is made of it: keep it in `note`, or leave it out",
+    ),
     **dict.fromkeys(
         ("control_period", "control_frequency"),
         "the control period is `timing: {control_dt: ...}`, or `decimation` steps of `physics_dt`",

@@ -40,11 +40,13 @@ class EffortField(FieldParser):
         if isinstance(given, str):
             if given in EFFORT_WORDS:
                 return given
-            if given.isalpha() and given != "unknown":
+            # A motor's key is what is meant: peak_torque.
+            word = given.lower().removesuffix("_torque")
+            if word.isalpha() and given != "unknown":
                 raise fault(
                     f"must be a torque, `continuous`, `peak` or `unknown`, got {short(given)}",
                     did_you_mean(
-                        _EFFORTS.get(given.lower(), given),
+                        _EFFORTS.get(word, word),
                         (*EFFORT_WORDS, "unknown"),
                         "write for instance `33.5 N*m`",
                     ),

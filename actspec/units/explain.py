@@ -21,7 +21,8 @@ _NOUN_OF: dict[Dims, str] = {
 }
 _SPELLINGS = {
     "sec": "s", "second": "s", "seconds": "s", "msec": "ms", "usec": "us", "minute": "min", "hr": "h",
-    "r": "rev", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "rps": "rev/s", "hertz": "Hz",
+    "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "rps": "rev/s", "hertz": "Hz",
+    "r": "rev", "u": "rev", "rot": "rev",
     "lb": "lbf", "lbs": "lbf", "inch": "in", "foot": "ft", "feet": "ft", "meter": "m", "metre": "m",
     "newton": "N", "newtons": "N", "newtonmeter": "N*m", "newtonmeters": "N*m", "meters": "m", "metres": "m",
     "amp": "A", "amps": "A", "volt": "V", "volts": "V", "kgcm": "kgf*cm", "gcm": "gf*cm", "percent": "%",
@@ -49,10 +50,43 @@ def unreadable(bad: BadUnit, text: str, whole: str, shown: str, kind: Kind) -> U
         if 0 < first < second:
             help += f", or `{format_number(second / first)}` for a gearbox that reduces the speed so"
         return UnitError(f"{shortened(whole)} is two numbers, not a ratio", help)
-    return UnitError(
-        f"{shortened(whole)} is not {an(kind.noun)}: {bad.reason}",
-        _did_you_mean(text, bad.unknown, shown, kind) or in_units(kind),
-    )
+    meant = _amperes(text, shown, kind) or _did_you_mean(text, bad.unknown, shown, kind)
+    return UnitError(f"{shortened(whole)} is not {an(kind.noun)}: {bad.reason}", meant or in_units(kind))
+
+
+_AMPERES = re.compile(r"(?<![A-Za-z])([umk]?A)(?:_| ?-? ?\(?)(?i:(rms|eff)|(pk|peak|p)|p-?p|pk-?pk)\b\)?")
+"""Amperes of which the unit says how they are counted: `Arms`, `A_pk`, `A (rms)`."""
+_ROOT = math.sqrt(2.0)
+
+
+def _amperes(text: str, shown: str, kind: Kind) -> str | None:
+    """What to write for amperes rms or peak; None: the unit does not say which they are.
+
+    A torque constant is per ampere of the one or the other, so that no number is right for both.
+    """
+    match = _AMPERES.search(text)
+    if match is None or kind not in (Kind.CURRENT, Kind.TORQUE_CONSTANT):
+        return None
+    unit, number = _AMPERES.sub(r"\1", text, count=1), float(shown)
+    try:
+        if read_unit(unit).dims not in DIMS_OF[kind]:
+            return None
+    except BadUnit:
+        return None
+    rms, peak = match[2] is not None, match[3] is not None
+    if not rms and not peak:
+        number /= 2.0  # from peak to peak
+
+    def of(factor: float) -> str:
+        return f"`{format_number(number * factor)} {shortened(unit)}`"
+
+    if kind is Kind.TORQUE_CONSTANT:
+        if not rms and not peak:
+            return None
+        own, other, factor = ("rms", "peak", 1 / _ROOT) if rms else ("peak", "rms", _ROOT)
+        return f"write {of(1)} where the motor's currents are A {own}, {of(factor)} where they are A {other}"
+    own, other, factor = ("rms", "peak", _ROOT) if rms else ("peak", "rms", 1 / _ROOT)
+    return f"write {of(1)} beside a torque constant per A {own}, {of(factor)} beside one per A {other}"
 
 
 def _did_you_mean(text: str, unknown: str | None, shown: str, kind: Kind) -> str | None:
@@ -70,7 +104,10 @@ def _did_you_mean(text: str, unknown: str | None, shown: str, kind: Kind) -> str
             same = "" if candidate == si else f" That is {value} {si}"
             return f"did you mean `{shortened(shown)} {candidate}`?{same}"
         if not similar:
-            fallback = fallback or f"did you mean `{candidate}`? {in_units(kind)}"
+            given = f"{shortened(shown)} {candidate}"
+            inverse = "/" in candidate or "^-" in candidate
+            other = _other_kind(given, float(shown), unit, kind) if inverse else None
+            fallback = fallback or f"did you mean `{candidate}`? {other or in_units(kind)}"
     return fallback
 
 
@@ -84,6 +121,9 @@ def _rewritings(text: str, unknown: str | None) -> Iterator[tuple[str, bool]]:
         yield text, False
     if "-" in text:  # oz-in, in-lb
         text = re.sub(r"(?<=[A-Za-z0-9)])\s*-\s*(?=[A-Za-z])", "*", text)
+        yield text, False
+    if re.search(r"[A-Za-z]-[1-9]", text):  # min-1
+        text = re.sub(r"([A-Za-z])(-[1-9])", r"\1^\2", text)
         yield text, False
     if re.search(r"[A-Za-z][2-9]", text):  # kg*m2
         text = re.sub(r"([A-Za-z])([2-9])", r"\1^\2", text)
@@ -144,12 +184,15 @@ def mismatch(number: float, whole: str, unit: Unit, kind: Kind) -> UnitError:
         message = f"{given} is {an(_NOUN_OF[unit.dims])}, not {an(kind.noun)}"
     else:
         message = f"{given} is not {an(kind.noun)}"
-    si = unit.in_si(number)
-    return UnitError(message, _other_kind(given, si, unit.dims, kind) or in_units(kind))
+    return UnitError(message, _other_kind(given, number, unit, kind) or in_units(kind))
 
 
-def _other_kind(given: str, si: float, dims: Dims, kind: Kind) -> str | None:
+_MINUTE = re.compile(r"(?<![A-Za-z])min(?![A-Za-z])")
+
+
+def _other_kind(given: str, number: float, unit: Unit, kind: Kind) -> str | None:
     """What a quantity of another kind would be as `kind`, where that has an answer."""
+    si, dims = unit.in_si(number), unit.dims
     hertz, time, speed = (DIMS_OF[k][0] for k in (Kind.FREQUENCY, Kind.TIME, Kind.SPEED))
     rotary, linear = DIMS_OF[kind]
     turn = 2 * math.pi
@@ -179,17 +222,30 @@ def _other_kind(given: str, si: float, dims: Dims, kind: Kind) -> str | None:
         return f"a frequency counts cycles: write `{format_number(si)} Hz` if cycles are meant"
     if kind is Kind.TORQUE_CONSTANT and dims == _shift(rotary, rad=1, m=-4, kg=-2, s=4, a=2) and si > 0:
         return f"a speed constant of {given} is a torque constant of {format_number(1 / si)} N*m/A"
+    if _MINUTE.search(given):
+        # Of a shaft turns are counted: sheets write rpm so.
+        if kind is Kind.SPEED and rotary == _shift(dims, rad=1):
+            in_si = format_number(si * turn)
+            return f"1/min of a shaft is rpm: write `{format_number(si * 60)} rpm`, which is {in_si} rad/s"
+        if rotary == _shift(dims, rad=-1):
+            return f"1/min of a shaft is rpm: write `{format_number(si / turn)} {kind.rotary_unit}`"
+        if kind is Kind.TORQUE_CONSTANT and dims == _shift(rotary, m=-4, kg=-2, s=4, a=2) and si > 0:
+            constant = format_number(1 / (turn * si))
+            return f"1/min of a shaft is rpm: a speed constant of {given} is a torque constant of {constant} N*m/A"
+    if kind is Kind.SPEED and dims == _shift(ONE, s=-1) and unit.num == unit.den:
+        count, in_si = format_number(si), format_number(turn * si)
+        return f"1/s of a shaft is rad/s or rev/s: write `{count} rad/s`, or `{count} rev/s`, which is {in_si} rad/s"
     if rotary != ONE and rotary in (_shift(dims, rad=-1), _shift(dims, rad=1)):
         return f"angle is a dimension of its own: write `{format_number(si)} {kind.rotary_unit}` if that is meant"
     if rotary == _shift(dims, s=2):
         return f"`a/b/c` is a/(b*c): write `{format_number(si)} {kind.rotary_unit}` if that is meant"
-    for wanted, unit in ((rotary, kind.rotary_unit), (linear, kind.linear_unit)):
+    for wanted, name in ((rotary, kind.rotary_unit), (linear, kind.linear_unit)):
         weight = si * G0[0] / G0[1]
         if wanted == _shift(dims, m=1, s=-2):
-            return f"kg and g are masses; as a force (kgf, gf) {given} is {format_number(weight)} {unit}"
+            return f"kg and g are masses; as a force (kgf, gf) {given} is {format_number(weight)} {name}"
         if wanted == _shift(dims, m=-1, s=2):
             mass = si * G0[1] / G0[0]
-            return f"oz, lbf, kgf and gf are forces; as a mass {given} is {format_number(mass)} {unit}"
+            return f"oz, lbf, kgf and gf are forces; as a mass {given} is {format_number(mass)} {name}"
     return None
 
 

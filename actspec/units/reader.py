@@ -77,6 +77,7 @@ def _build_table() -> dict[str, Unit]:
     add("Ohm", (2, 1, -3, -2, 0, 0), prefixed="umk")
     add("ohm", (2, 1, -3, -2, 0, 0), prefixed="umk")
     add("deg", (0, 0, 0, 0, 1, 0), den=180, pi=1)
+    add("arcmin", (0, 0, 0, 0, 1, 0), den=10800, pi=1)
     add("rev", (0, 0, 0, 0, 1, 0), num=2, pi=1)
     add("turn", (0, 0, 0, 0, 1, 0), num=2, pi=1)
     add("rpm", _SPEED, den=30, pi=1, prefixed="k")

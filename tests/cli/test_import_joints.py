@@ -408,6 +408,7 @@ class LegCfg(LeggedRobotCfg):
         ("d.txt", "\n".join([*NAMES, "1"]), "the names of the 5 joints are from d.txt", [*NAMES, "1"]),
         ("names.lst", "\n".join(NAMES), "the names of the 4 joints are from names.lst", NAMES),
         ("names", f"{NAMES}\n", "the names of the 4 joints are from names", NAMES),
+        ("p.txt", f"Joint names: {NAMES}\n", "from p.txt", NAMES),
         (
             "leg.urdf",
             URDF,
@@ -419,7 +420,7 @@ class LegCfg(LeggedRobotCfg):
         *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "mappings"),
         *("CSV", "semicolons", "numbers", "blanks", "sides", "one column", "two lines", "a number a line"),
         "any ending",
-        *("printed", "URDF"),
+        *("printed", "printed behind words", "URDF"),
     ],
 )  # fmt: skip
 def test_a_spec_that_compiles(

@@ -288,6 +288,7 @@ def test_group_names_of_codes(
         (["FL_knee"], ["FR_knee"], "left_knee"),
         (["FL_knee"], ["FR_knee", "RL_knee", "RR_knee"], "front_left_knee"),
         (["LH_HAA", "RH_HAA"], ["LF_HAA", "RF_HAA"], "rear_hip_abduction"),
+        (["lm_coxa", "rm_coxa"], ["lf_coxa", "rf_coxa", "lh_coxa", "rh_coxa"], "middle_coxa"),
         (["FL_thigh", "RR_thigh"], ["FR_thigh", "RL_thigh"], "thighs"),
         (["LL_HR"], ["LR_HR"], "hip_rotation"),
         (["rh_THJ1"], ["lh_THJ1"], "right_thumb"),
@@ -356,12 +357,13 @@ def test_comment_ends_with_its_line(text: str) -> None:
     "joints, expected",
     [
         (["FL_hip_joint", "RR_calf_joint"], "legs"),
+        (["lf_coxa", "lm_coxa", "rh_tibia", "MR_femur"], "legs"),
         (["left_elbow_joint"], "arms"),
         (["waist_yaw_joint"], "torso"),
         (["left_hip_joint", "waist_yaw_joint"], None),
         (["joint1"], None),
     ],
-    ids=["legs", "arms", "torso", "two", "none"],
+    ids=["legs", "hexapod", "arms", "torso", "two", "none"],
 )
 def test_body_parts(joints: list[str], expected: str | None) -> None:
     """Joints are of a body part where all of their names say so."""

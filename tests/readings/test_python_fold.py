@@ -294,6 +294,62 @@ def test_imports(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    "importer, statement, module",
+    [
+        # A program started in `code` imports `robot` of it, which needs no `__init__.py`.
+        ("code/robot/cfg.py", "from robot import gains\nK = gains.K", "code/robot/gains.py"),
+        ("code/robot/cfg.py", "from robot.gains import K", "code/robot/gains.py"),
+        ("code/tasks/walk/cfg.py", "from robot.gains import K", "code/robot/gains.py"),
+        ("code/tasks/walk/cfg.py", "from walk.gains import K", "code/tasks/walk/gains.py"),
+        ("code/tasks/walk/cfg.py", "import robot.gains as g\nK = g.K", "code/robot/gains.py"),
+        # No package at all: what is beside the file by its folder's name.
+        ("alone/robot/cfg.py", "from robot import gains\nK = gains.K", "alone/robot/gains.py"),
+        ("alone/robot/cfg.py", "from alone.robot.gains import K", "alone/robot/gains.py"),
+        ("alone/robot/cfg.py", "from robot.motors.gains import K", "alone/robot/motors/gains.py"),
+    ],
+)
+def test_imports_of_folders_without_init(tmp_path: Path, importer: str, statement: str, module: str) -> None:
+    """A folder is a package to Python without an `__init__.py`, below any folder where a program may be started."""
+    for path in (tmp_path / importer, tmp_path / module):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / "code").mkdir(exist_ok=True)
+    (tmp_path / "code" / "__init__.py").write_text("", encoding="utf-8")
+    (tmp_path / module).write_text("K = 25.0\n", encoding="utf-8")
+    (tmp_path / importer).write_text(HEAD + statement + TAIL.format("K"), encoding="utf-8")
+    (artifact,) = read_python(str(tmp_path / importer)).artifacts
+    assert artifact.config is not None
+    assert artifact.config.groups[0].settings["stiffness"].value == 25.0
+
+
+@pytest.mark.parametrize(
+    "importer, statement, other",
+    [
+        # The parent is no part of what was named.
+        ("alone/robot/cfg.py", "from alone.gains import K", "alone/gains.py"),
+        ("alone/robot/cfg.py", "from gains import K", "alone/gains.py"),
+        ("alone/robot/cfg.py", "from robot import K", "alone/robot.py"),
+        ("code/robot/cfg.py", "from gains import K", "gains.py"),
+        # A folder of this name is not the framework, nor Python's own module.
+        ("code/cfg.py", "from isaaclab.gains import K", "code/isaaclab/gains.py"),
+        ("code/robot/cfg.py", "from statistics import K", "code/statistics.py"),
+    ],
+)
+def test_other_folders_are_not_searched(tmp_path: Path, importer: str, statement: str, other: str) -> None:
+    """What is neither in the file's package nor beside it is not read, whatever it is called."""
+    for path in (tmp_path / importer, tmp_path / other):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / "code").mkdir(exist_ok=True)
+    (tmp_path / "code" / "__init__.py").write_text("", encoding="utf-8")
+    (tmp_path / other).write_text("K = 25.0\n", encoding="utf-8")
+    (tmp_path / importer).write_text(HEAD + statement + TAIL.format("K"), encoding="utf-8")
+    reading = read_python(str(tmp_path / importer))
+    (artifact,) = reading.artifacts
+    assert artifact.config is not None
+    assert artifact.config.groups[0].settings["stiffness"].value is None
+    assert len(reading.files) == 1
+
+
+@pytest.mark.parametrize(
     "statement", ["from . import secret", "from .. import secret", "from ...etc import secret"]
 )
 def test_imports_stay_inside(tmp_path: Path, statement: str) -> None:

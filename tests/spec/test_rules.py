@@ -214,6 +214,30 @@ def test_a_factor_around_0() -> None:
     assert found.help == "a factor is one of the nominal value: did you mean [0.9, 1.1]?"
 
 
+@pytest.mark.parametrize(
+    "legs, motor, help",
+    [
+        ("", "kt: 0.1", "a motor's torque per ampere is `torque_constant`"),
+        ("", "backlash: 0.001", "nothing is made of it: keep it in `note`, or leave it out"),
+        (", motor: AK80-9", "peak_torque: 18", "did you mean 'ak80_9'?"),
+    ],
+)
+def test_names_of_datasheets(legs: str, motor: str, help: str) -> None:
+    """Their own spelling has its answer, not the list of all keys."""
+    text = spec_of(LEGS % ("ideal_pd", legs), motors=f"{{ak80_9: {{side: joint, {motor}}}}}")
+    with pytest.raises(SpecError) as caught:
+        model_of(text)
+    assert [found.help for found in caught.value.diagnostics] == [help]
+
+
+def test_a_word_with_a_comment_of_another_language() -> None:
+    """What stands behind the word is told to be a comment."""
+    with pytest.raises(SpecError) as caught:
+        model_of(spec_of(LEGS % ("ideal_pd // as built", "")))
+    (found,) = caught.value.diagnostics
+    assert found.help == "a comment begins with a space and `#`: write `ideal_pd # as built`"
+
+
 def test_rules_are_checked_beside_faults_of_shape() -> None:
     """A misspelt key in one group hides no breach in another, nor does a wrong section."""
     text = spec_of(

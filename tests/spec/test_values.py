@@ -160,6 +160,8 @@ def test_effort_words() -> None:
     found = EffortField()("20 N*m")
     assert isinstance(found, SpecValue) and found.value == 20.0
     assert said(EffortField(), "continous")[1] == "did you mean 'continuous'?"
+    assert said(EffortField(), "peak_torque")[1] == "did you mean 'peak'?"
+    assert said(EffortField(), "rated_torque")[1] == "did you mean 'continuous'?"
 
 
 @pytest.mark.parametrize(

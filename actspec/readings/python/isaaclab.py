@@ -17,7 +17,17 @@ from actspec.readings.python.settings import (
     is_actuator,
     is_named,
 )
-from actspec.readings.python.values import External, Obj, Seq, Table, Unknown, Value, reason_of
+from actspec.readings.python.values import (
+    External,
+    Obj,
+    Seq,
+    Table,
+    Unknown,
+    Value,
+    ancestors,
+    reason_of,
+    unread_module,
+)
 
 _EVENTS: Events = {
     "randomize_actuator_gains": (
@@ -170,6 +180,19 @@ def _scene(draft: Draft, fields: dict[str, Value]) -> None:
             draft.note(name, reason_of(value.data) or "", value.span)
         elif isinstance(value.data, Obj) and value.data.open is not None:
             draft.note(name, value.data.open, value.span)
+    if not robots and "scene" in fields and (why := _unread_scene(fields["scene"])):
+        draft.note("scene", why, fields["scene"].span)
+
+
+def _unread_scene(scene: Value) -> str:
+    """Why the robot of a scene is not known; "" where it has none."""
+    if isinstance(scene.data, (Unknown, External)):
+        return reason_of(scene.data) or ""
+    if not isinstance(scene.data, Obj) or unread_module(scene.data.cls) is None:
+        return ""
+    cls = scene.data.cls
+    known = [cls] if isinstance(cls, External) else ancestors(cls)
+    return next((one.reason for one in known if isinstance(one, External)), "")
 
 
 def _actions(draft: Draft, fields: dict[str, Value]) -> None:

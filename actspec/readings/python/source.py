@@ -1,7 +1,9 @@
 """Python files as text: decoding, parsing, and which file an import names. Nothing is imported or executed.
 
 An import is followed to files of the named file's own tree only: below the topmost package that it is in, or beside
-it when its folder is none. Files that a symbolic link leads to from there to elsewhere are not read.
+it when its folder is none. Each folder of that tree above a file may be where its program is started, so that
+`from robot import gains` is followed in a folder `robot` without `__init__.py`, too. Files that a symbolic link leads
+to from there to elsewhere are not read.
 """
 
 from __future__ import annotations
@@ -10,8 +12,10 @@ import ast
 import codecs
 import os
 import re
+import sys
 import warnings
 from bisect import bisect_left
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span, one_line
@@ -132,23 +136,40 @@ class Library:
         asked = tuple(module.split(".")) if module else ()
         if not all(part.isidentifier() for part in asked):
             return OUTSIDE
-        top, parts = self.top, asked
-        if level:
-            if level - 1 > max(len(importer.package) - 1, 0):
-                return OUTSIDE
-            parts = importer.package[: len(importer.package) - (level - 1)] + asked
-        elif asked[:1] != self.package[:1] or not asked:
-            if self.beside is None:
-                return OUTSIDE
-            top = self.beside
-        if len(parts) > 1 and parts[0] in FRAMEWORKS and parts[1] not in FRAMEWORKS[parts[0]]:
-            return "is the framework's own"
-        base = os.path.join(top, *parts)
-        for path in (os.path.join(base, "__init__.py"), f"{base}.py" if parts else ""):
-            if path and os.path.isfile(path):
-                package = parts if path.endswith("__init__.py") else parts[:-1]
-                return self._read(path, package if top == self.top else (), f"{'.' * level}{module}")
+        for top, parts in self._places(importer, level, asked):
+            if len(parts) > 1 and parts[0] in FRAMEWORKS and parts[1] not in FRAMEWORKS[parts[0]]:
+                return "is the framework's own"
+            base = os.path.join(top, *parts)
+            for path in (os.path.join(base, "__init__.py"), f"{base}.py" if parts else ""):
+                if path and os.path.isfile(path):
+                    package = parts if path.endswith("__init__.py") else parts[:-1]
+                    return self._read(path, package if top == self.top else (), f"{'.' * level}{module}")
         return OUTSIDE
+
+    def _places(
+        self, importer: Source, level: int, asked: tuple[str, ...]
+    ) -> Iterator[tuple[str, tuple[str, ...]]]:
+        """Folders and paths below them where a module may be, the likeliest first."""
+        own = importer.package
+        if level:
+            if level - 1 <= max(len(own) - 1, 0):
+                yield self.top, own[: len(own) - (level - 1)] + asked
+            return
+        if asked[:1] == self.package[:1] and asked:
+            yield self.top, asked
+        elif self.beside is not None:
+            yield self.beside, asked
+        if not asked or asked[0].partition("_")[0] in FRAMEWORKS or asked[0] in sys.stdlib_module_names:
+            return
+        # A program may be started in any folder of the tree.
+        for count in range(len(own), 0, -1):
+            yield self.top, own[:count] + asked
+        if self.beside is not None:
+            # `robot.gains` of a file in `robot`, whose parent is no part of the tree.
+            folders = tuple(os.path.abspath(self.beside).split(os.sep))
+            for count in range(len(asked) - 1, 0, -1):
+                if folders[-count:] == asked[:count]:
+                    yield self.beside, asked[count:]
 
     def _read(self, path: str, package: tuple[str, ...], include: str) -> Source | str:
         if path not in self.sources:

@@ -16,7 +16,7 @@ from actspec.spec.models import Actuators, Friction, Motor, Randomize, SpecModel
 from actspec.spec.plausible.drive import Drive, Limit, Train, cut_gearbox, is_one, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import STIFF_RETURN, Gains, derived_doubts, gain_words
-from actspec.spec.plausible.relations import POINT
+from actspec.spec.plausible.relations import DEGREE, POINT
 from actspec.spec.plausible.table import Doubt, Kept, at
 from actspec.spec.rules.groups import range_of
 from actspec.spec.rules.motors import stage_ratio
@@ -481,7 +481,9 @@ def _off(ends: Sequence[SpecValue], path: Path, others: tuple[Path, ...], spans:
     """An encoder that is off by far."""
     help = None
     if ends[0].unit == "rad" and "deg" not in ends[0].written:
-        help = f"is it in degrees? Then write {_all(f'{end.value:g} deg' for end in ends)}"
+        degrees = max(abs(end.value or 0.0) for end in ends) * DEGREE <= OFF["rad"]
+        words, short = ("degrees", "deg") if degrees else ("arcmin", "arcmin")
+        help = f"is it in {words}? Then write {_all(f'{end.value:g} {short}' for end in ends)}"
     message = f"an encoder that is off by {_all(end.written for end in ends)}"
     return at(spans, "SPEC188", message, path, help, *others)
 

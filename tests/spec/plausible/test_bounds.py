@@ -952,6 +952,8 @@ def test_a_slow_drive_may_be_heavy(speed: str, expected: list[str]) -> None:
         ("randomize: {kd: {scale: [0.9, 11]}}", "did you mean 1.1?"),
         ("randomize: {kd: {scale: [90, 110]}}", "is it in %? Then write 0.9 and 1.1"),
         ("encoder_bias: 1 rad", "is it in degrees? Then write 1 deg"),
+        # 15 deg are no encoder's error either, 15 arcmin are 0.25 deg.
+        ("encoder_bias: 15 rad", "is it in arcmin? Then write 15 arcmin"),
         ("encoder_bias: 60 deg", None),
         # 14.3 x 0.0174533 = 0.249582.
         ("action_scale: 14.3", "is it in degrees? Then write 0.249582"),
