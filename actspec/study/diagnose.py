@@ -17,6 +17,7 @@ from actspec.study.level import LADDER, Answers, LevelChoice, choose_level
 from actspec.study.measures import Gap, JointMeasures, Track, gap_between, measured, track_of
 from actspec.study.rollouts import position_errors
 from actspec.sysid.fit import recorded
+from actspec.sysid.torques import OWN_ROW, OWN_ROW_HELP
 from actspec.verify.joint_laws import laws_of
 
 if TYPE_CHECKING:
@@ -135,11 +136,8 @@ def diagnose(
         found = [replace(one, position_error=moved.get(one.joint, {})) for one in found]
     early = [one.joint for one in found if one.torque_late == 0]
     if early:
-        message = (
-            f"the torque is taken as that of the row's own command, which fits better: {listed(early, 4)}"
-        )
-        help = "by the form of logs a row holds what was read before its command was sent"
-        out.info("DGN012", message, span=Span(logs[0].path), help=help)
+        message = f"{OWN_ROW}: {listed(early, 4)}"
+        out.info("DGN012", message, span=Span(logs[0].path), help=OWN_ROW_HELP)
     wrong = (*signals, *findings(found, known))
     codes: dict[str, list[str]] = {}
     for item in wrong:

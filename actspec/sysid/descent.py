@@ -62,6 +62,7 @@ class Piecewise:
         rows: Length of each.
         joint_torque: Whether the torque was read behind friction.
         own: Figures that the log does not share with all others, to the name of their value and a factor on it.
+        ago: By how much its torque is older than the row [s].
     """
 
     course: Course
@@ -70,6 +71,7 @@ class Piecewise:
     rows: int
     joint_torque: bool = False
     own: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    ago: float = 0.0
 
     def figures(self, values: Mapping[str, Array]) -> Figures:
         """The motion's figures from the values of a fit, one entry a set."""
@@ -306,7 +308,9 @@ def simulated(
 ) -> Moved:
     """How a joint of given figures moves along the pieces of a log; one set. For the last two see `move`."""
     q, qd = (state[:, None] for state in states)
-    return move(log.course, _one(log, values), bounds, log.starts, log.rows, q, qd, reading, finer)
+    return move(
+        log.course, _one(log, values), bounds, log.starts, log.rows, q, qd, reading, finer, ago=log.ago
+    )
 
 
 def seen(log: Piecewise, values: Mapping[str, float], moved: Moved) -> dict[str, Array]:
@@ -355,7 +359,7 @@ def linearised_each(search: Search, where: Sequence[tuple[Mapping[str, float], S
         q, qd = (np.concatenate([getattr(one, name) for one in sets], axis=1) for name in ("q", "qd"))
         moved = move(
             log.course, figures, search.bounds, log.starts, log.rows, q, qd, search.reading,
-            moved=None if known is None else known[k],
+            moved=None if known is None else known[k], ago=log.ago,
         )  # fmt: skip
         motions.append((moved.q, moved.qd))
         width = 3 + 2 * len(active)

@@ -16,7 +16,7 @@ from actspec.fields import units_of
 from actspec.sysid.descent import simulated
 from actspec.sysid.drift import judge_drift
 from actspec.sysid.identified import Indicator, JointFit, State
-from actspec.sysid.judge import UNLIKE
+from actspec.sysid.judge import GAINS_SENT, UNLIKE, held_gains
 from actspec.sysid.system import System
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
@@ -202,6 +202,8 @@ def _judge_motion(joint: JointInWork, found: JointFit, out: Collector) -> None:
         "is the command what the drive got, does each column belong to its joint, is the base held as in the model, "
         "and does the drive give the torque that the spec's limit allows?"
     )
+    if held := held_gains(found):
+        help = f"had the drive {held}, which were held? {GAINS_SENT.capitalize()}; else: {help}"
     place = Span(joint.recordings[0].log.path)
     out.error("SYS031", message, where=joint.actuator.joint, span=place, help=help)
 

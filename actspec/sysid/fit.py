@@ -25,6 +25,7 @@ from actspec.sysid.figures import Bounds
 from actspec.sysid.gains import extended, gains_of, joined
 from actspec.sysid.identified import FIGURE, Identification, State
 from actspec.sysid.judge import UNLIKE, judge_fit, judged
+from actspec.sysid.late import align, at_rows, better, judge_lateness
 from actspec.sysid.links import links_at
 from actspec.sysid.more import enlarged
 from actspec.sysid.recording import SMOOTH, Recording, driven, reading_noise, record, smooth
@@ -35,7 +36,7 @@ from actspec.sysid.stand import Stand, by_log, idle
 from actspec.sysid.system import System
 from actspec.sysid.torques import prompt
 from actspec.sysid.unseen import held_out, judge_validation, tested, told_apart
-from actspec.sysid.work import FitOptions, JointInWork, piecewise
+from actspec.sysid.work import FitOptions, JointInWork, ended, piecewise
 from actspec.sysid.zeros import judge_biases, judge_zeros
 
 if TYPE_CHECKING:
@@ -154,6 +155,7 @@ def roll(
         fit_joint(joint, options, heard[name])
         if release(joint, heard[name]):
             fit_joint(joint, options, heard[name])
+        align(joint, options, fit_joint)
     # A model that moves otherwise than such a joint did knows less of it than its readings.
     every = {name: joint for name, joint in every.items() if name in joints or not _unlike(joint)}
     # How the others moved was by a filter of their readings: the fit knows it better.
@@ -176,6 +178,23 @@ def roll(
 
 
 def _enlarged(joint: JointInWork, options: FitOptions, out: Collector) -> tuple[JointInWork, System]:
+    """The joint with more figures, and its residuals; of a torque that is late by part of a row the likelier cause."""
+    heard = Collector()
+    found, system = _wider(joint, options, heard)
+    if any(one.ago for one in joint.recordings):
+        # A slow drive that the model does not have looks like a torque that is late, and is tried without that.
+        prompt, unheard = at_rows(joint), Collector()
+        fit_joint(prompt, options, unheard)
+        other, residuals = _wider(prompt, options, unheard)
+        if better(found, other):
+            found, system, heard = other, residuals, unheard
+    judge_lateness(found, heard)
+    for item in heard:
+        out.add(item)
+    return found, system
+
+
+def _wider(joint: JointInWork, options: FitOptions, out: Collector) -> tuple[JointInWork, System]:
     """The joint with more figures; with a low-pass only where it is told then: else the delay is short of it."""
     heard = Collector()
     found, system = enlarged(joint, options, fit_joint, heard)
@@ -185,6 +204,8 @@ def _enlarged(joint: JointInWork, options: FitOptions, out: Collector) -> tuple[
             heard = Collector()
             without = replace(options, hold=options.hold | {"bandwidth"})
             found, system = enlarged(joint, without, fit_joint, heard)
+    if found.added and align(found, options, fit_joint):
+        system = ended(found)
     for item in heard:
         out.add(item)
     return found, system
@@ -379,7 +400,7 @@ def prepared(
         _couple(stand, logs, joints, fits=False)
         for joint in joints.values():
             pairs = zip(joint.recordings, joint.courses, strict=True)
-            joint.recordings = [prompt(recording, course, out) for recording, course in pairs]
+            joint.recordings = [prompt(recording, course) for recording, course in pairs]
     return joints
 
 

@@ -13,6 +13,7 @@ from actspec.sysid.descent import Fit, Piecewise, seen, simulated
 from actspec.sysid.figures import time_constant
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State, bounded
+from actspec.sysid.late import later_torques
 from actspec.sysid.profile import Values, profiled, weak
 from actspec.sysid.recording import reading_noise
 from actspec.sysid.system import WIDE, System
@@ -38,6 +39,8 @@ LATE = 5e-3
 ASKEW = 0.02
 """Likewise of an encoder's bias [rad or m]. Chosen: a degree."""
 
+GAINS_SENT = "state the gains that were sent, `gains:` in the sidecar, or try --free kp,kd"
+"""What to do where gains that were held may be the cause."""
 DOUBTED, UNLIKE = 1.5, 3.0
 """Position error over the readings' noise from which on it is reported, and is a warning. Measured: a play of
 0.3 degrees gives 2.9, and kd is 1 %, a viscous friction of 0.01 is 75 % off, both outside of their intervals."""
@@ -162,6 +165,9 @@ def _with_givens(joint: JointInWork, system: System, *, unscaled: bool) -> Fit:
                 for (log, states, _), other in zip(logs, others, strict=True)
             ]
         )
+    if any(joint.unsure):
+        off = zip(later_torques(joint), [*joint.unsure, *(0.0 for _ in joint.swings)], strict=False)
+        causes.append([{} if rate is None else {"torque": std * rate} for rate, std in off])
     moved = system.shifts(fit.noise, causes)
     return replace(fit, covariance=fit.covariance + np.einsum("ci,cj->ij", moved, moved))
 
@@ -318,20 +324,29 @@ def _combinations(joint: JointInWork, fit: Fit, *, unscaled: bool) -> list[Combi
     return [one for one in found if one.std < VAGUE * abs(one.value)]
 
 
+def held_gains(joint: JointFit) -> str:
+    """The gains that a fit without torque took as given, in words; "" where it took none."""
+    held = [p for p in joint.parameters if p.field in GAINS and p.state is State.HELD and p.value is not None]
+    return listed([f"{p.field} {format_number(p.value, 4)} {p.unit}" for p in held if p.value is not None])
+
+
 def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:
     """What is to be said of the whole fit."""
     for joint in joints:
         if joint.misfit is not None and joint.misfit > DOUBTED:
-            # The intervals know of the readings' noise, and of nothing that the model lacks.
-            (out.warning if joint.misfit > UNLIKE else out.info)(
+            unlike = joint.misfit > UNLIKE
+            held = held_gains(joint) if unlike else ""
+            other = f"the drive had other gains than {held}, which were held, or " if held else ""
+            help = "try --free friction.static,friction.stribeck_velocity or --free bandwidth"
+            (out.warning if unlike else out.info)(
                 "SYS031",
-                f"the position is off by {joint.misfit:.2g} times the noise of its readings: something that the model "
-                "does not have moves the joint, such as play, Stribeck friction, friction that grows with the load, a "
-                "clamp of the command after the log, "
+                f"the position is off by {joint.misfit:.2g} times the noise of its readings: {other}something that the "
+                "model does not have moves the joint, such as play, Stribeck friction, friction that grows with the "
+                "load, a clamp of the command after the log, "
                 "an end stop, a base that is held otherwise than in the model, or other masses; figures may be off by "
                 "more than their intervals",
                 where=joint.joint,
-                help="try --free friction.static,friction.stribeck_velocity or --free bandwidth",
+                help=f"{GAINS_SENT}; else {help}" if held else help,
             )
         bound = {"bandwidth": " from none"}
         untold = [

@@ -15,6 +15,7 @@ from actspec.sysid.figures import Bounds
 from actspec.sysid.fit import fit_logs, joints_of, prepared, recorded, roll, tell_left_out
 from actspec.sysid.gains import gains_of
 from actspec.sysid.identified import Identification, JointFit
+from actspec.sysid.late import judge_lateness
 from actspec.sysid.recording import Recording
 from actspec.sysid.stand import Stand
 from actspec.sysid.work import FitOptions
@@ -132,4 +133,6 @@ def _friction(stand: Stand, logs: Sequence[Log], names: Sequence[str], out: Coll
                 out.error("SYS058", message, where=name, span=place, help=help)
     out.raise_if_failed(LogError)
     roll(stand, logs, joints, FitOptions(), out)
+    for joint in joints.values():
+        judge_lateness(joint, out)
     return [one for joint in joints.values() if (one := friction.judged(joint, out)) is not None]

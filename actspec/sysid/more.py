@@ -75,6 +75,9 @@ def enlarged(
             ending = ended(trial)
             errors = unseen(trial, ending)
             falls = _falls(best[0] if best else before, errors) and _shows(trial, names, SEEN)
+            if names == ("lag",) and _left(trial):
+                # What is left has another cause, of which a low-pass takes some: of masses that are wrong, say.
+                continue
             if falls or (best is None and _surely(joint, trial, names, before, errors)):
                 best = (errors, trial, ending, names)
         if best is None:
@@ -104,9 +107,15 @@ def _called_for(joint: JointInWork, system: System, options: FitOptions) -> list
         for names in PAIRS
         if not any(name in fit.free or FIELDS[name][0] in options.hold for name in names)
     ]
-    if fit.noise["position"] > LEFT * reading_noise(joint.recordings):
+    if _left(joint):
         return left
     return [names for names in left if names == ("lag",) and _promise(joint, system) > PROMISED]
+
+
+def _left(joint: JointInWork) -> bool:
+    """Whether the position is off by more than its readings' noise."""
+    assert joint.fit is not None
+    return joint.fit.noise["position"] > LEFT * reading_noise(joint.recordings)
 
 
 def _promise(joint: JointInWork, system: System) -> float:
@@ -160,7 +169,7 @@ def _surely(
 ) -> bool:
     """Whether a low-pass is there though it moves the joint little: by the cost, in which the torque counts."""
     assert joint.fit is not None and trial.fit is not None
-    worse = any(after[channel] > before[channel] for channel in after)
+    worse = _left(joint) or any(after[channel] > before[channel] for channel in after)
     fall = joint.fit.cost - trial.fit.cost
     return names == ("lag",) and not worse and fall > SURE and _shows(trial, names, LARGE)
 

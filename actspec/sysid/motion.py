@@ -68,6 +68,7 @@ def move(
     reading: float | None = None,
     finer: int = 1,
     moved: tuple[Array, Array] | None = None,
+    ago: float = 0.0,
 ) -> Moved:
     """Let the joint follow its commands from several rows on.
 
@@ -83,14 +84,17 @@ def move(
             a command arrives, so a fit searches over this, and descends over the other.
         finer: Into how many each step is divided.
         moved: Its position and speed where another reading of the same is known: then only torques are told.
+        ago: By how much a row's torque is older than its position [s], less than the time of a row; of the command
+            that `reading` tells.
     """
     import numpy as np
 
     table = _table(course, figures, starts, rows, reading)
     joint = _joint(table, bounds)
     if moved is None:
-        return _read(table, joint, *_rolled(table, joint, q, qd, finer))
-    return _read(table, joint, *(np.swapaxes(values, 1, 2) for values in moved))
+        return _read(table, joint, *_rolled(table, joint, q, qd, finer), ago=ago)
+    at, speed = (np.swapaxes(values, 1, 2) for values in moved)
+    return _read(table, joint, at, speed, ago)
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,17 +291,32 @@ def _rolled(table: _Table, joint: Joint, q: Array, qd: Array, finer: int) -> tup
     return at, speed
 
 
-def _read(table: _Table, joint: Joint, at: Array, speed: Array) -> Moved:
+def _read(table: _Table, joint: Joint, at: Array, speed: Array, ago: float = 0.0) -> Moved:
     """Such a motion with its torques."""
     import numpy as np
 
-    torque = joint.drive(table.seen.take(table.seen_of, 1), table.vd, at, speed)
+    command, then, speed_then = table.seen.take(table.seen_of, 1), at, speed
+    if ago:
+        rate = _rate(table, speed, ago)
+        then, speed_then = at - ago * speed + 0.5 * ago**2 * rate, speed - ago * rate
+        # What a low-pass lets through changes all the time; else it is a matter of `reading` which command acts.
+        command = command - ago * _rate(table, command, ago) if table.filtered else command
+    torque = joint.drive(command, table.vd, then, speed_then)
     load, slope, path = table.at_row
     breakaway = joint.breakaway()
     resting = torque - load - slope * (at - path)
     resting = np.minimum(np.maximum(resting, -breakaway), breakaway)
     friction = joint.viscous * speed + np.where(speed == 0.0, resting, np.sign(speed) * joint.dry(speed))
     return Moved(*(np.swapaxes(values, 1, 2) for values in (at, speed, torque, friction)))
+
+
+def _rate(table: _Table, values: Array, ago: float) -> Array:
+    """The change of what goes straight between rows, on the side where the moment so long ago is."""
+    import numpy as np
+
+    found = np.diff(values, axis=0) / table.length[:-1]
+    # Before the first row, and behind the last, it goes on as beside them.
+    return np.concatenate([found[:1], found] if ago > 0.0 else [found, found[-1:]])
 
 
 def _steps(table: _Table, joint: Joint, some: slice, fine: int) -> list[Step]:

@@ -47,6 +47,10 @@ SWITCHED = 0.06
 sent before still acts, or does not yet."""
 LEAST_ROWS = 100
 """Fewest rows that are judged by shares and correlations."""
+HUGE = 1e6
+"""Command beyond which it is none [rad or m]. Chosen: a wheel turns less in a day."""
+FEW = 0.01
+"""Share of the commands either way that do not count where it is told how far the others reach."""
 SMOOTH = 0.012
 """Width of the filter [s]. Chosen: it keeps what legs do, and the fit puts right what noise it leaves."""
 
@@ -70,7 +74,8 @@ class Recording:
         acceleration: Likewise [rad/s^2 or m/s^2].
         starts: First rows of the pieces.
         rows: Length of each.
-        late: Rows by which the torque is behind error and speed: the drive is slow, or the log late.
+        late: Rows by which the torque was logged late, taken out of it; before `prompt`, by which it seems to be.
+        ago: By how much the torque is older than its row yet [s].
     """
 
     log: Log
@@ -87,6 +92,7 @@ class Recording:
     starts: NDArray[np.intp]
     rows: int
     late: int = 0
+    ago: float = 0.0
 
     @property
     def kind(self) -> JointKind:
@@ -132,8 +138,18 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
         message = f"the command is not a number in {int((~told).sum())} of {len(told)} rows"
         out.error("SYS010", message, where=joint.name, span=place, help="log the command in every row")
         return None
+    unit = units_of(joint.kind).position
+    far = told & (np.abs(joint.command) > HUGE)
+    if far.any():
+        row = int(np.flatnonzero(far)[0])
+        message = (
+            f"the command is {format_number(float(joint.command[row]), 3)} {unit} in {_rows(int(far.sum()))}"
+        )
+        help = "no joint goes there: correct the cell, or leave it empty"
+        out.error("SYS017", message, where=joint.name, span=log.span(row), help=help)
+        return None
     if np.ptp(joint.command[told]) == 0.0:
-        shown = format_quantity(float(joint.command[told][0]), units_of(joint.kind).position, 4)
+        shown = format_quantity(float(joint.command[told][0]), unit, 4)
         message = f"the command is {shown} in every row: nothing moves the joint"
         out.error(
             "SYS011", message, where=joint.name, span=place, help="`actspec sysid design` writes commands"
@@ -169,6 +185,15 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
             message = f"{int(lost.sum())} rows have no {name}: they are left out of it"
             out.info("SYS013", message, where=joint.name, span=first)
     given = np.interp(log.time, log.time[told], joint.command[told])
+    spikes = _spikes(given)
+    if spikes.any():
+        row = int(np.flatnonzero(spikes)[0])
+        message = (
+            f"the command jumps to {format_number(float(given[row]), 3)} {unit} and back in "
+            f"{_rows(int(spikes.sum()))}, further than it goes in all others"
+        )
+        help = "leave the cell empty where the drive did not get it"
+        out.warning("SYS017", message, where=joint.name, span=log.span(row), help=help)
     measured = _sound(log, joint.name, given, measured, out)
     released = {name: np.where(off, whole[name], np.nan) for name in measured if name != "torque"}
     if off.any():
@@ -227,6 +252,26 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
     )
 
 
+def _spikes(command: Array) -> NDArray[np.bool_]:
+    """Single commands that are as far from those before and behind as those reach at all, shape (n,)."""
+    import numpy as np
+
+    if len(command) < LEAST_ROWS:
+        return np.zeros(len(command), dtype=bool)
+    low, high = np.quantile(command, [FEW, 1.0 - FEW])
+    before, behind = (
+        np.abs(np.diff(command, prepend=command[0])),
+        np.abs(np.diff(command, append=command[-1])),
+    )
+    outside = (command < low - (high - low)) | (command > high + (high - low))
+    found: NDArray[np.bool_] = outside & (np.minimum(before, behind) > high - low) & (high > low)
+    return found
+
+
+def _rows(count: int) -> str:
+    return "1 row" if count == 1 else f"{count} rows"
+
+
 def _motion(
     time: Array, measured: dict[str, Array], off: NDArray[np.bool_], released: dict[str, Array]
 ) -> tuple[Array, Array, Array]:
@@ -249,15 +294,32 @@ def earlier(recording: Recording, rows: int) -> Recording:
     """The recording with its position as that of so many rows earlier, for it was read late."""
     import numpy as np
 
-    time, n, off = recording.time, len(recording.time) - rows, recording.off
+    off = recording.off
     read = np.where(off, recording.released["position"], recording.measured["position"])
-    position = np.full(len(time), np.nan)
-    # Behind a gap is another moment.
-    gaps = np.concatenate([[0], np.cumsum(np.diff(time) > longest_step(time))])
-    position[:n] = np.where(gaps[rows:] == gaps[:n], read[rows:], np.nan)
+    position = _rows_on(recording.time, read, rows)
     measured = {**recording.measured, "position": np.where(off, np.nan, position)}
     released = {**recording.released, "position": np.where(off, position, np.nan)}
     return _with(recording, measured, released)
+
+
+def with_torque_of(recording: Recording, rows: int) -> Recording:
+    """The recording with its torque as that of so many rows earlier, for it was logged late; below 0: later."""
+    if not rows or "torque" not in recording.measured:
+        return recording
+    torque = _rows_on(recording.time, recording.measured["torque"], rows)
+    late = recording.late + rows
+    return replace(recording, measured={**recording.measured, "torque": torque}, late=late)
+
+
+def _rows_on(time: Array, signal: Array, rows: int) -> Array:
+    """At each row what a signal is so many rows on, NaN where that is across a gap or no row."""
+    import numpy as np
+
+    gaps = np.concatenate([[0], np.cumsum(np.diff(time) > longest_step(time))])
+    at = np.arange(len(time)) + rows
+    there = np.clip(at, 0, len(time) - 1)
+    # Behind a gap is another moment.
+    return np.where((there == at) & (gaps[there] == gaps), signal[there], np.nan)
 
 
 def _with(recording: Recording, measured: dict[str, Array], released: dict[str, Array]) -> Recording:

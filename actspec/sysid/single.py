@@ -30,6 +30,8 @@ DEFAULT = ("kp", "kd", "armature", "coulomb", "viscous", "delay", "bias")
 STRIBECK = {"static", "stribeck_velocity"}
 COUPLED = 0.02
 """Share of a joint's load torque that the others' motion must make for a second pass."""
+OWN = -1
+"""Row of a delay with which a torque tells the command of its own row, as simulations log it."""
 SMEARED = 0.05
 """Unevenness of a clock from which on a delay shows in which commands the rows' torques tell, so that no whole row need
 be searched. Chosen: a first fit has the delay to less."""
@@ -200,7 +202,7 @@ def _searched(
     tried = {math.floor(values["delay"] / step)}
     for _ in range(0 if smeared else 4):
         row = math.floor(best.values["delay"] / step)
-        fresh = [option for option in (row, row - 1, row + 1) if option >= 0 and option not in tried]
+        fresh = [option for option in (row, row - 1, row + 1) if option >= OWN and option not in tried]
         if not fresh:
             break
         for option in fresh:

@@ -16,7 +16,7 @@ from actspec.fields import units_of
 from actspec.sysid.begin import CLIPPED, LONGEST, MOVES, regress
 from actspec.sysid.course import Course
 from actspec.sysid.figures import Bounds
-from actspec.sysid.recording import LEAST_ROWS, Recording
+from actspec.sysid.recording import LEAST_ROWS, Recording, with_torque_of
 from actspec.sysid.spoilt import texture
 from actspec.units import format_number
 
@@ -59,6 +59,8 @@ EXPLAINED, STRANGE = 0.1, 0.5
 Chosen: sound logs leave less than 0.02."""
 NEAR = 2
 """Rows by which the command's delay is another from one lag of the torque to the next."""
+OWN_ROW = "the torque is taken as that of the row's own command, which fits better"
+OWN_ROW_HELP = "by the form of logs a row holds what was read before its command was sent"
 MOST_ROWS = 4000
 """Rows by which that is told."""
 
@@ -157,9 +159,9 @@ def answer(torque: Array, cause: Recording, limit: float) -> Answer | None:
     return best if best.left < min(BETTER * prompt.left, EXPLAINED) else prompt
 
 
-def rows_of(number: int) -> str:
+def rows_of(number: float) -> str:
     """So many rows, in words."""
-    return "1 row" if number == 1 else f"{number} rows"
+    return "1 row" if number == 1 else f"{format_number(number, 3)} rows"
 
 
 def _answering(recording: Recording, others: Sequence[Recording], bounds: Bounds, out: Collector) -> int:
@@ -184,8 +186,8 @@ def _answering(recording: Recording, others: Sequence[Recording], bounds: Bounds
     return own.late
 
 
-def prompt(recording: Recording, course: Course, out: Collector) -> Recording:
-    """The recording with its torque earlier, and a warning, where that was logged late.
+def prompt(recording: Recording, course: Course) -> Recording:
+    """The recording with its torque earlier, where that seems to have been logged many rows late; see `late`.
 
     A torque that is late against error and speed may come from a slow drive. Where the joint's acceleration agrees
     better with what was read some rows later, it is the log that is late.
@@ -193,24 +195,14 @@ def prompt(recording: Recording, course: Course, out: Collector) -> Recording:
     Args:
         recording: As it was checked.
         course: Links along it.
-        out: Takes what is found.
     """
-    import numpy as np
-
-    late = recording.late
+    late, recording = recording.late, replace(recording, late=0)
     if not late:
         return recording
     torque = recording.measured["torque"]
     if _moved(torque, recording, course, late) > BETTER * _moved(torque, recording, course, 0):
         return recording
-    message = (
-        f"the torque is {rows_of(late)} ({format_number(1e3 * late * recording.step, 3)} ms) behind the "
-        "motion that it makes: it is fitted as that of so much earlier"
-    )
-    help = "log what the drive reads in one message, or take the lag out of the column"
-    out.warning("SYS012", message, where=recording.joint, span=recording.place(), help=help)
-    earlier = np.concatenate([torque[late:], np.full(late, np.nan)])
-    return replace(recording, measured={**recording.measured, "torque": earlier})
+    return with_torque_of(recording, late)
 
 
 def _moved(torque: Array, recording: Recording, course: Course, late: int) -> float:

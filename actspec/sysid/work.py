@@ -66,6 +66,7 @@ class JointInWork:
         added: Figures that are free unasked.
         swings: Of each recording, once they are found.
         otherwise: The links along each recording, joints that move as read by another filter; empty: there are none.
+        unsure: Of each recording, how little is known of when its torque was read [s]; empty: at its rows.
     """
 
     actuator: JointActuator
@@ -80,6 +81,7 @@ class JointInWork:
     added: frozenset[str] = frozenset()
     swings: Sequence[Swings] = ()
     otherwise: Sequence[Course] = ()
+    unsure: Sequence[float] = ()
     fitted_to: Sequence[Course] | None = None
 
     @property
@@ -117,7 +119,9 @@ def piecewise(joint: JointInWork) -> list[Piecewise]:
         }
         behind = recording.log.sidecar.torque == "joint"
         own = joint.gains.own(index)
-        found.append(Piecewise(course, measured, recording.starts, recording.rows, behind, own))
+        found.append(
+            Piecewise(course, measured, recording.starts, recording.rows, behind, own, recording.ago)
+        )
     swings = enumerate(joint.swings)
     return found + [swung(joint, index, mine) for index, mine in swings if len(mine.starts)]
 

@@ -120,11 +120,17 @@ def _judge_log(stand: Stand, here: Mapping[str, Recording], out: Collector) -> s
     }
     # That a position is out of its range asks for what is told now.
     out.forget(("SYS047",), turned.values(), log.path)
-    for k, name in turned.items():
+    if turned:
+        # What one joint's wrong sign does to the others' torques is explained by theirs too: its own is off the most.
+        best = max(turned, key=lambda k: float(as_read[k]))
+        name = turned[best]
+        others = listed([other for other in turned.values() if other != name])
         message = (
             "its sign is the other way than the model's: gravity fits the torque with the joint mirrored, and leaves "
-            f"{as_read[k]:.0%} of it as logged"
+            f"{as_read[best]:.0%} of it as logged"
         )
+        if others:
+            message += f"; {others} mirrored in its place fits too"
         help = "turn the signs of its position, velocity, command and torque, or the axis in the model"
         out.warning("SYS047", message, where=name, span=Span(log.path), help=help)
     return set(turned.values())

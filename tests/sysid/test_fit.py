@@ -259,3 +259,38 @@ def test_spoilt_stretches_are_left_out(tmp_path: Path, pendulum: Log) -> None:
     frozen = next(item for item in found.findings if "stand still" in item.message)
     assert frozen.span is not None and frozen.span.line == 701
     near(found, "kp", 0.05e-2 * 32 * 2)
+
+
+@pytest.mark.parametrize(("value", "message", "figures"), [
+    (1e300, "the command is 1e300 rad in 1 row", False),
+    (3.0, "the command jumps to 3 rad and back in 1 row, further than it goes in all others", True),
+])  # fmt: skip
+def test_a_command_that_no_joint_follows(
+    tmp_path: Path, pendulum: Log, value: float, message: str, figures: bool
+) -> None:
+    """One cell: beyond all joints it is refused before numpy overflows, among the others' it is named."""
+    hip = pendulum.joints["hip"]
+    assert hip.command is not None
+    given = hip.command.copy()
+    given[100] = value
+    spoilt = replace(pendulum, joints={"hip": replace(hip, command=given)})
+    if figures:
+        said = fitted(tmp_path, spoilt).findings
+    else:
+        with pytest.raises(LogError) as failed:
+            fitted(tmp_path, spoilt)
+        said = failed.value.diagnostics
+    (one,) = (item for item in said if item.code == "SYS017")
+    assert one.message == message
+
+
+@pytest.mark.slow
+def test_held_gains_are_named_where_the_joint_moves_otherwise(tmp_path: Path, pendulum: Log) -> None:
+    """The spec's kp is far from the drive's 32 N*m/rad, and nothing in the log says so."""
+    try:
+        said = fitted(tmp_path, bare(pendulum)).findings
+    except LogError as failed:
+        said = failed.diagnostics
+    (one,) = (item for item in said if item.code == "SYS031")
+    assert "had" in f"{one.message} {one.help}" and "which were held" in f"{one.message} {one.help}"
+    assert "--free kp,kd" in (one.help or "")

@@ -98,3 +98,20 @@ def test_nothing_is_added_to_a_joint_that_has_nothing_more(tmp_path: Path) -> No
     found = fitted(tmp_path, logged())
     assert not [item for item in found.findings if item.code == "SYS026"]
     assert {p.field for p in found.joints[0].parameters}.isdisjoint({"friction.static", "bandwidth"})
+
+
+@pytest.mark.parametrize("more", [1.05, 1.08])
+def test_masses_that_are_wrong_are_no_low_pass(tmp_path: Path, more: float) -> None:
+    """Positions alone, the link 5 or 8 % heavier than the model's, and the delay 3.3 ms all the same."""
+    time = np.arange(1500) * PERIOD
+    given = 2.5 * slow(time)
+    position, *_ = pendulum(
+        given, PERIOD, inertia=more * LINK + 0.012, kp=32.0, kd=0.9, coulomb=0.2, viscous=0.04,
+        mgl=more * 0.8 * 9.81 * 0.15, delay=33,
+    )  # fmt: skip
+    position = position + 5e-4 * np.random.default_rng(4).standard_normal(len(time))
+    stated = Sidecar.model_validate({"gains": {"hip": {"kp": 32.0, "kd": 0.9}}})
+    joint = JointLog("hip", False, command=given, position=position)
+    found = fitted(tmp_path, Log("hip.csv", "0" * 64, time, {"hip": joint}, stated))
+    assert "bandwidth" not in " ".join(item.message for item in found.findings if item.code == "SYS026")
+    assert found.joints[0].parameter("delay").value == pytest.approx(0.0033, abs=2e-4)
