@@ -92,7 +92,9 @@ class NegativeFigure(RuleOver[_Subject]):
             if "damping" in field and (row.artifact, row.joint) in case.once(_with_polynomial):
                 return
             noun = field.removesuffix("_setting").replace("_", " ")
-            text = f"the {noun} of {shown(row, field, value)} is negative: {_PASSIVE[field]}"
+            # Other simulators of a URDF may drop it.
+            where = "in MuJoCo " if case.artifacts[row.artifact].kind is FileKind.URDF else ""
+            text = f"the {noun} of {shown(row, field, value)} is negative: {where}{_PASSIVE[field]}"
             help = "write it without the minus, or leave it out"
         # A least-squares fit of dry and viscous friction together gives such a damping.
         outweighed = "damping" in field and (row.frictionloss or 0.0) >= -value * _FASTEST
