@@ -318,7 +318,7 @@ def test_imports_of_folders_without_init(tmp_path: Path, importer: str, statemen
     (tmp_path / importer).write_text(HEAD + statement + TAIL.format("K"), encoding="utf-8")
     (artifact,) = read_python(str(tmp_path / importer)).artifacts
     assert artifact.config is not None
-    assert artifact.config.groups[0].settings["stiffness"].value == 25.0
+    assert artifact.config.groups[0].settings["any_value"].value == 25.0
 
 
 @pytest.mark.parametrize(
@@ -345,7 +345,7 @@ def test_other_folders_are_not_searched(tmp_path: Path, importer: str, statement
     reading = read_python(str(tmp_path / importer))
     (artifact,) = reading.artifacts
     assert artifact.config is not None
-    assert artifact.config.groups[0].settings["stiffness"].value is None
+    assert artifact.config.groups[0].settings["any_value"].value is None
     assert len(reading.files) == 1
 
 

@@ -24,7 +24,7 @@ from actspec.diagnostics import Span
 from actspec.fields import FIELDS, GRAVITY, LONGEST_LEVER, PLACEHOLDER
 from actspec.files import in_common
 from actspec.ir import JointKind
-from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.artifact import FileKind, Setting
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.view import ActuatorView
@@ -103,7 +103,9 @@ class NoEffectiveLimit(RuleInParts):
                     quiet = (meant and row.span not in written) or is_called_undriven(row)
                     yield (replace(one, severity=Severity.INFO) for one in missing) if quiet else missing
         for _, artifact in case.of_kind(FileKind.CFG):
-            yield self._soft(artifact)
+            settings = {} if artifact.config is None else artifact.config.settings
+            if (factor := settings.get("soft_joint_pos_limit_factor")) is not None:
+                yield self._soft(factor)
         mimics = _mimics(case)
         for row in case.rows:
             if row.effort_limit == math.inf and _is_empty(written.get(row.span)):
@@ -144,13 +146,10 @@ class NoEffectiveLimit(RuleInParts):
                         found = self._held_back(case, row, limit, *held[row.span])
                     yield (replace(one, severity=Severity.INFO) for one in found) if unused else found
 
-    def _soft(self, artifact: Artifact) -> Iterator[Finding]:
-        """Of a configuration whose share of the joints' ranges is none."""
-        setting = (
-            None if artifact.config is None else artifact.config.settings.get("soft_joint_pos_limit_factor")
-        )
-        factor = None if setting is None else setting.number
-        if setting is None or factor is None or 0.0 < factor <= 1.0:
+    def _soft(self, setting: Setting) -> Iterator[Finding]:
+        """Of a share of the joints' ranges that is none."""
+        factor = setting.number
+        if factor is None or 0.0 < factor <= 1.0:
             return
         effect = (
             "the soft limits lie outside of the joints' ranges, and limit nothing"
