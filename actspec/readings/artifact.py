@@ -370,6 +370,7 @@ class FileReading:
         included: Whether another file of the audit includes it, which can be read or not.
         whole: Of a model that MuJoCo refuses alone, a file beside those of the audit that includes it and compiles.
         refused: The place that `reason` is about; None: the file as a whole.
+        without_gains: Whether it is a whole file of data in which no joint has gains: a folder has many.
         unnamed: Of a model in a folder whose programs name models there: whether neither they nor a model that they
             name name it.
         written: Figures of models that programs of its folder write over when they have loaded one; `urdf_effort` where
@@ -389,6 +390,7 @@ class FileReading:
     included: bool = False
     whole: str | None = None
     refused: Span | None = None
+    without_gains: bool = False
     unnamed: bool = False
     written: frozenset[str] = frozenset()
     idle: frozenset[str] = frozenset()

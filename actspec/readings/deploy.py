@@ -170,7 +170,7 @@ def _without_gains(file: ModelFile, root: yaml.Node | None, reader: _Reader) -> 
     except Unfit:
         why, node = NO_GAINS, None
     span = None if node is None else node_span(file.path, node)
-    return FileReading(file.path, None, why, files=(file,), refused=span)
+    return FileReading(file.path, None, why, files=(file,), refused=span, without_gains=True)
 
 
 class Unfit(Exception):

@@ -542,7 +542,8 @@ def _concerns(reading: FileReading) -> bool:
     if split(lower)[0].endswith(YAML):
         from actspec.readings.deploy import names_gains
 
-        return reading.refused is not None and any(map(names_gains, texts))
+        broken = reading.refused is not None and not reading.without_gains
+        return broken and any(map(names_gains, texts))
     own = lower.endswith(ROBOT_ALONE)
     return reading.kind is None and any(
         (own or _ROBOT_ROOT.search(text)) and not _OTHER_ROBOT.search(text) for text in texts

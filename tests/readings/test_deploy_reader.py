@@ -382,3 +382,13 @@ def test_what_is_no_number(kp: str, said: list[str], tmp_path: Path, monkeypatch
     assert len(found) == len(said) and all(
         text.startswith(start) for text, start in zip(found, said, strict=True)
     )
+
+
+def test_a_file_without_gains_of_joints_in_a_folder(tmp_path: Path) -> None:
+    """A controller's one kp, or a damping of another thing: told where somebody names the file, no part of a folder."""
+    (tmp_path / "dynamics.yaml").write_text("friction: {damping: 1.0}\n", encoding="utf-8")
+    (tmp_path / "broken.yaml").write_text("kp: {hip: 20.0, knee: [20.0\n", encoding="utf-8")
+    named = read_file(str(tmp_path / "dynamics.yaml"))
+    assert named.refused is not None and "its damping is one number" in (named.reason or "")
+    found = audit([str(tmp_path)], Settings(as_named=True)).findings
+    assert [Path(one.finding.span.path).name for one in found] == ["broken.yaml"]
