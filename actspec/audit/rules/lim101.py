@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
 
+from actspec.audit.case import MODELS
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import is_turned, ranges_not_in_force
@@ -18,10 +19,11 @@ from actspec.audit.rules.joints import (
     shown,
     unit,
 )
+from actspec.audit.rules.limits_of_files import LIMITS, WITHOUT, few_zeros, furniture, mimics, round_for_all
 from actspec.audit.rules.src101 import placeholders_beside_limits
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
-from actspec.fields import FIELDS, GRAVITY, LONGEST_LEVER, PLACEHOLDER
+from actspec.fields import FIELDS, GRAVITY, PLACEHOLDER
 from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Setting
@@ -30,7 +32,6 @@ from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.view import ActuatorView
 from actspec.units import format_quantity
 
-_LIMITS = ("effort_limit", "velocity_limit")
 _URDF = {
     "effort_limit": "the URDF's effort is 0: MuJoCo reads it as no limit, and a tool that sets up drives from it as a "
     "joint that can give nothing",
@@ -49,12 +50,6 @@ _BOTH_ZERO = (
 _TIMES = 5.0
 """How far a clamped command's bound is above another file's limit. Chosen: it is met at the end of the range alone, and
 where it was 1.3 to 2.4 times the limit nobody acted on it (docs/survey.md)."""
-
-_ROUND = 1e3
-"""One digit and zeros from here on are nobody's effort where all joints of a light robot have it [N*m]. Published: 1000
-N*m on all joints of Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg; 20,000 on those of a GR1 of 54 kg."""
-
-_MODELS = (FileKind.MJCF, FileKind.URDF)
 
 
 class NoEffectiveLimit(RuleInParts):
@@ -106,20 +101,18 @@ class NoEffectiveLimit(RuleInParts):
             settings = {} if artifact.config is None else artifact.config.settings
             if (factor := settings.get("soft_joint_pos_limit_factor")) is not None:
                 yield self._soft(factor)
-        mimics = _mimics(case)
+        followers = mimics(case)
         for row in case.rows:
             if row.effort_limit == math.inf and _is_empty(written.get(row.span)):
                 yield (self._empty(row, written[row.span]),)
-            idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
+            idle = (row.artifact, row.joint) in followers or row.kp == row.kd == 0.0
             undriven = is_called_undriven(row) or _is_passive(case, row)
-            limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
+            limits = {field: getattr(row, field) for field in LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
-            unused = row.artifact in case.once(_furniture)
-            if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
+            unused = row.artifact in case.once(furniture)
+            if urdf and not idle and limits == dict.fromkeys(LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
-                quiet = (
-                    undriven or unused or row.artifact in case.once(_few_zeros) or _is_overruled(case, row)
-                )
+                quiet = undriven or unused or row.artifact in case.once(few_zeros) or _is_overruled(case, row)
                 yield (replace(nothing, severity=Severity.INFO) if quiet else nothing,)
                 continue
             if urdf and is_exporters(row):
@@ -127,7 +120,7 @@ class NoEffectiveLimit(RuleInParts):
                 quiet = unused or _is_overruled(case, row)
                 yield (replace(one, severity=Severity.INFO) for one in found) if quiet else found
                 continue
-            if all(self._is_placeholder(case, row, field) for field in _LIMITS):
+            if all(self._is_placeholder(case, row, field) for field in LIMITS):
                 nothing = _graver(case, row, self._placeholders(row, limits))
                 yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
                 continue
@@ -137,7 +130,7 @@ class NoEffectiveLimit(RuleInParts):
                     severity = Severity.INFO if undriven else worst
                     yield (replace(self._zero(row, field, effect), severity=severity),)
             for field, limit in limits.items():
-                if field == "effort_limit" and row.artifact in case.once(_round_for_all) and not undriven:
+                if field == "effort_limit" and row.artifact in case.once(round_for_all) and not undriven:
                     nothing = _graver(case, row, self._round(case, row))
                     yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
                 elif limit is not None:
@@ -272,7 +265,7 @@ class NoEffectiveLimit(RuleInParts):
 
     def _placeholders(self, row: LedgerRow, limits: Mapping[str, float | None]) -> Finding:
         """One finding of both limits."""
-        effort, speed = (shown(row, field, limits[field], 6) for field in _LIMITS)
+        effort, speed = (shown(row, field, limits[field], 6) for field in LIMITS)
         return Finding(
             self.code,
             f"the effort limit of {effort} and the velocity limit of {speed} are placeholders: no motor reaches them, "
@@ -282,7 +275,7 @@ class NoEffectiveLimit(RuleInParts):
             limits["effort_limit"],
             unit(row, "effort_limit"),
             help="state the motor's effort and velocity limits",
-            fields=_LIMITS,
+            fields=LIMITS,
         )
 
     def _exporters(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
@@ -299,7 +292,7 @@ class NoEffectiveLimit(RuleInParts):
         other = next((one for one in others if not is_exporters(one)), None)
         if other is None or other.effort_limit == row.effort_limit:
             return
-        effort, speed = (shown(row, field, getattr(row, field), 6) for field in _LIMITS)
+        effort, speed = (shown(row, field, getattr(row, field), 6) for field in LIMITS)
         yield Finding(
             self.code,
             f"the effort of {effort} and the velocity of {speed} are what exporters write where nobody states any, and "
@@ -311,7 +304,7 @@ class NoEffectiveLimit(RuleInParts):
             expected=other.effort_limit,
             help="state the motor's effort and velocity limits",
             related=(other.place("effort_limit"),),
-            fields=_LIMITS,
+            fields=LIMITS,
         )
 
     def _stated(
@@ -345,9 +338,9 @@ class NoEffectiveLimit(RuleInParts):
             found = self._zero(row, field, effect)
             # A drive without stiffness and effort is how a configuration writes a bearing.
             bearing = not urdf and row.kp == 0.0
-            few = field == "effort_limit" and row.artifact in case.once(_few_zeros)
+            few = field == "effort_limit" and row.artifact in case.once(few_zeros)
             overruled = field == "effort_limit" and _is_overruled(case, row)
-            nobodys = few or overruled or row.artifact in case.once(_WITHOUT[field])
+            nobodys = few or overruled or row.artifact in case.once(WITHOUT[field])
             if undriven or bearing or (urdf and nobodys):
                 found = replace(found, severity=Severity.INFO)
             yield found
@@ -381,7 +374,7 @@ def _by_command(case: Case, row: LedgerRow, bound: float, how: str) -> tuple[str
             None,
         )
     effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
-    partners = (other for other in partner_rows(case, row, *_MODELS) if not is_exporters(other))
+    partners = (other for other in partner_rows(case, row, *MODELS) if not is_exporters(other))
     others = (other for other in partners if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER)
     # The largest limit of those files that lie nearest.
     nearest = max(
@@ -505,95 +498,6 @@ def _beside(found: Finding, other: LedgerRow) -> Finding:
     place, limit = other.place("effort_limit"), shown(other, "effort_limit", other.effort_limit, 6)
     message = f"{found.message}, and {place.path} limits the joint to {limit}"
     return replace(found, message=message, related=(*found.related, place))
-
-
-def _few_zeros(case: Case) -> frozenset[int]:
-    """URDFs with an effort above 0 at most joints: those with 0 are springs, sensors and followers more often than not.
-
-    Where a motor is among them the joint of the other side, or another file, has its limit (SYM101, SRC101).
-    """
-    found = set()
-    for index, _ in case.of_kind(FileKind.URDF):
-        efforts = [
-            row.effort_limit for row in case.rows_of(index) if "effort_limit" in row.stated and row.joint
-        ]
-        if 2 * efforts.count(0.0) < len(efforts):
-            found.add(index)
-    return frozenset(found)
-
-
-def _without_efforts(case: Case) -> frozenset[int]:
-    """URDFs with speed limits and an effort of 0 at every joint: files for kinematics, which state no efforts."""
-    return _without(case, "effort_limit", "velocity_limit")
-
-
-def _without_speeds(case: Case) -> frozenset[int]:
-    """URDFs with effort limits and a velocity of 0 at every joint: nobody stated speeds."""
-    return _without(case, "velocity_limit", "effort_limit")
-
-
-_WITHOUT = {"effort_limit": _without_efforts, "velocity_limit": _without_speeds}
-
-
-def _without(case: Case, field: str, other: str) -> frozenset[int]:
-    """URDFs with the one limit of 0 at every joint, and the other above it."""
-    found = set()
-    for index, _ in case.of_kind(FileKind.URDF):
-        rows = [row for row in case.rows_of(index) if field in row.stated]
-        if rows and all(getattr(row, field) == 0.0 and (getattr(row, other) or 0.0) > 0.0 for row in rows):
-            found.add(index)
-    return frozenset(found)
-
-
-def _round_for_all(case: Case) -> frozenset[int]:
-    """Models with a round effort on every hinge, two or more, that would hold the robot on a lever which none has."""
-    found = set()
-    for index, artifact in case.of_kind(*_MODELS):
-        mass = None if artifact.robot is None else artifact.robot.mass
-        rows = [
-            row
-            for row in case.rows_of(index)
-            if row.joint and row.kind is JointKind.HINGE and "effort_limit" in row.stated
-        ]
-        motors = artifact.kind is FileKind.URDF or all(row.control == "motor" for row in rows)
-        efforts = {row.effort_limit for row in rows if not is_called_undriven(row)}
-        # Of each hinge the links that it moves are known, so that none of the mass is missing.
-        if not (mass and motors and len(rows) > 1 and len(efforts) == 1 and all(r.inertia_max for r in rows)):
-            continue
-        effort = efforts.pop() or 0.0
-        if (
-            _ROUND <= effort < math.inf
-            and effort == float(f"{effort:.0e}")
-            and effort > LONGEST_LEVER * mass * GRAVITY
-        ):
-            found.add(index)
-    return frozenset(found)
-
-
-def _furniture(case: Case) -> frozenset[int]:
-    """URDFs whose limits nothing takes: without a limit on any joint, and no joint that moves another. A robot has
-    joints behind each other.
-    """
-    found = set()
-    for index, artifact in case.of_kind(FileKind.URDF):
-        limits = [
-            getattr(row, field) for row in case.rows_of(index) for field in _LIMITS if field in row.stated
-        ]
-        joints = () if artifact.robot is None else artifact.robot.joints
-        if limits and not any(limits) and not any(joint.parent for joint in joints):
-            found.add(index)
-    return frozenset(found)
-
-
-def _mimics(case: Case) -> set[tuple[int, str]]:
-    """Joints that follow another one and have no motor."""
-    return {
-        (index, joint.name)
-        for index, artifact in case.of_kind(FileKind.URDF)
-        if artifact.robot is not None
-        for joint in artifact.robot.joints
-        if joint.mimic is not None
-    }
 
 
 def _is_empty(ends: tuple[float, float] | None) -> bool:

@@ -1,0 +1,108 @@
+"""What all limits of a file together tell of one of them: zeros and round figures that nobody stated."""
+
+from __future__ import annotations
+
+import math
+
+from actspec.audit.case import MODELS, Case
+from actspec.audit.rules.joints import is_called_undriven
+from actspec.fields import GRAVITY, LONGEST_LEVER
+from actspec.ir import JointKind
+from actspec.readings.artifact import FileKind
+
+LIMITS = ("effort_limit", "velocity_limit")
+"""Fields of a joint's limits."""
+
+_ROUND = 1e3
+"""One digit and zeros from here on are nobody's effort where all joints of a light robot have it [N*m]. Published: 1000
+N*m on all joints of Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg; 20,000 on those of a GR1 of 54 kg."""
+
+
+def few_zeros(case: Case) -> frozenset[int]:
+    """URDFs with an effort above 0 at most joints: those with 0 are springs, sensors and followers more often than not.
+
+    Where a motor is among them the joint of the other side, or another file, has its limit (SYM101, SRC101).
+    """
+    found = set()
+    for index, _ in case.of_kind(FileKind.URDF):
+        efforts = [
+            row.effort_limit for row in case.rows_of(index) if "effort_limit" in row.stated and row.joint
+        ]
+        if 2 * efforts.count(0.0) < len(efforts):
+            found.add(index)
+    return frozenset(found)
+
+
+def _without_efforts(case: Case) -> frozenset[int]:
+    """URDFs with speed limits and an effort of 0 at every joint: files for kinematics, which state no efforts."""
+    return _without(case, "effort_limit", "velocity_limit")
+
+
+def _without_speeds(case: Case) -> frozenset[int]:
+    """URDFs with effort limits and a velocity of 0 at every joint: nobody stated speeds."""
+    return _without(case, "velocity_limit", "effort_limit")
+
+
+WITHOUT = {"effort_limit": _without_efforts, "velocity_limit": _without_speeds}
+"""For each limit the URDFs in which all have none of it."""
+
+
+def _without(case: Case, field: str, other: str) -> frozenset[int]:
+    """URDFs with the one limit of 0 at every joint, and the other above it."""
+    found = set()
+    for index, _ in case.of_kind(FileKind.URDF):
+        rows = [row for row in case.rows_of(index) if field in row.stated]
+        if rows and all(getattr(row, field) == 0.0 and (getattr(row, other) or 0.0) > 0.0 for row in rows):
+            found.add(index)
+    return frozenset(found)
+
+
+def round_for_all(case: Case) -> frozenset[int]:
+    """Models with a round effort on every hinge, two or more, that would hold the robot on a lever which none has."""
+    found = set()
+    for index, artifact in case.of_kind(*MODELS):
+        mass = None if artifact.robot is None else artifact.robot.mass
+        rows = [
+            row
+            for row in case.rows_of(index)
+            if row.joint and row.kind is JointKind.HINGE and "effort_limit" in row.stated
+        ]
+        motors = artifact.kind is FileKind.URDF or all(row.control == "motor" for row in rows)
+        efforts = {row.effort_limit for row in rows if not is_called_undriven(row)}
+        # Of each hinge the links that it moves are known, so that none of the mass is missing.
+        if not (mass and motors and len(rows) > 1 and len(efforts) == 1 and all(r.inertia_max for r in rows)):
+            continue
+        effort = efforts.pop() or 0.0
+        if (
+            _ROUND <= effort < math.inf
+            and effort == float(f"{effort:.0e}")
+            and effort > LONGEST_LEVER * mass * GRAVITY
+        ):
+            found.add(index)
+    return frozenset(found)
+
+
+def furniture(case: Case) -> frozenset[int]:
+    """URDFs whose limits nothing takes: without a limit on any joint, and no joint that moves another. A robot has
+    joints behind each other.
+    """
+    found = set()
+    for index, artifact in case.of_kind(FileKind.URDF):
+        limits = [
+            getattr(row, field) for row in case.rows_of(index) for field in LIMITS if field in row.stated
+        ]
+        joints = () if artifact.robot is None else artifact.robot.joints
+        if limits and not any(limits) and not any(joint.parent for joint in joints):
+            found.add(index)
+    return frozenset(found)
+
+
+def mimics(case: Case) -> set[tuple[int, str]]:
+    """Joints that follow another one and have no motor."""
+    return {
+        (index, joint.name)
+        for index, artifact in case.of_kind(FileKind.URDF)
+        if artifact.robot is not None
+        for joint in artifact.robot.joints
+        if joint.mimic is not None
+    }
