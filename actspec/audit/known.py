@@ -316,10 +316,9 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
     best: Rows = ()
     spelling: Mapping[str, str] = {}
     mounted = _mounted_as(robot, posed if names is None else names)
+    before = (*((prefix,) for prefix in robot.prefixes), *([mounted] if mounted else ()))
     # Some files leave the ending out.
-    for (part, spelt), prefixes, ending in product(
-        (("", ""), *robot.spelt.items()), (*((prefix,) for prefix in robot.prefixes), mounted), ("", "_joint")
-    ):
+    for (part, spelt), prefixes, ending in product((("", ""), *robot.spelt.items()), before, ("", "_joint")):
         known = {
             f"{prefix}{joint.replace(part, spelt)}".removesuffix(ending): joint
             for prefix in prefixes

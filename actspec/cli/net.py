@@ -244,10 +244,10 @@ def _train(arguments: argparse.Namespace) -> int:
     _tell_law(((name, errors, laws[name]) for name, errors in judged if name), data, out)
     paths = write_network(arguments.output, trained.layers, entries, force=arguments.force)
     if arguments.output_format == "json":
-        print_json(train_record(data, parts, trained, judged, paths, out.sorted()))
+        print_json(train_record(data, parts, trained, judged, laws, paths, out.sorted()))
     else:
         print_diagnostics(out.sorted())
-        print_lines(train_lines(data, parts, trained, judged))
+        print_lines(train_lines(data, parts, trained, judged, laws))
         print_lines(["wrote " + ", ".join(paths.values())])
     return warned(out)
 

@@ -91,7 +91,7 @@ def read_robot_files(
     out.raise_if_failed(AuditError)
     artifacts = with_drives(list(_one_a_file(artifacts, robot, out)))
     out.raise_if_failed(AuditError)
-    check_drives(artifacts, any(map(_has_gains, artifacts)), out)
+    check_drives(artifacts, out)
     out.raise_if_failed(AuditError)
     names = None if named is None else named_joints(artifacts, named, out)
     out.raise_if_failed(AuditError)
@@ -245,13 +245,6 @@ def _is_motor_alone(part: Artifact) -> bool:
     if config is None or config.settings or len(config.groups) != 1:
         return False
     return config.groups[0].name == config.name
-
-
-def _has_gains(part: Artifact) -> bool:
-    """Whether a robot file has servos: their gains are a drive."""
-    if part.robot is None:
-        return False
-    return any(joint.kp is not None and joint.kp.known for joint in lift(part).actuators.joints)
 
 
 def _is_base(part: Artifact, other: Artifact) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, Diagnostic, one_line
+from actspec.lift import lift
 from actspec.readings.artifact import Artifact, RobotConfig
 
 _DRIVES = "actuators"
@@ -33,26 +34,32 @@ def with_drives(parts: Sequence[Artifact]) -> list[Artifact]:
     return [whole if part is robot else part for part in parts if part is not drives]
 
 
-def check_drives(parts: Sequence[Artifact], driven: bool, out: Collector) -> None:
+def check_drives(parts: Sequence[Artifact], out: Collector) -> None:
     """Without its drives a configuration makes no spec: what is left would be motors whose gains are the caller's.
 
     Args:
         parts: What the files have of one robot.
-        driven: Whether a robot file among them has gains of its own.
         out: Gets an error for each configuration.
     """
-    if any(part.config is not None and part.config.groups for part in parts):
+    configs = [(part.name, part.config) for part in parts if part.config is not None]
+    if not configs or any(config.groups for _, config in configs):
         return
-    for part in parts:
-        fields = (_DRIVES,) if driven else (_DRIVES, *_ROBOTS)
-        notes = [] if part.config is None else list(_unread(part.config, fields))
-        for note in notes[:1]:
-            are = "are" if note.where.startswith(_DRIVES) else "is"
-            it = "the file that has them" if are == "are" else "the robot's configuration"
-            help = f"name {it} too" if _is_elsewhere(note) else f"write {note.where} out"
-            alone = ", or leave this file out" if len(parts) > 1 else ""
-            message = f"{one_line(part.name)}: its {note.where} {are} {note.message}"
+    fields = (_DRIVES,) if any(map(_has_gains, parts)) else (_DRIVES, *_ROBOTS)
+    alone = ", or leave this file out" if len(parts) > 1 else ""
+    for name, config in configs:
+        for note in list(_unread(config, fields))[:1]:
+            drives = note.where.startswith(_DRIVES)
+            missing = "the file that has them" if drives else "the robot's configuration"
+            help = f"name {missing} too" if _is_elsewhere(note) else f"write {note.where} out"
+            message = f"{one_line(name)}: its {note.where} {'are' if drives else 'is'} {note.message}"
             out.error("DRF002", message, span=note.span, help=help + alone)
+
+
+def _has_gains(part: Artifact) -> bool:
+    """Whether a robot file has servos: their gains are a drive."""
+    if part.robot is None:
+        return False
+    return any(joint.kp is not None and joint.kp.known for joint in lift(part).actuators.joints)
 
 
 def _is_elsewhere(note: Diagnostic) -> bool:

@@ -46,6 +46,7 @@ def signal_like(name: str) -> str | None:
 
 _SHORTEST = 3
 """Letters of an abbreviation. Chosen: `t` and `q` are many things."""
+
 BASE: Mapping[str, tuple[str, str]] = {
     "position": ("xyz", "m"),
     "orientation": ("wxyz", ""),

@@ -107,14 +107,11 @@ def load_log(path: str) -> Log:
     if not found and not out.failed:
         message = "no column is a signal of a joint"
         help = f"name columns `JOINT.SIGNAL [UNIT]`, or map them in {sidecar_path(path)}; signals: {', '.join(SIGNALS)}"
-        named = [name.rpartition(".") for name in ignored]
-        near = next(
-            ((joint, text, like) for joint, _, text in named if joint and (like := signal_like(text))), None
-        )
-        if near is not None:
-            help = (
-                f"'{shortened(near[0])}.{shortened(near[1])}' may be `{shortened(near[0])}.{near[2]}`: {help}"
-            )
+        for joint, _, text in (name.rpartition(".") for name in ignored):
+            if joint and (like := signal_like(text)):
+                near = shortened(joint)
+                help = f"'{near}.{shortened(text)}' may be `{near}.{like}`: {help}"
+                break
         out.error("LOG011", message, span=Span(path, 1), help=help)
     out.raise_if_failed(LogError)
     assert time is not None

@@ -322,21 +322,19 @@ class _Reader:
         fields: dict[str, dict[str, Setting]] = {}
         count: Setting | None = None
         lists: dict[str, NamelessList] = {}
+        mapped: dict[str, dict[str, Setting]] = {}
         scopes = (block, *reversed(above))
         for field, keys in PER_JOINT.items():
             found = nearest(scopes, keys)
             values = {} if found is None else self._per_joint(*found, joints, out)
             if values:
                 fields[field] = values
+            if found is not None and values and isinstance(found[1], yaml.MappingNode):
+                mapped[found[0]] = values
             if found is not None and joints is None and isinstance(found[1], yaml.SequenceNode):
                 lists[field] = NamelessList(found[0], len(found[1].value), self._span(found[1]))
             if found is not None and ".*" in values and isinstance(found[1], yaml.SequenceNode):
                 count = Setting(float(len(found[1].value)), self._span(found[1]))
-        mapped = {
-            found[0]: fields[field]
-            for field in fields
-            if (found := nearest(scopes, PER_JOINT[field])) and isinstance(found[1], yaml.MappingNode)
-        }
         if joints is None and mapped:
             misspelt(mapped, out)
         for twice in self.refused[:1]:

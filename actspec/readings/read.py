@@ -542,8 +542,7 @@ def _concerns(reading: FileReading) -> bool:
     if split(lower)[0].endswith(YAML):
         from actspec.readings.deploy import names_gains
 
-        broken = reading.refused is not None and not reading.without_gains
-        return broken and any(map(names_gains, texts))
+        return reading.refused is not None and not reading.without_gains and any(map(names_gains, texts))
     own = lower.endswith(ROBOT_ALONE)
     return reading.kind is None and any(
         (own or _ROBOT_ROOT.search(text)) and not _OTHER_ROBOT.search(text) for text in texts

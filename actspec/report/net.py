@@ -10,7 +10,7 @@ from actspec.diagnostics import Diagnostic, many, one_line
 from actspec.fields import units_of
 from actspec.laws.network import NetworkLaw
 from actspec.learn.closed_loop import HORIZON
-from actspec.learn.evaluate import Errors, Evaluation, errors_of, graded, law_errors, limit_of, worst
+from actspec.learn.evaluate import Errors, Evaluation, errors_of, graded, limit_of, worst
 from actspec.learn.inspect import Inspection
 from actspec.learn.recurrent import along
 from actspec.learn.survey import JointData
@@ -132,14 +132,18 @@ def manifest_entries(
 
 
 def train_lines(
-    data: Dataset, parts: Split, trained: Trained, judged: Sequence[tuple[str, Errors]]
+    data: Dataset,
+    parts: Split,
+    trained: Trained,
+    judged: Sequence[tuple[str, Errors]],
+    laws: Mapping[str, Mapping[str, Errors]],
 ) -> Iterator[str]:
-    """Errors on held-out rows, and the spread over seeds."""
+    """Errors on held-out rows, and the spread over seeds; `laws` are those of the spec's laws there, by joint."""
     unit, (_, overall) = _unit(data), judged[0]
     seen = sum(map(len, parts.train))
     share = overall.rows / (seen + overall.rows)
     what = f"whole recordings, {share:.0%}" if parts.whole else "the last fifth of each recording"
-    grades = _grades(data, parts, judged)
+    grades = _grades(data, judged, laws)
     layers = trained.layers
     middle = ["LSTM", *(layer.hidden.shape[1] for layer in layers.recurrent)] if layers.recurrent else []
     sizes = "-".join(str(n) for n in (layers.inputs, *middle, *(len(d.bias) for d in layers.dense)))
@@ -168,10 +172,11 @@ def train_lines(
     yield f"seed {run.seed}, {many(run.epochs, 'epoch')}, best after {run.best}, {seconds:.1f} s"
 
 
-def _grades(data: Dataset, parts: Split, judged: Sequence[tuple[str, Errors]]) -> dict[str, str]:
+def _grades(
+    data: Dataset, judged: Sequence[tuple[str, Errors]], laws: Mapping[str, Mapping[str, Errors]]
+) -> dict[str, str]:
     """What `net evaluate` would call such errors, by joint; "" for all: the worst of them."""
     limits = {actuator.joint: limit_of(actuator) for actuator in data.actuators}
-    laws = law_errors(data, parts.validate)
     found = {name: graded(errors, limits[name], laws[name]) for name, errors in judged if name}
     return {**found, "": worst(found.values())}
 
@@ -185,14 +190,15 @@ def train_record(
     parts: Split,
     trained: Trained,
     judged: Sequence[tuple[str, Errors]],
+    laws: Mapping[str, Mapping[str, Errors]],
     paths: Mapping[str, str],
     findings: Sequence[Diagnostic],
 ) -> dict[str, Any]:
-    """As JSON; SI units, null is unknown."""
+    """As JSON; SI units, null is unknown. `laws` as in `train_lines`."""
     import numpy as np
 
     rmse = [run.rmse for run in trained.runs]
-    grades = _grades(data, parts, judged)
+    grades = _grades(data, judged, laws)
     return {
         "format": TRAIN,
         "group": data.group,

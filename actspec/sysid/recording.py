@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Span, listed
+from actspec.diagnostics import Collector, Span, listed, many
 from actspec.fields import units_of
 from actspec.ir import JointActuator
 from actspec.joints import JointKind
@@ -142,9 +142,8 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
     far = told & (np.abs(joint.command) > HUGE)
     if far.any():
         row = int(np.flatnonzero(far)[0])
-        message = (
-            f"the command is {format_number(float(joint.command[row]), 3)} {unit} in {_rows(int(far.sum()))}"
-        )
+        worst = format_number(float(joint.command[row]), 3)
+        message = f"the command is {worst} {unit} in {many(int(far.sum()), 'row')}"
         help = "no joint goes there: correct the cell, or leave it empty"
         out.error("SYS017", message, where=joint.name, span=log.span(row), help=help)
         return None
@@ -190,7 +189,7 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
         row = int(np.flatnonzero(spikes)[0])
         message = (
             f"the command jumps to {format_number(float(given[row]), 3)} {unit} and back in "
-            f"{_rows(int(spikes.sum()))}, further than it goes in all others"
+            f"{many(int(spikes.sum()), 'row')}, further than it goes in all others"
         )
         help = "leave the cell empty where the drive did not get it"
         out.warning("SYS017", message, where=joint.name, span=log.span(row), help=help)
@@ -259,17 +258,11 @@ def _spikes(command: Array) -> NDArray[np.bool_]:
     if len(command) < LEAST_ROWS:
         return np.zeros(len(command), dtype=bool)
     low, high = np.quantile(command, [FEW, 1.0 - FEW])
-    before, behind = (
-        np.abs(np.diff(command, prepend=command[0])),
-        np.abs(np.diff(command, append=command[-1])),
-    )
+    before = np.abs(np.diff(command, prepend=command[0]))
+    behind = np.abs(np.diff(command, append=command[-1]))
     outside = (command < low - (high - low)) | (command > high + (high - low))
     found: NDArray[np.bool_] = outside & (np.minimum(before, behind) > high - low) & (high > low)
     return found
-
-
-def _rows(count: int) -> str:
-    return "1 row" if count == 1 else f"{count} rows"
 
 
 def _motion(

@@ -293,6 +293,15 @@ def test_imports(tmp_path: Path) -> None:
     assert names == ["__init__.py", "gains.py", "robots/__init__.py", "robots/motors.py"]
 
 
+def _lay_out(folder: Path, importer: str, statement: str, module: str) -> None:
+    """A robot that takes K from a module by a statement; the folder `code` is a package."""
+    for path in (importer, module, "code/__init__.py"):
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+    (folder / "code" / "__init__.py").write_text("", encoding="utf-8")
+    (folder / module).write_text("K = 25.0\n", encoding="utf-8")
+    (folder / importer).write_text(HEAD + statement + TAIL.format("K"), encoding="utf-8")
+
+
 @pytest.mark.parametrize(
     "importer, statement, module",
     [
@@ -310,12 +319,7 @@ def test_imports(tmp_path: Path) -> None:
 )
 def test_imports_of_folders_without_init(tmp_path: Path, importer: str, statement: str, module: str) -> None:
     """A folder is a package to Python without an `__init__.py`, below any folder where a program may be started."""
-    for path in (tmp_path / importer, tmp_path / module):
-        path.parent.mkdir(parents=True, exist_ok=True)
-    (tmp_path / "code").mkdir(exist_ok=True)
-    (tmp_path / "code" / "__init__.py").write_text("", encoding="utf-8")
-    (tmp_path / module).write_text("K = 25.0\n", encoding="utf-8")
-    (tmp_path / importer).write_text(HEAD + statement + TAIL.format("K"), encoding="utf-8")
+    _lay_out(tmp_path, importer, statement, module)
     (artifact,) = read_python(str(tmp_path / importer)).artifacts
     assert artifact.config is not None
     assert artifact.config.groups[0].settings["any_value"].value == 25.0
@@ -336,12 +340,7 @@ def test_imports_of_folders_without_init(tmp_path: Path, importer: str, statemen
 )
 def test_other_folders_are_not_searched(tmp_path: Path, importer: str, statement: str, other: str) -> None:
     """What is neither in the file's package nor beside it is not read, whatever it is called."""
-    for path in (tmp_path / importer, tmp_path / other):
-        path.parent.mkdir(parents=True, exist_ok=True)
-    (tmp_path / "code").mkdir(exist_ok=True)
-    (tmp_path / "code" / "__init__.py").write_text("", encoding="utf-8")
-    (tmp_path / other).write_text("K = 25.0\n", encoding="utf-8")
-    (tmp_path / importer).write_text(HEAD + statement + TAIL.format("K"), encoding="utf-8")
+    _lay_out(tmp_path, importer, statement, other)
     reading = read_python(str(tmp_path / importer))
     (artifact,) = reading.artifacts
     assert artifact.config is not None

@@ -80,8 +80,8 @@ class DampingOutsideClamp(RuleInParts):
                 continue
             stuck = _is_stuck(case, row, bound / damping)
             if fastest and speed and damping * speed >= self.option(case, "share") * bound:
-                meant = _has_spring(case, row) or (row.control == "position" and row.kd == 0.0)
-                meant = meant and not stuck
+                servo = row.control == "position" and row.kd == 0.0
+                meant = not stuck and (servo or _has_spring(case, row))
                 yield (self._known(row, damping, limit, fastest, meant),)
             elif (
                 speed is None
@@ -187,8 +187,13 @@ def _is_stuck(case: Case, row: LedgerRow, speed: float) -> bool:
     """
     if speed >= _STUCK or row.kind is not JointKind.HINGE or is_held(row) or is_called_undriven(row):
         return False
-    driven = (row, *partner_rows(case, row, FileKind.MJCF, FileKind.CFG, FileKind.SPEC))
-    return any(other.control != "none" for other in driven) and not _is_called(case, row, _GRIPS)
+    return _is_driven(case, row) and not _is_called(case, row, _GRIPS)
+
+
+def _is_driven(case: Case, row: LedgerRow) -> bool:
+    """Whether a file of the robot drives a joint."""
+    rows = (row, *partner_rows(case, row, FileKind.MJCF, FileKind.CFG, FileKind.SPEC))
+    return any(other.control != "none" for other in rows)
 
 
 def _is_called(case: Case, row: LedgerRow, names: re.Pattern[str]) -> bool:
@@ -203,5 +208,4 @@ def _brakes_by_intent(case: Case, row: LedgerRow) -> bool:
     robot = case.artifacts[row.artifact].robot
     if _is_called(case, row, _DAMPED):
         return True
-    driven = (row, *partner_rows(case, row, FileKind.MJCF, FileKind.CFG, FileKind.SPEC))
-    return bool(robot and robot.actuators) and all(other.control == "none" for other in driven)
+    return bool(robot and robot.actuators) and not _is_driven(case, row)

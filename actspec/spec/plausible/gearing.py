@@ -12,9 +12,8 @@ from actspec.ir import JointActuator
 from actspec.spec.document import SourceMap
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.drive import Drive, gear_of, number, stage_path
-from actspec.spec.plausible.driven import AGREES
 from actspec.spec.plausible.groups import MULTIPLIERS, layers
-from actspec.spec.plausible.motors import relations
+from actspec.spec.plausible.motors import is_said, relations
 from actspec.spec.plausible.relations import RARE, Repair
 from actspec.spec.plausible.slips import inertias, multiplied, stage_slips
 from actspec.spec.plausible.table import Doubt, at
@@ -110,7 +109,7 @@ def reductions_repaired(drive: Drive) -> Iterator[Repair]:
             (10.0**power, f"did you mean {size * 10.0**power:.4g}? {MULTIPLIERS['reduction']}", RARE)
             for power in (-2, -1, 1, 2)
         ]
-        if gear is not None and size >= TWICE and math.isclose(gear, size, rel_tol=SAME_GEAR):
+        if _is_gear_again(gear, size):
             slips.append((1.0 / size, COUNTED_TWICE, 0.0))
         for factor, help, rare in slips:
             limits = tuple(
@@ -140,7 +139,7 @@ def multiplier_doubts(
         joints: The resolved spec; none: whatever the robot is.
         spans: Where the spec says what it says.
     """
-    if _is_said(drive):
+    if any(item.witnessed and is_said(item) for item in relations(drive)):
         return
     gear = gear_of(drive.motor)
     for path, fields, group in layers(model):
@@ -148,13 +147,7 @@ def multiplier_doubts(
             continue
         reduction = fields.reduction
         size = None if reduction is None else reduction.value
-        if (
-            reduction is not None
-            and size
-            and gear
-            and size >= TWICE
-            and math.isclose(gear, size, rel_tol=SAME_GEAR)
-        ):
+        if reduction is not None and gear is not None and size is not None and _is_gear_again(gear, size):
             field = "gearbox" if drive.motor.gearbox else "gear_ratio"
             own: Path = ("motors", drive.name, field)
             turned = format_quantity(gear * size, "", 4)
@@ -173,15 +166,11 @@ def multiplier_doubts(
             yield at(spans, "SPEC182", message, (*path, "motors_per_joint"), _one_motor(gear, count))
 
 
-def _is_said(drive: Drive) -> bool:
-    """Whether the robot's file has the torque that the motor gives at its joints."""
-    return any(
-        item.witnessed
-        and item.code == "SPEC187"
-        and item.path[0] == "motors"
-        and 1.0 / AGREES < item.value < AGREES
-        for item in relations(drive)
-    )
+def _is_gear_again(gear: float | None, reduction: float | None) -> bool:
+    """Whether a reduction is the motor's own gear."""
+    if gear is None or reduction is None:
+        return False
+    return reduction >= TWICE and math.isclose(gear, reduction, rel_tol=SAME_GEAR)
 
 
 def _one_motor(gear: float | None, motors: int) -> str:

@@ -113,7 +113,7 @@ def _relations(drive: Drive) -> Iterator[Relation]:
     witnesses = list(witness_relations(drive, output))
     yield from _torques(drive.name, motor)
     yield from constant_relations(drive.name, motor)
-    said = any(_is_said(relation) for relation in witnesses)
+    said = any(is_said(relation) for relation in witnesses)
     yield from _gear(drive.name, motor, said)
     yield from _efficient(drive)
     yield from _beyond(drive, output, said)
@@ -125,7 +125,7 @@ def _relations(drive: Drive) -> Iterator[Relation]:
     yield from witnesses
 
 
-def _is_said(relation: Relation) -> bool:
+def is_said(relation: Relation) -> bool:
     """Whether the robot's file has about the torque that the motor gives."""
     return (
         relation.code == "SPEC187" and relation.path[0] == "motors" and 1.0 / AGREES < relation.value < AGREES

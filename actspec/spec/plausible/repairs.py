@@ -187,11 +187,7 @@ def misread_lengths(drive: Drive) -> Iterator[MisreadSpeed]:
         drive: The motor, with the trains to its joints.
     """
     before = list(relations(drive))
-    speeds = {
-        item.path: item.value
-        for item in before
-        if item.about.startswith("train (") and item.code == "SPEC184"
-    }
+    speeds = _train_speeds(before)
     now = sum(relation.excess for relation in before)
     for repair in stages_repaired(drive):
         (place,) = repair.paths[:1]
@@ -199,11 +195,15 @@ def misread_lengths(drive: Drive) -> Iterator[MisreadSpeed]:
         excess = sum(relation.excess for relation in repair.after)
         if own is None or excess > now or any(relation.broken for relation in repair.after):
             continue
-        fast = next(
-            (item.value for item in repair.after if item.path == place and item.about.startswith("train (")),
-            own,
-        )
+        fast = _train_speeds(repair.after).get(place, own)
         yield MisreadSpeed(place, fast / own, repair.help or "", excess < now)
+
+
+def _train_speeds(found: Iterable[Relation]) -> dict[Path, float]:
+    """Speeds behind the stages of a drive's trains, by where such a stage is written [m/s or rad/s]."""
+    return {
+        item.path: item.value for item in found if item.about.startswith("train (") and item.code == "SPEC184"
+    }
 
 
 def _repairs(drive: Drive) -> Iterator[Repair]:
