@@ -137,7 +137,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             limit,
             unit(row, "effort_limit"),
             published.effort,
-            help=f"{figure}: {published.source}",
+            help=f"{figure}: {published.source}{_elsewhere(row, published)}",
             fields=("effort_limit",),
         )
 
@@ -219,6 +219,14 @@ def _reach(row: LedgerRow) -> float:
     """
     ends = [end for span in (row.command_range, row.position_range) for end in span or (math.inf,)]
     return math.inf if row.control != "position" or row.kp is None else row.kp * (max(ends) - min(ends))
+
+
+def _elsewhere(row: LedgerRow, published: KnownJoint) -> str:
+    """What the maker states of a joint beside the figure that is named, of as much or less; of more the message tells."""
+    others = [figure for figure in published.also if figure < 2.0 * published.effort]
+    if not others:
+        return ""
+    return f"; its maker states {listed([shown(row, 'effort_limit', one, 6) for one in others])} elsewhere"
 
 
 def _named(row: LedgerRow) -> str:
