@@ -222,7 +222,7 @@ def _reach(row: LedgerRow) -> float:
 
 
 def _elsewhere(row: LedgerRow, published: KnownJoint) -> str:
-    """What the maker states of a joint beside the figure that is named, of as much or less; of more the message tells."""
+    """What the maker states of a joint beside the figure that is named; of twice as much the message tells."""
     others = [figure for figure in published.also if figure < 2.0 * published.effort]
     if not others:
         return ""
