@@ -71,11 +71,21 @@ def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: floa
     assert known.variants[variant][joint].effort == effort
 
 
-def test_both_figures_of_a_maker() -> None:
-    """A UR10e's wrist has 56 N*m in the description of 2020, and 54 in the later one."""
-    (known,) = [known for known in known_robots() if known.name == "ur10e"]
-    wrist = known.variants[""]["wrist_2_joint"]
-    assert {wrist.effort, *wrist.also} == {54.0, 56.0}
+@pytest.mark.parametrize(
+    ("robot", "joint", "efforts"),
+    [
+        ("ur10e", "wrist_2_joint", {54.0, 56.0}),
+        # Both files of the maker have one limit for all joints, 10 and 40 or 33.5.
+        ("enactic_openarm", "left_joint6", {7.0, 10.0}),
+        ("unitree_laikago", "RL_hip_joint", {20.0, 33.5, 40.0}),
+        # Of a limit and a peak each.
+        ("aubo_i5", "wrist3_joint", {34.0, 61.0, 102.0}),
+    ],
+)
+def test_figures_of_a_maker_s_other_files(robot: str, joint: str, efforts: set[float]) -> None:
+    """What a maker states of one joint in several files, by hand."""
+    (known,) = [known for known in known_robots() if known.name == robot]
+    assert known.efforts(joint) == efforts
 
 
 def test_every_revision_has_all_joints() -> None:
