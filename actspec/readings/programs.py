@@ -438,8 +438,10 @@ def _idle_configs(
     elsewhere = {
         path: {name for name in names if used.get(name, set()) - {path}} for path, names in configs.items()
     }
-    result = {}
+    result = {path: configs[path] for path in _copied_aside(configs, programs)}
     for path, names in configs.items():
+        if path in result:
+            continue
         alone = {name for name in names - elsewhere[path] if path not in used.get(name, ())}
         if not elsewhere[path] and (
             len(alone) < len(names)
@@ -451,6 +453,36 @@ def _idle_configs(
         if alone:
             result[path] = frozenset(alone)
     return result
+
+
+def _copied_aside(configs: Collection[str], programs: Mapping[str, bytes]) -> Iterator[str]:
+    """Configurations of one file name, of a folder that nothing outside it names, where another's is imported from.
+
+    `from dogs.robots.dog import DOG_CFG` beside `dogs/robots_before/dog.py`: the names inside are the same.
+    """
+    by_module: dict[bytes, list[str]] = {}
+    for path in configs:
+        by_module.setdefault(_stem(path), []).append(path)
+    for module, paths in by_module.items():
+        folders = {path: _folders(path)[0] for path in paths}
+        if len(paths) == 1 or len({*folders.values(), b""}) <= len(paths):
+            continue
+        named = {
+            path: _outside(path, programs, rb"(?<!\w)" + re.escape(folders[path]) + rb"(?!\w)")
+            for path in paths
+        }
+        imported = {
+            path: _outside(path, programs, re.escape(folders[path]) + rb"\." + re.escape(module) + rb"(?!\w)")
+            for path in paths
+        }
+        if any(imported.values()):
+            yield from (path for path in paths if not named[path])
+
+
+def _outside(path: str, programs: Mapping[str, bytes], pattern: bytes) -> bool:
+    """Whether a program has a text that is in no folder of a file's own."""
+    own, wanted = os.path.join(os.path.dirname(path), ""), re.compile(pattern)
+    return any(wanted.search(text) for program, text in programs.items() if not program.startswith(own))
 
 
 def _read(path: str) -> bytes:

@@ -345,6 +345,31 @@ def test_what_a_package_hands_on(text: str, cat: Severity) -> None:
     assert said == {6: Severity.WARNING, 8: cat}
 
 
+@pytest.mark.parametrize(
+    ("task", "aside"),
+    [
+        ("from r.robots.dog import DOG_CFG\nrun(DOG_CFG)\n", Severity.INFO),
+        ("from ..robots.dog import DOG_CFG\nrun(DOG_CFG)\n", Severity.INFO),
+        # A word of the other folder, for whatever, may be a use of it.
+        (
+            "from r.robots.dog import DOG_CFG\nsys.path.append('robots_early')\nrun(DOG_CFG)\n",
+            Severity.WARNING,
+        ),
+        ("from robots import DOG_CFG\nrun(DOG_CFG)\n", Severity.WARNING),
+    ],
+)
+def test_a_copy_of_a_folder_of_configurations(task: str, aside: Severity) -> None:
+    """Of two folders with one file and its names, the one that nothing outside it names is run by nobody."""
+    for folder in ("robots", "robots_early"):
+        Path("r", folder).mkdir()
+        Path("r", folder, "dog.py").write_text(one_config("DOG_CFG"))
+        Path("r", folder, "__init__.py").write_text("from .dog import *\n")
+    Path("r/task.py").write_text(task)
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    said = {item.finding.span.path: item.severity for item in found if item.finding.span.path.endswith(".py")}
+    assert said == {"r/robots/dog.py": Severity.WARNING, "r/robots_early/dog.py": aside}
+
+
 @pytest.mark.parametrize("named", ["r", "./r", "r/", "./r/../r", "."])
 def test_however_the_folder_is_named(named: str) -> None:
     """What programs name and import is found in it."""
