@@ -78,6 +78,10 @@ def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: floa
         # Both files of the maker have one limit for all joints, 10 and 40 or 33.5.
         ("enactic_openarm", "left_joint6", {7.0, 10.0}),
         ("unitree_laikago", "RL_hip_joint", {20.0, 33.5, 40.0}),
+        # Unitree's URDFs, and its table of both.
+        ("unitree_h1", "left_elbow_joint", {18.0, 75.0}),
+        ("unitree_h1_2", "right_hip_roll_joint", {200.0, 220.0}),
+        ("unitree_h1_2", "right_ankle_roll_joint", {40.0, 45.0, 75.0}),
         # Of a limit and a peak each.
         ("aubo_i5", "wrist3_joint", {34.0, 61.0, 102.0}),
     ],
