@@ -23,6 +23,8 @@ ROUNDING = 1e-15
 
 RPM_570 = "1/min of a shaft is rpm: write `570 rpm`, which is 59.6903 rad/s"
 PER_SECOND_60 = "1/s of a shaft is rad/s or rev/s: write `60 rad/s`, or `60 rev/s`, which is 376.991 rad/s"
+SERVO_TIME = "sheets of servos have the time for 60 deg: for 0.17 s write `6.16 rad/s`"
+SPEED_CONSTANT = "a speed constant times the voltage is the speed without load: at 24 V write `7200 rpm`"
 OZ_IN = 0.45359237 / 16 * 9.80665 * 0.0254  # 0.00706155181422604
 
 
@@ -329,6 +331,19 @@ ANGLE = "angle is a dimension of its own: write `{}` if that is meant"
          "did you mean `5 oz*in`? That is 0.0353078 N*m"),
         ("5 sec", Kind.SPEED, "5 sec is not a speed: unknown unit `sec`",
          "did you mean `s`? a speed is in rad/s (hinge) or m/s (slide)"),
+        # pi/3 / 0.17; a weight has a mass in it, and 103 s are no servo's.
+        ("0.17 s", Kind.SPEED, "0.17 s is a time, not a speed", SERVO_TIME),
+        ("0.17 s/60 deg", Kind.SPEED, "0.17 s/60 deg is not a speed: unexpected `60`", SERVO_TIME),
+        ("0.17sec/60°", Kind.SPEED, "0.17sec/60° is not a speed: unknown unit `sec`", SERVO_TIME),
+        ("103 s", Kind.SPEED, "103 s is a time, not a speed", "a speed is in rad/s (hinge) or m/s (slide)"),
+        # 9.4 x 0.0980665; 300 x 24.
+        ("9.4 kg/cm", Kind.TORQUE, "9.4 kg/cm is not a torque",
+         "sheets of servos write kg/cm for kgf*cm: `9.4 kgf*cm` is 0.921825 N*m"),
+        ("300 rpm/V", Kind.SPEED, "300 rpm/V is not a speed", SPEED_CONSTANT),
+        ("300 KV", Kind.SPEED, "300 KV is not a speed: unknown unit `KV`", SPEED_CONSTANT),
+        ("300 kV", Kind.SPEED, "300 kV is a voltage, not a speed", SPEED_CONSTANT),
+        ("100 KV", Kind.TORQUE_CONSTANT, "100 KV is not a torque constant: unknown unit `KV`",
+         "a speed constant of 100 rpm/V is a torque constant of 0.095493 N*m/A"),
         ("9 N.m", Kind.TORQUE, "9 N.m is not a torque: units are multiplied by `*`, not by `.`",
          "did you mean `9 N*m`?"),
         (

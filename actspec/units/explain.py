@@ -50,7 +50,12 @@ def unreadable(bad: BadUnit, text: str, whole: str, shown: str, kind: Kind) -> U
         if 0 < first < second:
             help += f", or `{format_number(second / first)}` for a gearbox that reduces the speed so"
         return UnitError(f"{shortened(whole)} is two numbers, not a ratio", help)
-    meant = _amperes(text, shown, kind) or _did_you_mean(text, bad.unknown, shown, kind)
+    meant = (
+        _amperes(text, shown, kind)
+        or _servo_time(text, float(shown), kind)
+        or _speed_constant(text, shown, kind)
+        or _did_you_mean(text, bad.unknown, shown, kind)
+    )
     return UnitError(f"{shortened(whole)} is not {an(kind.noun)}: {bad.reason}", meant or in_units(kind))
 
 
@@ -87,6 +92,29 @@ def _amperes(text: str, shown: str, kind: Kind) -> str | None:
         return f"write {of(1)} where the motor's currents are A {own}, {of(factor)} where they are A {other}"
     own, other, factor = ("rms", "peak", _ROOT) if rms else ("peak", "rms", 1 / _ROOT)
     return f"write {of(1)} beside a torque constant per A {own}, {of(factor)} beside one per A {other}"
+
+
+_SERVO_TIME = re.compile(r"(?:s|secs?|seconds?)(?: *(?:/|per) *60 *(?:deg|degs|degrees?)?)?")
+"""The time that servos take for 60 degrees, as their sheets have it: `sec/60 deg`; also without the angle."""
+_SERVO_TIMES = (0.01, 1.0)
+"""Such times [s]."""
+
+
+def _servo_time(text: str, seconds: float, kind: Kind) -> str | None:
+    """The speed of a servo whose sheet has a time for 60 degrees."""
+    if kind is not Kind.SPEED or not _SERVO_TIME.fullmatch(text):
+        return None
+    if not _SERVO_TIMES[0] <= seconds <= _SERVO_TIMES[1]:
+        return None
+    speed = format_number(math.pi / 3.0 / seconds, 4)
+    return f"sheets of servos have the time for 60 deg: for {format_number(seconds)} s write `{speed} rad/s`"
+
+
+def _speed_constant(text: str, shown: str, kind: Kind) -> str | None:
+    """What a Kv is, whose `KV` is rpm/V and no kilovolt."""
+    if text.lower() != "kv" or kind not in (Kind.SPEED, Kind.TORQUE_CONSTANT):
+        return None
+    return _other_kind(f"{shown} rpm/V", float(shown), read_unit("rpm/V"), kind)
 
 
 def _did_you_mean(text: str, unknown: str | None, shown: str, kind: Kind) -> str | None:
@@ -184,9 +212,14 @@ def mismatch(number: float, whole: str, unit: Unit, kind: Kind) -> UnitError:
         message = f"{given} is {an(_NOUN_OF[unit.dims])}, not {an(kind.noun)}"
     else:
         message = f"{given} is not {an(kind.noun)}"
-    return UnitError(message, _other_kind(given, number, unit, kind) or in_units(kind))
+    help = _other_kind(given, number, unit, kind)
+    if given.endswith("kV"):
+        help = _speed_constant("kV", format_number(number), kind)
+    return UnitError(message, help or in_units(kind))
 
 
+_PER_CM = re.compile(r"([-+.0-9eE]+) *(k?g)f? */ *([cm]?m)")
+"""A torque as half of the sheets of servos have it: `9.4 kg/cm`."""
 _MINUTE = re.compile(r"(?<![A-Za-z])min(?![A-Za-z])")
 
 
@@ -196,6 +229,15 @@ def _other_kind(given: str, number: float, unit: Unit, kind: Kind) -> str | None
     hertz, time, speed = (DIMS_OF[k][0] for k in (Kind.FREQUENCY, Kind.TIME, Kind.SPEED))
     rotary, linear = DIMS_OF[kind]
     turn = 2 * math.pi
+    if kind is Kind.SPEED and dims == time and (servo := _servo_time("s", si, kind)):
+        return servo
+    if kind is Kind.SPEED and dims == _shift(rotary, m=-2, kg=-1, s=3, a=1):
+        at_24 = f"{format_number(24 * si / turn * 60, 4)} rpm"
+        return f"a speed constant times the voltage is the speed without load: at 24 V write `{at_24}`"
+    if kind is Kind.TORQUE and (per := _PER_CM.fullmatch(given)):
+        meant = f"{per[2]}f*{per[3]}"
+        in_si = format_number(read_unit(meant).in_si(number))
+        return f"sheets of servos write {per[2]}/{per[3]} for {meant}: `{per[1]} {meant}` is {in_si} N*m"
     if dims == ONE and kind is Kind.TORQUE:
         return (
             "a dimensionless friction coefficient cannot be converted to N*m without the joint load; "
@@ -241,6 +283,9 @@ def _other_kind(given: str, number: float, unit: Unit, kind: Kind) -> str | None
         return f"`a/b/c` is a/(b*c): write `{format_number(si)} {kind.rotary_unit}` if that is meant"
     for wanted, name in ((rotary, kind.rotary_unit), (linear, kind.linear_unit)):
         weight = si * G0[0] / G0[1]
+        if not dims[1]:
+            # Without a mass in it, it is no weight: s is m/s by the same rule.
+            continue
         if wanted == _shift(dims, m=1, s=-2):
             return f"kg and g are masses; as a force (kgf, gf) {given} is {format_number(weight)} {name}"
         if wanted == _shift(dims, m=-1, s=2):

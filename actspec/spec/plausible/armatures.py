@@ -34,6 +34,9 @@ HEAVY = 50.0
 """Armature over the inertia of the links: noticed where `HEAVY_RATE` holds too."""
 HEAVY_RATE = 30.0
 TOO_HEAVY = 300.0
+TOO_HEAVY_OF_MOTOR = 1000.0
+"""The same of an armature that follows from rotor and gear, which are judged by themselves. Chosen: the flange of a
+KR 210's wrist, without a tool, has 507."""
 SLOW = 0.5
 """Time in which the motor's torque turns the armature to its speed [s], as of rotors in SPEC185 (published: to 0.052):
 noticed where it is `DOMINANT` times the links or, of unknown ones, where kp swings it alone below `SOFT`."""
@@ -129,7 +132,8 @@ def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> I
             f"{format_quantity(rate, 'rad/s^2' if joint.kind is JointKind.HINGE else 'm/s^2', 3)}"
         )
     elif large and links is not None:
-        heavy = HEAVY if rate is not None and rate < HEAVY_RATE else TOO_HEAVY
+        most = TOO_HEAVY_OF_MOTOR if armature.origin is Origin.DERIVED else TOO_HEAVY
+        heavy = HEAVY if rate is not None and rate < HEAVY_RATE else most
         if value >= heavy * links:
             words = (
                 f"an armature of {shown(armature)} is {format_quantity(value / links, '', 3)} times the inertia of "

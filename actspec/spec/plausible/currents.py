@@ -10,7 +10,7 @@ from actspec.spec.models import Motor
 from actspec.spec.plausible.drive import figure_at, number
 from actspec.spec.plausible.driven import CURRENT_RATIO
 from actspec.spec.plausible.relations import MET, RARE, RPM, Relation, Repair
-from actspec.spec.plausible.slips import amount_of, in_unit, multiplied
+from actspec.spec.plausible.slips import amount_of, in_unit, multiplied, slips_of
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
@@ -33,6 +33,8 @@ is the same, nothing else tells it."""
 REACHED = (0.4, 1.35)
 """A no-load speed, corrected, over what voltage and constant give: nearly all of it is reached, and hardly more.
 Published: 1.29 (AK70-10: 0.123 N*m/A, 4800 rpm, 48 V; its KV of 100 gives 0.0955)."""
+SECOND = 0.05
+"""What the second of two readings of a speed costs of which nothing tells which it is, as `RARE`."""
 STALLED = 1.05
 """A current gives the stall torque by this factor."""
 NEARLY_TEN = 1.2
@@ -211,20 +213,68 @@ def stalled(motor: Motor, moved: Callable[..., Repair]) -> Iterator[Repair]:
 
 
 def by_peer(motor: Motor, field: str, slip: tuple[float, str, float]) -> tuple[float, str, float]:
-    """A current with its point moved, without that figure where the other current of the sheet is more exact."""
+    """A current with its point moved, not alone where the other current of the sheet, or else its torque, is exact."""
     torques = {"peak_current": "peak_torque", "nominal_current": "continuous_torque"}
     factor, help, rare = slip
     if field not in torques or rare < RARE or not help.startswith("did you mean"):
         return slip
     own = proof(motor, torques[field])
     (other,) = (proof(motor, torque) for current, torque in torques.items() if current != field)
-    if not own or not other or 1.0 / MET <= own * factor / other <= MET:
+    exact = PROVED if other is None else MET
+    if not own or 1.0 / exact <= own * factor / (other or 1.0) <= exact:
         return slip
     meant = in_unit(multiplied(getattr(motor, field), 1.0 / own))
-    help = f"torque_constant and {torques[field]} give {meant}"
+    told = f"torque_constant and {torques[field]} give {meant}"
     if field == "nominal_current" and factor > 1.0:
-        help += ": is it the current without load?"
-    return factor, help, rare
+        told += ": is it the current without load?"
+    # Without another current the constant may be one of phases or amplitudes, and the point alone be wrong.
+    return factor, told if other is not None else f"{told}{'' if told.endswith('?') else ';'} Or {help}", rare
+
+
+def speed_slips(motor: Motor, speed: SpecValue) -> Iterator[tuple[float, str, float]]:
+    """Slips in a no-load speed, and a Kv in its place; what constant and voltage tell decides between those alike.
+
+    In rad/s a speed in rpm is 9.55 times as much, with its point moved ten times.
+    """
+    (amount, unit), constant, volts = (
+        amount_of(speed),
+        number(motor.torque_constant),
+        number(motor.nominal_voltage),
+    )
+    size = speed.value or 0.0
+    share = constant * size / volts if constant and volts else None
+    tenfold = (
+        share is not None
+        and 10.0 * share <= ROUNDING
+        and abs(math.log(10.0 * share)) < abs(math.log(share / RPM))
+    )
+    by_volts = 0.0 if share is None or volts is None else share * volts
+    just = (
+        1.0 / ROUNDING < by_volts < ROUNDING and not 1.0 / NEARLY_TEN <= (volts or 0.0) / 10.0 <= NEARLY_TEN
+    )
+    if (
+        is_at_rotor(motor)
+        and 1.0 / REACHED[1] < by_volts < REACHED[1]
+        and unit
+        and volts
+        and motor.nominal_voltage is not None
+    ):
+        help = f"is it Kv? {amount:g} {unit}/V x {motor.nominal_voltage.written} is {_in_own(speed, volts)}"
+        yield volts, help, 0.0 if just else SECOND
+    for factor, help, rare in slips_of(speed, speed=True):
+        if unit == "rpm" and rare == RARE and factor == 10.0:
+            help, rare = f"did you mean {_in_own(speed, factor)}?", 0.0 if tenfold else SECOND
+        elif unit == "rpm" and rare == 0.0:
+            rare = SECOND * tenfold
+        # Of what is Kv to the digit nothing else is as likely.
+        yield factor, help, rare + RARE * just
+
+
+def _in_own(speed: SpecValue, factor: float) -> str:
+    """A speed as it would be with another factor, in the unit that it is written in."""
+    amount, unit = amount_of(speed)
+    meant = in_unit(multiplied(speed, factor))
+    return meant if unit in ("", speed.unit) else f"{format_quantity(amount * factor, unit, 4)} ({meant})"
 
 
 def or_twice(value: SpecValue, gear: float, slip: tuple[float, str, float]) -> tuple[float, str, float]:

@@ -11,7 +11,7 @@ from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.models import Motor
 from actspec.spec.plausible.armatures import ARMATURE_RATE, LARGEST_LIMIT
 from actspec.spec.plausible.commands import own_speed
-from actspec.spec.plausible.drive import gear_of
+from actspec.spec.plausible.drive import gear_of, number
 from actspec.spec.plausible.driven import FASTEST_SLIDE
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE
 from actspec.spec.plausible.relations import DEGREE, KGF_CM, POINT, RPM
@@ -39,6 +39,10 @@ NO_SPEED = 0.02
 """Below it no joint of a robot moves: a turn takes 5 minutes [rad/s]."""
 ABOUT_FILE = 5.0
 """The robot's file has about such a speed by this factor."""
+SERVO_SUPPLY = 8.4
+SERVO_TORQUE = 10.0
+"""A motor of two cells or less [V] and of less torque [N*m] is a servo, and none is slower than `SLOW_SPEED`. Chosen:
+their sheets have 0.05 to 0.3 s for 60 deg, and 8 N*m at most."""
 SERVO_TIMES = (0.03, 0.3)
 """Of servos [s per 60 deg]."""
 LEVER = 1.8
@@ -267,6 +271,12 @@ def slow_found(joint: JointActuator, motor: Motor | None) -> Iterator[Found]:
             f"a no-load speed of {shown(speed)}: the joint takes {format_quantity(error / fast, 's', 3)} for the "
             f"{format_quantity(error, 'rad', 3)} at which kp {shown(kp) if kp is not None else ''} asks for the effort "
             f"limit of {shown(limit)}"
+        )
+    elif 0.0 < (number(motor.nominal_voltage) or 0.0) <= SERVO_SUPPLY and most < SERVO_TORQUE:
+        volts = motor.nominal_voltage.written if motor.nominal_voltage is not None else ""
+        message = (
+            f"a no-load speed of {shown(speed)} of a motor of {volts} and {shown(limit)}: usual servos turn "
+            "with 3 rad/s or more"
         )
     else:
         return

@@ -34,6 +34,9 @@ TIE = 0.02
 """Corrections of two numbers are both told if they differ by no more than this [powers of ten]."""
 TIE_OF_UNITS = 0.05
 """The same of two that have a reason: what is usual hardly parts two units."""
+TIE_OF_PRODUCT = 0.2
+"""The same of the points of a speed and a voltage: constant times speed is all that is known of the two."""
+_FACTORS = frozenset(("no_load_speed", "nominal_voltage"))
 
 FAR_ABOVE_FILE = 30.0
 """A limit, or what a motor gives, over the limit of the robot's file: it is doubted whatever the file meant."""
@@ -172,6 +175,8 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
     rivals: dict[tuple[Path, ...], Repair] = {}
     for cost, repair in sorted(found, key=lambda item: item[0]):
         tie = TIE_OF_UNITS if max(best.rare, repair.rare) < RARE else TIE
+        if best.is_point and repair.is_point and {best.paths[0][-1], repair.paths[0][-1]} == _FACTORS:
+            tie = TIE_OF_PRODUCT
         if cost <= least + tie and repair.help is not None and set(repair.paths).isdisjoint(best.paths):
             rivals.setdefault(repair.paths, _told(repair, cost, found, refuted))
     return [best, *alike[:1], *rivals.values()]

@@ -23,6 +23,7 @@ from actspec.spec.plausible.currents import (
     of_kv,
     or_twice,
     proof,
+    speed_slips,
     stalled,
 )
 from actspec.spec.plausible.drive import (
@@ -240,9 +241,11 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             # Of a sheet of the other side the constant is often the rotor's, as the current is.
             moves = 1.0 / across * (passed if across < 1.0 else 1.0 / passed)
             there_too = multiplied(constant, moves)
-            update = {"side": other, "torque_constant": there_too}
+            swapped = motor.model_copy(update={"side": other, "torque_constant": there_too})
             help += f", and torque_constant for that side, {about}{in_unit(there_too)}"
-            yield changed(motor.model_copy(update=update), [("side",)], help, SIDED)
+            # With a speed that the voltage does not make there, it is no better explained.
+            rare = SIDED + RARE * any(is_refuted(swapped, path) for path in SPEEDS)
+            yield changed(swapped, [("side",)], help, rare)
 
     def sided(path: Path, factor: float, lossy: bool, rare: float = 0.0) -> Repair:
         factor *= (passed if factor > 1.0 else 1.0 / passed) if lossy else 1.0
@@ -272,7 +275,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     for path in SPEEDS:
         speed = figure_at(motor, path)
         if speed is not None and speed.value:
-            yield from (moved([path], *slip) for slip in slips_of(speed, speed=True))
+            yield from (moved([path], *slip) for slip in speed_slips(motor, speed))
             if across is not None:
                 yield sided(path, 1.0 / across, lossy=False)
     yield from stages_repaired(drive)

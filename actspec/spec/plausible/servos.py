@@ -20,16 +20,23 @@ from actspec.spec.plausible.gains import (
     gain_words,
 )
 from actspec.spec.plausible.relations import DEGREE, POINT
-from actspec.spec.plausible.swing import SOFT, damping_words, frequency_words
+from actspec.spec.plausible.swing import SOFT, STIFFEST_SERVO, damping_words, frequency_words, slack_words
 from actspec.spec.plausible.table import Found, found_at, is_files, is_stated, shown
 from actspec.units import format_quantity
 
+SLOWEST_SPIN_UP = 0.052
+"""Time in which a motor turns its own rotor to its speed [s]. Published: 0.005 (Go2) to 0.052 (STS3215)."""
 DIGITS = 1e-3
 """Both gains are 57.3 times numbers of two digits by this part."""
 
 LEAST_SPEED = {JointKind.HINGE: 1e-2, JointKind.SLIDE: 1e-3}
 """Effort limit over a kd without kp [rad/s or m/s]: a smaller error of speed asks for all of it. Published: 0.15, of
 servos with a kp 0.07."""
+TRAVELS, TRAVELS_OF_SERVO = 25.0, 150.0
+"""Effort limit over kp of a slide over its travel: with a motor, or where it swings below `SOFT`; and else. Published:
+17 (fingers of an X5, 15 N and 20 N/m), without a motor to 60 (fingers of a Panda, 240 N and 100 N/m)."""
+PER_MM = 1e3
+"""A gain per metre over the same per millimetre."""
 LEAST_DAMPING = 1e-4
 """A kd whose kp nobody states over the effort limit of a strong hinge [s/rad]. Published: 6.7e-3 (ANYmal D)."""
 CLEAR = 3.0
@@ -146,35 +153,106 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
         kp.require(),
         active,
         joint.friction_viscous.value or 0.0,
-        limit.value if joint.kind is JointKind.HINGE or limit.origin is Origin.AUTHORED else None,
+        limit.value if joint.kind is JointKind.HINGE or is_stated(limit) else None,
         joint.motor is not None,
         _noticed_return(joint, kp),
         joint.kind,
         _noticed_softness(joint),
     )
     places = {"kp": kp.span, "kd": None if kd is None else kd.span}
+    if joint.kind is JointKind.SLIDE and gain_words(replace(gains, limit=None), places) is None:
+        # By the travel, which is known here, the same is told sooner and better than by the error alone.
+        far = list(_by_travel(joint, gains))
+        yield from far
+        if far:
+            return
     alone = gain_words(gains, places)
     words: tuple[str, str | None, float] | None = None
     if alone is not None:
         words = (alone[1], alone[2], abs(math.log(max(active or 0.0, 1e-9) / kp.require())))
         if alone[0] == "kd" and kd is not None and is_stated(kd):
             number, other = kd, kp
-    elif (
-        (joint.motor is not None or _is_of_degrees(kp, kd))
-        and held is not None
-        and joint.kind is JointKind.HINGE
-        and held.reference > 0.0
-    ):
-        # Without a motor they may be a simulator's own servos, of any stiffness, but hardly just 57.3 times others.
-        words = _by_frequency(kp, kd, joint, replace(gains, driven=True), held.reference)
-        if words is None and joint.motor is not None and kd is not None and is_stated(kd):
-            number, other = kd, kp
-            words = damping_words(gains, held.reference)
+    elif held is not None and joint.kind is JointKind.HINGE and held.reference > 0.0:
+        by_links = _by_inertia(joint, gains, held.reference)
+        rotor = _unstated_rotor(joint)
+        # What the armature that is missing may explain is no matter of the gains.
+        if by_links is not None and (not rotor or _by_inertia(joint, gains, held.reference + rotor)):
+            field, words = by_links
+            if field == "kd" and kd is not None:
+                number, other = kd, kp
     if words is not None:
         message, help, size = words
         where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
         others = (other, limit, joint.armature)
         yield found_at(joint, "SPEC192", where, size, message, help, number, *others)
+
+
+def _by_inertia(
+    joint: JointActuator, gains: Gains, inertia: float
+) -> tuple[str, tuple[str, str, float]] | None:
+    """Which of kp and kd makes a motion that no hinge of that inertia [kg*m^2] has; message, help and size."""
+    kp, kd = joint.kp, joint.kd
+    if kp is None:
+        return None
+    words = None
+    if joint.motor is not None or _is_of_degrees(kp, kd):
+        # Without a motor they may be a simulator's own servos, of any stiffness, but hardly just 57.3 times others.
+        words = _by_frequency(kp, kd, joint, replace(gains, driven=True), inertia)
+        if words is None and joint.motor is not None and kd is not None and is_stated(kd):
+            damped = damping_words(gains, inertia)
+            return None if damped is None else ("kd", damped)
+    elif _is_real(joint) and _noticed_softness(joint) < math.inf:
+        words = slack_words(gains, inertia)
+    return None if words is None else ("kp", words)
+
+
+def _unstated_rotor(joint: JointActuator) -> float:
+    """What a motor of which nobody states an inertia may have at its joint [kg*m^2]; 0: it is stated, or unknown."""
+    speed, limit = own_speed(joint), joint.effort_limit.value or 0.0
+    fast = 0.0 if speed is None else speed.value or 0.0
+    if joint.motor is None or joint.armature.value or is_stated(joint.armature):
+        return 0.0
+    return limit * SLOWEST_SPIN_UP / fast if fast > 0.0 and 0.0 < limit < math.inf else 0.0
+
+
+def _by_travel(joint: JointActuator, gains: Gains) -> Iterator[Found]:
+    """A slide that needs an error of many times its travel for its effort limit."""
+    kp, kd, limit, ends, held = (
+        joint.kp,
+        joint.kd,
+        joint.effort_limit,
+        joint.position_range,
+        joint.inertia_held,
+    )
+    if kp is None or gains.limit is None or not 0.0 < gains.limit < math.inf or ends is None or is_files(kp):
+        return
+    travel, error = ends[1] - ends[0], gains.limit / gains.kp
+    swing = math.sqrt(gains.kp / held.reference) if held is not None and held.reference > 0.0 else None
+    slow = swing is not None and swing < SOFT
+    most = TRAVELS if joint.motor is not None or slow else TRAVELS_OF_SERVO
+    if not 0.0 < most * travel < error or _noticed_softness(joint) == math.inf:
+        return
+    times = (
+        f"{format_quantity(error, 'm', 3)}, {format_quantity(error / travel, '', 3)} times the joint's travel"
+    )
+    path = f"actuators.{joint.group}"
+    if swing is not None and swing * math.sqrt(PER_MM) > STIFFEST_SERVO:
+        # Per metre no joint would swing as fast.
+        message = f"an effort limit of {shown(limit)}: kp {gains.shown_kp} asks for it at an error of {times}"
+        help = "look for a wrong unit or power of ten"
+        yield found_at(joint, "SPEC192", f"{path}.effort_limit", error / travel, message, help, limit, kp, kd)
+        return
+    message = f"kp {gains.shown_kp} needs an error of {times}, for the effort limit of {shown(limit)}"
+    help = f"is kp per mm? Per metre it is {format_quantity(PER_MM * gains.kp, kp.unit, 4)}"
+    if gains.kd and kd is not None:
+        both = [format_quantity(PER_MM * gain.require(), gain.unit, 4) for gain in (kp, kd)]
+        help = f"are kp and kd per mm? Per metre they are {' and '.join(both)}"
+    if not slow:
+        # By its own mass the joint is as quick as others.
+        help = f"one of 2 numbers is wrong. kp: {help}. Or the effort limit ({limit.span}): look for a wrong unit"
+    number, other = (kp, kd) if is_stated(kp) or kd is None else (kd, kp)
+    where = f"{path}.{'kp' if number is kp else 'kd'}"
+    yield found_at(joint, "SPEC192", where, error / travel, message, help, number, other, limit)
 
 
 def _noticed_return(joint: JointActuator, kp: Quantity) -> float:

@@ -17,6 +17,10 @@ links."""
 SOFT_ERROR = 10.0
 """Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`, or dry friction holds the joint.
 Published, with a motor: to 2.2."""
+SLACK = ((10.0, 10.0), (5.0, 5.0))
+"""Effort limit over kp [rad] above which, and natural frequency [rad/s] below which, a drive without a motor is as weak
+that both gains may be per degree. Published, of 11577 drives: 22 rad at 13 rad/s (wrist of a YAM), 7.5 at 10, 5.7 at
+9.6, 4 at 6.4, and below that to 1.6; but for 400 N*m beside 20 N*m/rad without friction (an early Prestoe)."""
 STIFF = 150.0
 """Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""
 STIFF_ERROR = 0.06
@@ -40,12 +44,7 @@ def frequency_words(gains: Gains, inertia: float) -> tuple[str, str, float] | No
     unit = units_of(gains.kind)
     frequency = math.sqrt(gains.kp / inertia)
     error = None if gains.limit is None else gains.limit / gains.kp
-    message = (
-        f"kp {gains.shown_kp} makes {format_quantity(frequency, 'rad/s', 3)} of the joint's "
-        f"{format_quantity(inertia, unit.inertia, 3)}"
-    )
-    if error is not None:
-        message += f", and needs an error of {format_quantity(error, 'rad', 3)} for the effort limit"
+    message = _swing(gains, inertia)
     heavy = inertia >= STIFF_LINK
     slack = error is not None and error > SOFT_ERROR
     tight = error is not None and error < STIFF_ERROR
@@ -62,6 +61,39 @@ def frequency_words(gains: Gains, inertia: float) -> tuple[str, str, float] | No
         help = f"is it multiplied by 57.3? Without that it is {without.shown_kp}"
         return message, POINT if without.kp > STIFF**2 * inertia else help, frequency
     return None
+
+
+def slack_words(gains: Gains, inertia: float) -> tuple[str, str, float] | None:
+    """Message, help and size where a hinge without a motor is so weak that its gains are per degree; None: it is not.
+
+    Args:
+        gains: Of the hinge.
+        inertia: With the other joints held, armature included [kg*m^2].
+    """
+    if inertia < STIFF_LINK or gains.limit is None:
+        return None
+    frequency, error = math.sqrt(gains.kp / inertia), gains.limit / gains.kp
+    if not any(error > most and frequency < least for most, least in SLACK):
+        return None
+    unit = units_of(gains.kind)
+    kp = format_quantity(gains.kp / DEGREE, unit.stiffness, 4)
+    help = f"is it per degree? Per radian it is {kp}"
+    if gains.kd:
+        kd = format_quantity(gains.kd / DEGREE, unit.velocity_gain, 4)
+        help = f"are kp and kd per degree? Per radian they are {kp} and {kd}"
+    return _swing(gains, inertia), help, 1.0 / frequency
+
+
+def _swing(gains: Gains, inertia: float) -> str:
+    """What a kp makes of the joint's inertia [kg*m^2]."""
+    message = (
+        f"kp {gains.shown_kp} makes {format_quantity(math.sqrt(gains.kp / inertia), 'rad/s', 3)} of the joint's "
+        f"{format_quantity(inertia, units_of(gains.kind).inertia, 3)}"
+    )
+    if gains.limit is not None:
+        error = format_quantity(gains.limit / gains.kp, units_of(gains.kind).position, 3)
+        message += f", and needs an error of {error} for the effort limit"
+    return message
 
 
 def damping_words(gains: Gains, inertia: float) -> tuple[str, str, float] | None:

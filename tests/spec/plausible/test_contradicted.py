@@ -157,7 +157,7 @@ def test_the_length_of_a_transmission(
         # 687.5 rpm are 72 rad/s, and 687.5 deg/s 12.0.
         ("no_load_speed: 687.5 rpm", 12, 6.5, "is it in deg/s? 687.5 deg/s is 12 rad/s"),
         # 11.46 rpm are 1.2 rad/s: of 12.0 a tenth, to the digit, and 11.46 rad/s are 1.05 times off.
-        ("no_load_speed: 11.46 rpm", 12, 6.5, "did you mean 12 rad/s?; or did you mean 11.46 rad/s?"),
+        ("no_load_speed: 11.46 rpm", 12, 6.5, "did you mean 114.6 rpm (12 rad/s)?"),
         # 6 kgf*cm are 0.588 N*m.
         ("peak_torque: 6 kgf*cm", 12, 6, "did you mean 6 N*m?"),
     ],

@@ -57,7 +57,8 @@ def slide(stages: str, more: str = "", motor: str = MOTOR) -> list[tuple[str, st
         ("{radius: 3 m}", "", None),
         ("{radius: 3.1 m}", "", ("SPEC184", "transmission[0].radius")),
         # 20 N*m / 66 um = 303 kN; of a screw 2 pi x 20 / 0.4 mm = 314 kN.
-        ("{radius: 67 um}", "", None),
+        # Of 299 kN only kp is odd: it asks for them at 332 m.
+        ("{radius: 67 um}", "", ("SPEC192", "kp")),
         ("{radius: 66 um}", "", ("SPEC183", "transmission[0].radius")),
         ("{lead: 0.4 mm/rev}", "", ("SPEC183", "transmission[0].lead")),
         # 10 rad/s x 20 m / 2 pi = 31.8 m/s.

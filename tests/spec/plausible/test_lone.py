@@ -247,6 +247,98 @@ def test_a_slide(wrong: dict[str, str], help: str | None) -> None:
     assert told(joint="slide", **wrong) == ([] if help is None else [("SPEC192", "kp", help)])
 
 
+def test_gains_per_degree_by_the_inertia() -> None:
+    """A dog's 30 N*m/rad and 1 N*m*s/rad over 57.3, with 24 N*m: 46 rad, of 50 that are told without inertia."""
+    figures = {"kp": "0.52 N*m/rad", "kd": "0.0175 N*m*s/rad", "effort_limit": "24 N*m"}
+    help = "are kp and kd per degree? Per radian they are 29.79 N*m/rad and 1.003 N*m*s/rad"
+    assert told(HINGE, **figures) == [("SPEC192", "kp", help)]
+    assert told(**figures) == told(HINGE, **{**figures, "kp": "30 N*m/rad", "kd": "1 N*m*s/rad"}) == []
+
+
+TENTH = (
+    '<mujoco><worldbody><body><joint name="hip" axis="0 1 0"/>'
+    '<inertial pos="0 0 0" mass="1" diaginertia="1 0.1 1"/></body>'
+    '<body><joint name="calf"/><geom size=".1" mass="1"/></body>'
+    '<body><joint name="slide" type="slide"/><geom size=".1" mass="1"/></body></worldbody></mujoco>'
+)
+"""A hip of 0.1 kg*m^2."""
+
+
+@pytest.mark.parametrize(
+    ("kp", "limit", "friction", "expected"),
+    [
+        # 9.95 rad/s and 10.01 rad; 10.05 rad/s; 4.9 rad/s and 5.04 rad.
+        ("9.9", "99.1", "{coulomb: 0.1}", 1),
+        ("9.9", "99.1", None, 0),
+        ("9.9", "98.9", "{coulomb: 0.1}", 0),
+        ("10.1", "110", "{coulomb: 0.1}", 0),
+        ("2.4", "12.1", "{coulomb: 0.1}", 1),
+        ("2.4", "11.9", "{coulomb: 0.1}", 0),
+        ("2.6", "25", "{coulomb: 0.1}", 0),
+        # A limit that is a power of ten is often nobody's.
+        ("2.4", "100", "{coulomb: 0.1}", 0),
+    ],
+)
+def test_a_weak_drive_by_its_inertia(kp: str, limit: str, friction: str | None, expected: int) -> None:
+    found = told(
+        TENTH, kp=kp, kd="0.2", effort_limit=limit, friction=friction, armature=None, velocity_limit=None
+    )
+    assert [item[:2] for item in found] == [("SPEC192", "kp")] * expected
+
+
+ROD = (
+    '<mujoco><worldbody><body><joint name="hip"/><geom size=".1" mass="1"/>'
+    '<body><joint name="calf"/><geom size=".1" mass="1"/>'
+    '<body><joint name="slide" type="slide" range="0 0.1" limited="true"/><geom size=".1" mass="1"/>'
+    "</body></body></body></worldbody></mujoco>"
+)
+"""A slide of 1 kg that travels 0.1 m."""
+TRAVEL: dict[str, str | None] = {"armature": None, "friction": None}
+DRIVEN = (
+    "actspec: 1\nrobot: {name: leg, model: leg.xml}\n"
+    "motors: {m: {side: joint, peak_torque: 2000 N, no_load_speed: 0.2 m/s}}\n"
+    "actuators: {own: {joints: [slide], level: ideal_pd, motor: m, GAINS, effort_limit: peak}, "
+    "rest: {joints: [hip, calf], level: ideal_pd, kp: 1, kd: 1}}\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("gains", "limit", "field", "help"),
+    [
+        # 2000 / 30 = 66.7 m, 667 times 0.1 m, at 5.5 rad/s.
+        ("30 1", "2000", "kp", "are kp and kd per mm? Per metre they are 30000 N/m and 1000 N*s/m"),
+        # 2.51 and 2.49 m at 5.9 rad/s; 15.1 and 14.9 m at 10 rad/s, which may be a finger's.
+        ("35 1", "87.9", "kp", "are kp and kd per mm? Per metre they are 35000 N/m and 1000 N*s/m"),
+        ("35 1", "87.1", None, ""),
+        ("100 3", "1490", None, ""),
+        (
+            "100 3",
+            "1510",
+            "kp",
+            "one of 2 numbers is wrong. kp: are kp and kd per mm? Per metre they are 100000 N/m and 3000 N*s/m. Or "
+            "the effort limit (PLACE): look for a wrong unit",
+        ),
+        # 141 rad/s; a thousand times as much would be 4472.
+        ("20000 800", "400000", "effort_limit", "look for a wrong unit or power of ten"),
+        # A limit that is a power of ten is often nobody's.
+        ("20 1", "1000", None, ""),
+    ],
+)
+def test_a_slide_by_its_travel(gains: str, limit: str, field: str | None, help: str) -> None:
+    kp, _, kd = gains.partition(" ")
+    figures = {**TRAVEL, "kp": f"{kp} N/m", "kd": f"{kd} N*s/m", "effort_limit": f"{limit} N"}
+    assert told(ROD, joint="slide", **figures) == ([] if field is None else [("SPEC192", field, help)])
+
+
+@pytest.mark.parametrize(("kp", "field"), [("790", "kp"), ("810", None)])
+def test_a_driven_slide_by_its_travel(kp: str, field: str | None) -> None:
+    """2000 N over 790 N/m are 2.53 m, 25.3 times 0.1 m."""
+    found = said(DRIVEN.replace("GAINS", f"kp: {kp} N/m, kd: 20 N*s/m"), ROD)
+    assert [(item.code, item.where) for item in found] == (
+        [] if field is None else [("SPEC192", "actuators.own.kp")]
+    )
+
+
 @pytest.mark.parametrize("motor", [False, True])
 @pytest.mark.parametrize("kd", ["100", "200", "500", "1000", "5000"])
 def test_a_wrong_kd_beside_a_right_kp(kd: str, motor: bool) -> None:

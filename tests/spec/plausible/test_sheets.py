@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from actspec.diagnostics import ActspecError, Diagnostic
@@ -325,6 +327,101 @@ def test_one_line_of_a_sheet(
     assert (found.code, found.where, found.help) == (code, where, help)
 
 
+REACTION = """
+actspec: 1
+robot: {name: wheel, model: none, joints: [hip]}
+motors: {m: {SHEET}}
+actuators: {legs: {joints: [hip], motor: m, level: dc_motor, command: effort}}
+"""
+EC45 = (
+    "side: motor, gear_ratio: 1, nominal_voltage: 24 V, no_load_speed: 6110 rpm, stall_torque: 1460 mN*m, "
+    "continuous_torque: 128 mN*m, torque_constant: 36.9 mN*m/A, nominal_current: 3.21 A, rotor_inertia: 181 g*cm^2"
+)
+"""Of a maxon EC 45 flat: its speed constant is 259 rpm/V, its current without load 0.234 A."""
+HUB = (
+    "side: joint, gear_ratio: 1, stall_torque: 16 N*m, peak_torque: 9 N*m, no_load_speed: 560 rpm, "
+    "nominal_voltage: 36 V, torque_constant: 0.61 N*m/A, peak_current: 15 A"
+)
+T4004 = (
+    "side: motor, gear_ratio: 9, torque_constant: 0.025 N*m/A, peak_current: 12 A, nominal_current: 4 A, "
+    "no_load_speed: 7200 rpm, nominal_voltage: 24 V, rotor_inertia: 4.1e-6 kg*m^2"
+)
+"""Of a motor of 300 rpm/V."""
+
+
+@pytest.mark.parametrize("sheet", [EC45, HUB, T4004])
+def test_sheets_with_a_voltage_are_sound(sheet: str) -> None:
+    assert said(REACTION.replace("SHEET", sheet)) == []
+
+
+@pytest.mark.parametrize(
+    ("sheet", "change", "where", "help"),
+    [
+        # 0.0369 N*m/A x 259 rpm/V are 1.0008 of a volt a volt.
+        (
+            EC45,
+            ("6110 rpm", "259 rpm"),
+            "no_load_speed",
+            "is it Kv? 259 rpm/V x 24 V is 6216 rpm (650.9 rad/s)",
+        ),
+        (
+            HUB,
+            ("560 rpm", "15.6 rpm"),
+            "no_load_speed",
+            "is it Kv? 15.6 rpm/V x 36 V is 561.6 rpm (58.81 rad/s)",
+        ),
+        # By `side: joint` 0.225 N*m/A x 31.4 rad/s would be 7.1 V of 24.
+        (
+            T4004,
+            ("7200 rpm", "300 rpm"),
+            "no_load_speed",
+            "is it Kv? 300 rpm/V x 24 V is 7200 rpm (754 rad/s)",
+        ),
+        # 0.61 x 58.64 = 35.8 V of 36, and x 56 34.2 V.
+        (
+            HUB,
+            ("560 rpm", "56 rpm"),
+            "no_load_speed",
+            "did you mean 560 rpm (58.64 rad/s)?; or did you mean 56 rad/s?",
+        ),
+        (
+            EC45,
+            ("6110 rpm", "611 rpm"),
+            "no_load_speed",
+            "did you mean 6110 rpm (639.8 rad/s)?; or did you mean 611 rad/s?",
+        ),
+        # Of speed and voltage only the product with the constant is known.
+        (
+            EC45,
+            ("6110 rpm", "64 rad/s"),
+            "nominal_voltage",
+            "one of 2 numbers is wrong. nominal_voltage: did you mean 2.4 V? Or no_load_speed (PLACE): did you mean "
+            "640 rad/s?",
+        ),
+        # 128 / 36.9 = 3.469 A, and ten times 0.234 is 33 % off.
+        (
+            EC45,
+            ("3.21 A", "0.234 A"),
+            "nominal_current",
+            "torque_constant and continuous_torque give 3.469 A: is it the current without load? Or did you mean "
+            "2.34 A?",
+        ),
+        # Ten times the torque would fit as well.
+        (
+            EC45,
+            ("3.21 A", "32.1 A"),
+            "nominal_current",
+            "one of 2 numbers is wrong. nominal_current: did you mean 3.21 A? Or continuous_torque (PLACE): did you "
+            "mean 1.28 N*m?",
+        ),
+    ],
+)
+def test_speed_voltage_and_current(sheet: str, change: tuple[str, str], where: str, help: str) -> None:
+    (found,) = said(REACTION.replace("SHEET", sheet), change)
+    assert found.where == f"motors.m.{where}"
+    assert re.sub(r"\(\S+:[0-9]+:[0-9]+\)", "(PLACE)", found.help or "") == help
+
+
 @pytest.mark.parametrize("constant", ["100 mN*m/A", "122 mN*m/A", "41 mN*m/A"])
 def test_a_constant_that_is_no_kv(constant: str) -> None:
     """By phases or amplitudes a constant is 1.41 or 1.73 times another; 9.549 / 0.122 is 78 and not 70.5 mN*m/A."""
@@ -368,3 +465,75 @@ def test_a_speed_that_does_not_move(speed: str, message: str) -> None:
 )
 def test_a_speed_that_is_slow(changes: list[tuple[str, str]]) -> None:
     assert said(SERVO, *changes) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        # 1.0472 / 0.17 = 6.16.
+        ([("9.5 rad/s", "0.17 rad/s, nominal_voltage: 7.4 V")], True),
+        ([("9.5 rad/s", "0.17 rad/s, nominal_voltage: 12 V")], False),
+        ([("9.5 rad/s", "0.17 rad/s, nominal_voltage: 7.4 V"), ("35 kgf*cm", "12 N*m")], False),
+        ([("9.5 rad/s", "0.31 rad/s, nominal_voltage: 7.4 V")], False),
+    ],
+)
+def test_a_servos_time_as_its_speed(changes: list[tuple[str, str]], told: bool) -> None:
+    """With a stiff kp the joint takes 0.2 s for its error, as slow joints do: the supply tells that it is a servo."""
+    found = said(SERVO, ("kp: 10, kd: 0.2", "kp: 100, kd: 5"), *changes)
+    assert [(item.code, item.where) for item in found] == [("SPEC184", "motors.m.no_load_speed")] * told
+    for item in found:
+        assert (item.help or "").startswith(
+            "is it in s per 60 deg, as sheets of servos have it? Then it is 6.16 rad/s"
+        )
+
+
+WORM = """actspec: 1
+robot: {name: turret, model: leg.xml}
+motors: {slew: {side: joint, peak_torque: 800 N*m, no_load_speed: SPEED}}
+actuators:
+  turret: {joints: [turret], motor: slew, level: ideal_pd, kp: 20000, kd: 2000, effort_limit: peakARMATURE}
+"""
+TURRET = (
+    '<mujoco><worldbody><body><joint name="turret"/><inertial pos="0 0 0" mass="1" diaginertia="0.154 0.154 0.154"/>'
+    "</body></worldbody></mujoco>"
+)
+
+
+@pytest.mark.parametrize(
+    ("speed", "armature", "told"),
+    [
+        # 800 N*m turn 397 kg*m^2 to 0.105 rad/s in 52 ms, and 1.39 to 30 rad/s: 20000 / 1.54 is 114 rad/s squared.
+        ("1 rpm", "", False),
+        ("30 rad/s", "", False),
+        # With 50000 N*m/rad 180 rad/s.
+        ("30 rad/s", ", kp: 50000", True),
+        ("1 rpm", ", armature: 0.1 kg*m^2", True),
+    ],
+)
+def test_a_kp_by_an_armature_that_nobody_states(speed: str, armature: str, told: bool) -> None:
+    """By the links alone 360 rad/s, which says only that the armature is missing."""
+    text = WORM.replace("SPEED", speed).replace("ARMATURE", armature)
+    text = text.replace("kp: 20000, ", "") if "kp: 5" in text else text
+    found = [item.where for item in said(text, model=TURRET) if item.code == "SPEC192"]
+    assert found == ["actuators.turret.kp"] * told
+
+
+FLANGE = """actspec: 1
+robot: {name: arm, model: leg.xml}
+motors:
+  wrist:
+    side: motor
+    gear_ratio: 200
+    efficiency: 0.75
+    peak_torque: 12 N*m
+    no_load_speed: 5500 rpm
+    rotor_inertia: INERTIA kg*cm^2
+actuators: {a6: {joints: [turret], motor: wrist, level: ideal_pd, kp: 5e4, kd: 1500, effort_limit: peak}}
+"""
+
+
+@pytest.mark.parametrize(("links", "told"), [("0.0552", False), ("0.029", False), ("0.027", True)])
+def test_a_flange_without_a_tool(links: str, told: bool) -> None:
+    """7 kg*cm^2 x 200^2 = 28 kg*m^2, 507 times 0.0552 and 1037 times 0.027."""
+    found = said(FLANGE.replace("INERTIA", "7"), model=TURRET.replace("0.154", links))
+    assert [item.code for item in found] == ["SPEC191"] * told
