@@ -138,7 +138,7 @@ def motor_of(joint: JointActuator) -> dict[str, Row]:
 
 def randomize_of(joint: JointActuator) -> tuple[tuple[str, str], ...]:
     """(field, flow mapping) of each range, in the joint's order."""
-    return tuple((item.field, _range(item, joint)) for item in joint.randomize)
+    return tuple((item.field, range_text(item, joint)) for item in joint.randomize)
 
 
 def network_of(joint: JointActuator) -> str:
@@ -244,7 +244,8 @@ def _delay(delay: Delay) -> str:
     return f"{{nominal: {nominal}, range: {ends}, sampling: {delay.sampling}}}"
 
 
-def _range(item: Randomization, joint: JointActuator) -> str:
+def range_text(item: Randomization, joint: JointActuator) -> str:
+    """A range as a spec writes it, a flow mapping: `{scale: [0.9, 1.1], when: reset, per: joint}`."""
     kind = Kind.RATIO if item.operation == "scale" else RANDOMIZED_KINDS[item.field]
     unit = "" if kind is Kind.RATIO else unit_of_kind(kind, joint.kind)
     ends = [time_text(end) if unit == "s" else figure(end, unit) for end in (item.low, item.high)]
