@@ -193,8 +193,9 @@ def _hints(joint: JointActuator) -> dict[str, str]:
     viscous = joint.friction_viscous
     if joint.command is Command.EFFORT or joint.kd is None or joint.level is Level.ACTUATOR_NET:
         return {}
-    if viscous.origin is Origin.AUTHORED:
-        return {"friction.viscous": viscous.note or ""}
+    for key, one in (("friction.viscous", viscous), ("kd", joint.kd)):
+        if one.origin is Origin.AUTHORED:
+            return {key: one.note or ""}
     if joint.kd.origin is Origin.DEFAULT or joint.kd.value in (None, 0.0):
         silent = joint.kd.known and not stated(joint.kd)
         return {"kd": joint.kd.note or ""} if silent else {}
