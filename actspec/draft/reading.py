@@ -377,7 +377,7 @@ def _check_classes(
         if files
         else f"name {robot_file_of(config)}"
         if model is None and any(of_model)
-        else None,
+        else "leave this file out: the robot's MJCF or URDF alone makes a spec, in which you state what drives it",
     )
 
 

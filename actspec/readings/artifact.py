@@ -334,8 +334,8 @@ class Artifact:
         return any(tag in file.data and tag in without_comments(file.data) for file in files)
 
 
-PHYSX = "PhysX"
-"""What stands for a class in a legged_gym configuration whose drive is PhysX's own."""
+PHYSX, NETWORK = "PhysX", "actuator_net"
+"""What stands for a class in a legged_gym configuration whose drive is PhysX's own, or a network."""
 
 NAMES_NOTHING = ("AUD014", "AUD016")
 """Codes of names that stand for no file."""

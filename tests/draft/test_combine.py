@@ -587,6 +587,37 @@ def test_networks(tmp_path: Path, capsys: Any) -> None:
         assert told == ("copy ../net.pt to net.pt" in spec.read_text()) == (folder != tmp_path)
 
 
+def test_network_of_legged_gym(tmp_path: Path) -> None:
+    """As ANYmal C of legged_gym: the network drives, its gains are nobody's, and what stands beside them is kept.
+
+    The network lies below the folder that `LEGGED_GYM_ROOT_DIR` stands for, above the configuration.
+    """
+    own = """    class control(LeggedRobotCfg.control):
+        stiffness = {"hip": 80.0, "knee": 80.0}
+        damping = {"hip": 2.0, "knee": 2.0}
+        action_scale = 0.5
+        decimation = 4
+        use_actuator_network = True
+        actuator_net_file = "{LEGGED_GYM_ROOT_DIR}/nets/sea.pt"
+"""
+    text = f"class LegCfg(LeggedRobotCfg):\n{own}    class sim(LeggedRobotCfg.sim):\n        dt = 0.005\n"
+    (tmp_path / "envs" / "leg").mkdir(parents=True)
+    (tmp_path / "nets").mkdir()
+    (tmp_path / "nets" / "sea.pt").write_text("")
+    (tmp_path / "envs" / "leg" / "leg_cfg.py").write_text(text)
+    (model,) = write(tmp_path, leg_xml=MOTORS)
+    spec = tmp_path / "leg.yaml"
+    assert main(["import", str(tmp_path / "envs" / "leg" / "leg_cfg.py"), str(model), "-o", str(spec)]) == 0
+    loaded = load_spec(str(spec)).model
+    (group,) = loaded.actuators.values()
+    assert (group.level, group.network) == ("actuator_net", NetworkFile(file="nets/sea.pt"))
+    written = spec.read_text()
+    assert "action_scale: {value: 0.5, source: leg_cfg}" in written and "decimation: 4" in written
+    assert "kp:" not in written and "kd:" not in written
+    words = " ".join(written.replace("\n    # ", " ").split())
+    assert "stiffness and damping are left out, which training does not use" in words
+
+
 def test_errors_are_ours(tmp_path: Path) -> None:
     """A file that is not there, beside one that is, is one error with its place."""
     paths = write(tmp_path, leg_xml=MOTORS)
