@@ -248,14 +248,28 @@ def _is_motor_alone(part: Artifact) -> bool:
 
 
 def _is_base(part: Artifact, other: Artifact) -> bool:
-    """Whether a configuration is only what another one of its file was made of: private, or without an asset."""
+    """Whether a configuration is only what another one of its file was made of: private, or without an asset, or what
+    the function that makes the other one would make without arguments."""
     one, two = part.config, other.config
     if one is None or two is None or part.path != other.path:
         return False
+    if _is_made_by(two, one):
+        return True
     if part.name.startswith("_") and not other.name.startswith("_") and _written(one) & _written(two):
         # The copy may get entries, or lose some.
         return True
     return written_once(one, two) and "model" not in one.settings and "model" in two.settings
+
+
+def _is_made_by(robot: RobotConfig, function: RobotConfig) -> bool:
+    """Whether a robot is made by a function of its file, in which its groups are written.
+
+    Of a task the figures without arguments are those of its training.
+    """
+    lines = [group.span.line for group in function.groups]
+    if not function.by_call or robot.by_call or function.randomize or "decimation" in function.settings:
+        return False
+    return written_once(robot, function) and function.span.line <= min(lines) <= max(lines) < robot.span.line
 
 
 def _written(config: RobotConfig) -> set[tuple[str, Span]]:

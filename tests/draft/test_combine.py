@@ -456,6 +456,33 @@ def test_a_changed_copy_is_a_robot(how: str, tmp_path: Path) -> None:
         assert joint(imported(paths, tmp_path, "LEG_CFG"), "hip")["kp"] == "40 N*m/rad"
 
 
+MAKER = """
+def make(kp=40.0):
+    return ArticulationCfg(actuators={"all": IdealPDActuatorCfg(
+        joint_names_expr=[".*"], effort_limit=20.0, stiffness=kp, damping=1.0)})
+"""
+
+
+def test_a_function_that_makes_the_robot_is_no_second_one(tmp_path: Path) -> None:
+    """Its figures without arguments are nobody's; who names it gets them. Two robots of one function are two."""
+    head = ISAACLAB[: ISAACLAB.index("LEG_CFG")] + MAKER
+    paths = write(tmp_path, leg_xml=MOTORS, robots_py=head + "LEG_CFG = make(30.0)\n")
+    assert joint(imported(paths, tmp_path), "hip")["kp"] == "30 N*m/rad"
+    assert joint(imported(paths, tmp_path, "make"), "hip")["kp"] == "40 N*m/rad"
+    two = write(tmp_path, robots_py=head + "LEG_CFG = make(30.0)\nARM_CFG = make(70.0)\n")
+    with pytest.raises(AuditError) as caught:
+        imported(two, tmp_path)
+    (item,) = caught.value.diagnostics
+    assert (item.code, item.message) == ("DRF007", "describes 2 robots")
+    assert item.help == "name one with --robot: LEG_CFG, ARM_CFG"
+    # A function that changes the robot makes another one, whose figures somebody wrote.
+    stiff = "\ndef stiff():\n    found = LEG_CFG.copy()\n"
+    stiff += "    found.actuators['all'].stiffness = 70.0\n    return found\n"
+    with pytest.raises(AuditError) as caught:
+        imported(write(tmp_path, robots_py=ISAACLAB + stiff), tmp_path)
+    assert caught.value.diagnostics[0].code == "DRF007"
+
+
 def test_a_base_without_an_asset_is_no_robot(tmp_path: Path) -> None:
     """Its only copy that has one is the robot; of two such copies one is named, and the base not offered."""
     copies = "".join(
