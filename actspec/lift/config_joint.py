@@ -146,7 +146,7 @@ class ConfigJoint:
             kp=kp,
             kd=kd,
             effort_limit=self._effort_limit(),
-            velocity_limit=self._figure("velocity_limit", units.speed),
+            velocity_limit=real_limit(self._figure("velocity_limit", units.speed)),
             stall_torque=stall,
             no_load_speed=speed,
             curve=curve,
@@ -419,6 +419,17 @@ class ConfigJoint:
             value = group.settings["velocity_limit"].value
             shown = f" {value:g}" if isinstance(value, float | int) else ""
             self.notes.append(f"velocity_limit{shown} is left out: an implicit drive ignores it")
+        for own in ("effort_limit", "velocity_limit") if self._control == "implicit" else ():
+            pair = [group.settings.get(name) for name in (own, f"{own}_sim")]
+            values = [
+                one.value for one in pair if one is not None and one.unknown is None and one.value is not None
+            ]
+            # In 3.0 both names are aliases of one field. The audit says it too (LIM106).
+            if len(values) == 2 and values[0] != values[1] and not is_native(self.versions):
+                self.notes.append(
+                    f"{own} and {own}_sim differ: Isaac Lab 2.x raises ValueError when it builds the group; "
+                    f"{own}_sim is taken"
+                )
         for name in self._idle:
             setting = group.settings[name]
             if setting.value is None or (setting.number or 0.0) >= NONE_FROM:
