@@ -118,11 +118,17 @@ def read_robot_files(
 
 
 def _once(parts: Sequence[Lifted]) -> Iterator[Diagnostic]:
-    """What the parts have to say; of a robot that an environment of another file imports, not once more."""
+    """What the parts have to say; of a robot that an environment of another file imports, not once more.
+
+    What is said of several figures for one cause at one place is said of them together.
+    """
     told = set[tuple[str, Span | None]]()
     for part in parts:
         own = [d for d in part.actuators.diagnostics if (d.code, d.span) not in told]
-        yield from own
+        causes: dict[Diagnostic, list[str]] = {}
+        for item in own:
+            causes.setdefault(replace(item, where=""), []).append(item.where)
+        yield from (replace(item, where=listed(dict.fromkeys(wheres), 4)) for item, wheres in causes.items())
         told.update((d.code, d.span) for d in own if d.span is not None and d.span.line)
 
 

@@ -611,3 +611,19 @@ def test_of_a_deploy_file_without_names(folder: Path, capsys: pytest.CaptureFixt
     deploy.write_text("kp: [25, 25, 25, 25]\nkd: [1, 1, 1, 1]\n", encoding="utf-8")
     assert main(["import", "deploy.yaml", "--joints", ",".join(NAMES)]) == 0
     assert "kp: {value: 25 N*m/rad, source: deploy}" in capsys.readouterr().out
+
+
+def test_one_cause_is_told_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What cannot be read at one place is one line, whichever figures it is in."""
+    groups = "".join(
+        f'"{n}": ImplicitActuatorCfg(joint_names_expr=["{n}"], effort_limit=24.0, stiffness=KP[0], damping=1.0),'
+        for n in NAMES
+    )
+    head = CFG[: CFG.index("LEG_CFG")]
+    text = f"import numpy as np\n{head}KP = np.array([40.0])\nLEG_CFG = ArticulationCfg(actuators={{{groups}}})\n"
+    (folder / "leg_cfg.py").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py"]) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if "CFG001" in line]
+    assert len(lines) == 1
+    figures = ", ".join(f"{name}.stiffness" for name in NAMES)
+    assert f"CFG001 [info] {figures}: not known without running it: calls array(): " in lines[0]
