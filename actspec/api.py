@@ -177,6 +177,7 @@ def verify(
     *,
     targets: Sequence[str | TargetOptions] = (),
     built: str | os.PathLike[str] | None = None,
+    canonical: bool = False,
     engines: bool = True,
     run_edited: bool = False,
     trust: bool = False,
@@ -189,6 +190,7 @@ def verify(
         spec: A spec, or the path of one.
         targets: As in `compile`.
         built: Folder of compiled files to verify, as `compile` writes it below `-o`; default: what it writes today.
+        canonical: As in `compile`.
         engines: Run the simulators that are here; files are only read back without.
         run_edited: Let them execute Python files of `built` that are not what the spec compiles to.
         trust: Let them execute TorchScript of networks that actspec did not write.
@@ -204,7 +206,7 @@ def verify(
     from actspec.verify.run import lay_out, relative, verify
 
     with tempfile.TemporaryDirectory(prefix="actspec-verify-") as folder:
-        compilation = compile(spec, targets=targets, output=folder, partial=partial)
+        compilation = compile(spec, targets=targets, output=folder, canonical=canonical, partial=partial)
         pairs = list(zip(compilation.targets, compilation.emissions, strict=True))
         found = lay_out(pairs, None if built is None else os.fspath(built))
         path = compilation.spec.document.path

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import actspec
 from actspec.cli.options import (
+    add_canonical,
     add_fail_on,
     add_force,
     add_format,
@@ -69,6 +70,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--task", metavar="TASK", help="mjlab's task to train on; default: its own for a Go1 and a G1"
     )
+    add_canonical(command)
     add_force(command)
     add_fail_on(command)
     add_format(command, "markdown")
@@ -187,7 +189,7 @@ def _compiled(
         own[os.path.normpath(named)] = read_regular(results.document.path, MAX_BYTES)
     own |= _networks(variant, base)
     variant = replace(variant, model=_reading(variant.model, base))
-    targets = list(_targets(variant, folder, drawn=name == "D_ideal_pd_dr"))
+    targets = list(_targets(variant, folder, arguments.canonical, drawn=name == "D_ideal_pd_dr"))
     try:
         found = api.compile(variant, targets=targets)
     except EmitError as err:
@@ -231,7 +233,7 @@ def _reading(model: SpecModel, base: str) -> SpecModel:
     return model.model_copy(update={"actuators": groups})
 
 
-def _targets(spec: Spec, folder: str, *, drawn: bool) -> Iterator[TargetOptions]:
+def _targets(spec: Spec, folder: str, canonical: bool, *, drawn: bool) -> Iterator[TargetOptions]:
     """MuJoCo and mjlab at the spec's versions, each in the folder of its kind; mjlab's events where a variant draws."""
     from actspec.spec.models import RandomizationTarget
     from actspec.targets.choose import choose_targets
@@ -239,9 +241,11 @@ def _targets(spec: Spec, folder: str, *, drawn: bool) -> Iterator[TargetOptions]
     version = ""
     for kind in ("mujoco", "mjlab"):
         own = [
-            target for target in choose_targets(spec, (), folder, False, Collector()) if target.kind == kind
+            target
+            for target in choose_targets(spec, (), folder, canonical, Collector())
+            if target.kind == kind
         ]
-        found = own[0] if own else choose_targets(spec, (kind,), folder, False, Collector())[0]
+        found = own[0] if own else choose_targets(spec, (kind,), folder, canonical, Collector())[0]
         version = found.version
         yield replace(found, name=kind, folder=os.path.join(folder, kind))
     if drawn:

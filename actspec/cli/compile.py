@@ -9,6 +9,7 @@ from typing import Any
 
 from actspec import api, output
 from actspec.cli.options import (
+    add_canonical,
     add_force,
     add_format,
     add_packages,
@@ -51,9 +52,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="write nothing and exit 1 on an approximation that the spec does not accept, a number that can hardly "
         "be right, a drive without an effort limit, or a model that MuJoCo cannot load",
     )
-    command.add_argument(
-        "--canonical", action="store_true", help="write MuJoCo's own form, not the author's text"
-    )
+    add_canonical(command)
     add_force(command, "replace files that actspec did not write, or wrote from another spec")
     add_format(command)
 

@@ -148,9 +148,10 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
     out = Collector()
     for file, name in asked.items():
         if name not in recorded.values():
-            out.error(
-                "LCK003", "is not in the lock", span=Span(file), help=f"add it with `actspec lock -o {path}`"
-            )
+            there = os.path.exists(file)
+            help = f"add it with `actspec lock -o {path}`" if there else None
+            message = "is not in the lock" if there else "is not in the lock, and there is no such file"
+            out.error("LCK003", message, span=Span(file), help=help)
     out.raise_if_failed(AuditError)
     print_diagnostics(old_form(old, path))
     # All are read, because a configuration's joints come from the model beside it.

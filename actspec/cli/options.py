@@ -139,6 +139,13 @@ def add_targets(command: argparse.ArgumentParser) -> None:
     )
 
 
+def add_canonical(command: argparse.ArgumentParser) -> None:
+    """Add that the model is written in MuJoCo's own form."""
+    command.add_argument(
+        "--canonical", action="store_true", help="write MuJoCo's own form, not the author's text"
+    )
+
+
 def add_versions(command: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
     """Add what files are meant for."""
     command.add_argument(

@@ -8,7 +8,15 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api
-from actspec.cli.options import add_format, add_packages, add_specs, add_targets, add_variant, describe
+from actspec.cli.options import (
+    add_canonical,
+    add_format,
+    add_packages,
+    add_specs,
+    add_targets,
+    add_variant,
+    describe,
+)
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, Diagnostic, SpecError
 from actspec.output import loss_record
 from actspec.report.doubts import doubts, refused_losses
@@ -34,6 +42,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add_variant(command)
     add_targets(command)
     add_packages(command)
+    add_canonical(command)
     command.add_argument(
         "--fields-only", action="store_true", help="read the files, run no simulator and no Python file"
     )
@@ -105,6 +114,7 @@ def _verified(path: str, arguments: argparse.Namespace) -> tuple[api.Compilation
             api.load(named(path, arguments.variant), packages=dict(arguments.package)),
             targets=arguments.target,
             built=arguments.built,
+            canonical=arguments.canonical,
             engines=not arguments.fields_only,
             run_edited=arguments.run_edited,
             trust=arguments.trust,

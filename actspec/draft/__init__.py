@@ -10,7 +10,7 @@ from types import MappingProxyType
 import actspec
 from actspec.diagnostics import RobotError, Span, listed, many, one_line
 from actspec.draft.combine import Combined
-from actspec.draft.damping import AS_KD, moved, question
+from actspec.draft.damping import question, settled
 from actspec.draft.groups import DraftGroup, groups_of, motors_of
 from actspec.draft.including import including
 from actspec.draft.lines import (
@@ -84,10 +84,11 @@ def draft(
     Raises:
         RobotError: there is no joint that a spec could describe, or a name is too long.
     """
-    asked = question(combined.actuators.joints) if damping is None else ""
-    settled = asked
-    if damping == AS_KD:
-        combined, settled = moved(combined)
+    asked = answered = ""
+    if damping is None:
+        asked = question(combined.actuators.joints)
+    else:
+        combined, answered = settled(combined, damping)
     actuators = combined.actuators
     if not actuators.joints:
         raise _nothing(combined)
@@ -134,7 +135,7 @@ def draft(
         actuators.robot,
         {group.name: len(group.names) for group in groups},
         _unknown(groups),
-        (*_gears(groups), *([settled] if settled else [])),
+        (*_gears(groups), *filter(None, (asked or answered,))),
     )
 
 

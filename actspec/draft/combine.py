@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from actspec.draft.deploy_lists import lists_of, with_reasons
+from actspec.draft.ranges import with_ranges
 from actspec.draft.sources import RobotReading, keyed, robot_name, source_keys, sources_of, stated
 from actspec.fields import BY_IR, Role
 from actspec.ir import (
@@ -22,7 +23,6 @@ from actspec.ir import (
     JointKind,
     Level,
     Quantity,
-    Randomization,
     whole_steps,
 )
 from actspec.lift.lifted import LeftAlone
@@ -120,6 +120,7 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
     alone = _left_alone(ranked, base, order, drives)
     lists = {field: one for r in reversed(ranked) for field, one in lists_of(r.artifact.config).items()}
     joints = []
+    ranges: dict[str, tuple[str, ...]] = {}
     for name in order:
         said = [j for r in ranked for j in r.lifted.actuators.joints if j.joint == name]
         if name in alone or not said:
@@ -127,7 +128,9 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
         if drives and not any(id(joint) in drives for joint in said):
             alone[name] = _reason(ranked, name) or LeftAlone(name, NO_DRIVE, said[0].span, undriven=True)
             continue
-        joints.append(with_reasons(_joint(said, drives, deploy), lists))
+        joint, remarks = with_ranges(with_reasons(_joint(said, drives, deploy), lists), said)
+        joints.append(joint)
+        ranges[name] = remarks
     sets = [reading.lifted.actuators for reading in ranked]
     step = _first([actuators.physics_dt for actuators in sets])
     assert step is not None
@@ -148,7 +151,7 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
     return Combined(
         actuators,
         left,
-        _notes(ranked, actuators),
+        _notes(ranked, actuators, ranges),
         tuple(_disagreements(actuators)),
         model,
         tuple(reading.kind for reading in readings),
@@ -261,7 +264,6 @@ def _joint(said: Sequence[JointActuator], drives: frozenset[int], deploy: frozen
         command_range=lead.command_range,
         position_range=next((j.position_range for j in said if j.position_range is not None), None),
         network=lead.network,
-        randomize=_ranges(said),
         inertia_held=next((j.inertia_held for j in said if j.inertia_held is not None), None),
         inertia_free=next((j.inertia_free for j in said if j.inertia_free is not None), None),
     )
@@ -310,15 +312,6 @@ def _delay(delays: Sequence[Delay | None]) -> Delay | None:
     return winner if nominal is None else replace(winner, nominal=nominal)
 
 
-def _ranges(said: Sequence[JointActuator]) -> tuple[Randomization, ...]:
-    """One range a field: that of the first file that has one."""
-    found: dict[str, Randomization] = {}
-    for joint in said:
-        for item in joint.randomize:
-            found.setdefault(item.field, item)
-    return tuple(found.values())
-
-
 def _control_dt(actuators: ActuatorSet) -> Quantity | None:
     """What one file says of the control period, itself or by steps of a time that it states, too."""
     own, step = actuators.control_dt, actuators.physics_dt
@@ -350,10 +343,17 @@ def _word(name: str) -> str:
     return field.name if field.role is Role.LIMIT else field.spec
 
 
-def _notes(ranked: Sequence[RobotReading], actuators: ActuatorSet) -> dict[str, tuple[str, ...]]:
+def _notes(
+    ranked: Sequence[RobotReading], actuators: ActuatorSet, ranges: Mapping[str, tuple[str, ...]]
+) -> dict[str, tuple[str, ...]]:
     """Remarks of all files, each with its file where there are several; of the whole robot each once.
 
     On a joint it is the file in which its group is written: an environment that imports a robot says the same of it.
+
+    Args:
+        ranked: The files.
+        actuators: What they say.
+        ranges: Joint to remarks on its ranges, which name their files.
     """
     managed = {joint.joint for joint in actuators.joints}
     files = {reading.path for reading in ranked}
@@ -370,4 +370,7 @@ def _notes(ranked: Sequence[RobotReading], actuators: ActuatorSet) -> dict[str, 
             if joint == "" or joint in managed:
                 start = f"{os.path.basename(home if joint else reading.path)}: " if len(ranked) > 1 else ""
                 found.setdefault(joint, {}).update(dict.fromkeys(start + text for text in remarks))
+    for joint, said in ranges.items():
+        if said:
+            found.setdefault(joint, {}).update(dict.fromkeys(said))
     return {joint: tuple(remarks) for joint, remarks in found.items()}

@@ -31,26 +31,45 @@ def is_asked(joint: JointActuator) -> bool:
     return may_be_kd(joint) and joint.friction_viscous.require() >= LEAST_DAMPING * (kp or 0.0)
 
 
-def moved(combined: Combined) -> tuple[Combined, str]:
-    """The robot with the damping of all drives without kd as kd, 0 left of it in the joint; and what was done.
+def settled(combined: Combined, answer: str) -> tuple[Combined, str]:
+    """The robot with the damping of all drives without kd as what it is said to be; and what was done.
+
+    As kd 0 is left of it in the joint; as friction the kd that MuJoCo takes to be 0 is 0.
 
     Args:
         combined: What the files say.
+        answer: `as-kd` or `as-friction`.
     """
     every = combined.actuators.joints
-    names = [one_line(joint.joint) for joint in every if may_be_kd(joint)]
-    said = f"{listed(names, 4)}: joint damping is kd" if names else "no drive without kd has joint damping"
-    joints = tuple(_moved(joint) if may_be_kd(joint) else joint for joint in every)
+    asked = [one_line(joint.joint) for joint in every if may_be_kd(joint)]
+    if not asked:
+        return combined, f"no drive without kd has joint damping (--damping {answer})"
+    done = _as_kd if answer == AS_KD else _as_friction
+    joints = tuple(done(joint) if may_be_kd(joint) else joint for joint in every)
+    said = f"{listed(asked, 4)}: joint damping is {answer.removeprefix('as-')}"
+    if answer == AS_FRICTION:
+        zero = [one_line(new.joint) for old, new in zip(every, joints, strict=True) if new is not old]
+        some = f" at {listed(zero, 4)}" if zero != asked else ""
+        said += f", and kd is 0{some}" if zero else ""
     found = replace(combined, actuators=replace(combined.actuators, joints=joints))
-    return found, f"{said} (--damping {AS_KD})"
+    return found, f"{said} (--damping {answer})"
 
 
-def _moved(joint: JointActuator) -> JointActuator:
-    viscous = joint.friction_viscous
-    none = Quantity(
-        0.0, viscous.unit, Origin.AUTHORED, note=f"the file's joint damping is kd (--damping {AS_KD})"
-    )
-    return replace(joint, kd=viscous, friction_viscous=none)
+def _as_kd(joint: JointActuator) -> JointActuator:
+    note = f"the file's joint damping is kd (--damping {AS_KD})"
+    return replace(joint, kd=joint.friction_viscous, friction_viscous=_nothing(joint.friction_viscous, note))
+
+
+def _as_friction(joint: JointActuator) -> JointActuator:
+    """Of a kd that MuJoCo does not take to be 0, such as the one of a URDF's controller, the answer says nothing."""
+    if joint.kd is None or joint.kd.origin is not Origin.DEFAULT:
+        return joint
+    note = f"the file's drive has none, and its joint damping is friction (--damping {AS_FRICTION})"
+    return replace(joint, kd=_nothing(joint.kd, note))
+
+
+def _nothing(quantity: Quantity, note: str) -> Quantity:
+    return Quantity(0.0, quantity.unit, Origin.AUTHORED, note=note)
 
 
 def question(joints: Sequence[JointActuator]) -> str:

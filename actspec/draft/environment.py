@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import listed, one_line
+from actspec.diagnostics import Span, listed, one_line
 from actspec.draft.sources import places
-from actspec.readings.artifact import Artifact, RobotConfig, Setting
+from actspec.readings.artifact import Artifact, RandomizedRange, RobotConfig, Setting
 
 _OF_A_ROBOT = ("model", "default_position", "soft_joint_pos_limit_factor")
 """Settings of a robot itself, not of what it is trained in."""
@@ -65,11 +65,9 @@ def _is_environment(config: RobotConfig) -> bool:
     return bool(config.randomize) or any(name in config.settings for name in _OF_TRAINING)
 
 
-def _ranges(config: RobotConfig) -> list[tuple[object, ...]]:
+def _ranges(config: RobotConfig) -> list[RandomizedRange]:
     """What its ranges are, wherever they are written."""
-    return [
-        (one.field, one.operation, one.low, one.high, one.joints, one.actuators) for one in config.randomize
-    ]
+    return [replace(one, span=Span("")) for one in config.randomize]
 
 
 def written_once(one: RobotConfig, two: RobotConfig) -> bool:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import TypeGuard
 
 from actspec.diagnostics import listed
-from actspec.draft.names import body_part, given_name, group_name, joint_patterns, one_pattern
+from actspec.draft.names import given_name, group_name, joint_patterns, one_pattern, parts_of_body
 from actspec.draft.rows import Row, clamp_of, motor_of, network_of, randomize_of, rows_of
 from actspec.draft.sources import stated
 from actspec.draft.text import figure
@@ -204,7 +204,7 @@ def _told(one: JointClass) -> bool:
 
 
 def _is_wheel(cls: JointClass) -> bool:
-    return body_part(cls.names) == "wheels"
+    return cls.part == "wheels"
 
 
 def _without_gains(cls: JointClass) -> bool:
@@ -250,7 +250,7 @@ def _takes(
     if cls.kind != base.kind or not (one_limb(cls, base, above) or one_row(cls, base)):
         return False
     # A torso and fingers are each in one chain with what is between them, and no limb together.
-    if any(_two_limbs(body_part(cls.names), body_part(other.names)) for other in group.classes):
+    if any(_two_limbs(cls.part, other.part) for other in group.classes):
         return False
     keys = differing(base, cls)
     if not set(keys) <= set(cls.rows) or len(keys) + _other_motor(base, cls) > MOST_DIFFERENT:
@@ -284,6 +284,7 @@ class JointClass:
 
     Attributes:
         written: All that a spec says of them: equal for classes that were told apart by limb or by limits alone.
+        part: Of the body; None: of several, or unknown.
         joints: In the robot's order.
         rows: Key to line, of the first joint; the lines of all have the same values.
         all_rows: The lines of each joint.
@@ -300,6 +301,7 @@ class JointClass:
     """
 
     written: tuple[object, ...]
+    part: str | None
     joints: list[JointActuator]
     rows: dict[str, Row]
     all_rows: list[dict[str, Row]]
@@ -358,6 +360,7 @@ def joint_classes_of(joints: Sequence[JointActuator], kinds: Sequence[FileKind])
         kinds: What the files are.
     """
     classes: dict[tuple[object, ...], JointClass] = {}
+    parts = parts_of_body(joint.joint for joint in joints)
     speeds = any(j.velocity_limit.span is not None or stated(j.velocity_limit) for j in joints)
     for joint in joints:
         rows, motor = rows_of(joint, kinds, speeds=speeds), motor_of(joint)
@@ -367,10 +370,11 @@ def joint_classes_of(joints: Sequence[JointActuator], kinds: Sequence[FileKind])
             tuple((name, row.value) for name, row in rows.items()),
             tuple((name, row.value) for name, row in motor.items()),
         )
-        key = (written, body_part([joint.joint]), tuple(limits.items()))
+        part = parts[joint.joint]
+        key = (written, part, tuple(limits.items()))
         cls = classes.get(key)
         if cls is None:
-            cls = classes[key] = JointClass(written, [], rows, [], {}, motor, network, ranges, limits)
+            cls = classes[key] = JointClass(written, part, [], rows, [], {}, motor, network, ranges, limits)
         cls.joints.append(joint)
         cls.all_rows.append(rows)
         cls.clamps[joint.joint] = clamp_of(joint)
@@ -405,7 +409,7 @@ def joined(classes: Sequence[JointClass]) -> list[JointClass]:
     """
     kept: dict[tuple[object, ...], JointClass] = {}
     for cls in sorted(classes, key=lambda cls: cls.base is not None):
-        key = (cls.written, body_part(cls.names), id(cls.base), cls.ratio, cls.lends)
+        key = (cls.written, cls.part, id(cls.base), cls.ratio, cls.lends)
         home = kept.setdefault(key, cls)
         if home is not cls:
             join(home, cls, classes)
@@ -420,6 +424,7 @@ def join(home: JointClass, cls: JointClass, classes: Iterable[JointClass]) -> No
         cls: What goes into it.
         classes: Others; those that have the class's motor have that of `home`.
     """
+    home.part = home.part if home.part == cls.part else None
     home.joints += cls.joints
     home.all_rows += cls.all_rows
     home.clamps.update(cls.clamps)
@@ -438,7 +443,7 @@ def one_limb(cls: JointClass, other: JointClass, above: Mapping[str, frozenset[s
         other: The other.
         above: As in `find_motors`.
     """
-    part, another = body_part(cls.names), body_part(other.names)
+    part, another = cls.part, other.part
     if _two_limbs(part, another):
         return False
     if part is not None and part == another:

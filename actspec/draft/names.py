@@ -271,6 +271,19 @@ def body_part(joints: Sequence[str]) -> str | None:
     return found.pop() if len(found) == 1 else None
 
 
+def parts_of_body(joints: Iterable[str]) -> dict[str, str | None]:
+    """The part of the body of each of a robot's joints, as `body_part` has it.
+
+    A joint whose words say nothing is of the leg whose end and side it has: `FL_collar` beside `FL_hip` and `FL_knee`.
+    """
+    known = {name: body_part([name]) for name in joints}
+    corners = {name: place for name in known if all(place := _place(name))}
+    legs = {corners[name] for name in corners if known[name] == "legs"}
+    others = {corners[name] for name in corners if known[name] not in ("legs", "wheels", None)}
+    bare = {name for name, place in corners.items() if place in legs - others and not _has_part(name)}
+    return {name: "legs" if name in bare else part for name, part in known.items()}
+
+
 def given_name(joints: Sequence[str], given: Mapping[str, str], robot: str, *, whole: bool = True) -> str:
     """The name that a configuration has for exactly these joints, as a key; "" without one.
 
@@ -331,7 +344,11 @@ def group_name(
     if all(parts):
         one = called == "arm" or _is_one_arm(joints, above)
         alone = _ONE_OR_MORE if above and one else ()
-        choices = [_PLURALS.get(c, c) if len(joints) > 1 and c not in alone else c for c in _common(parts)]
+        of_legs = [name for name, part in parts_of_body(given or joints).items() if part == "legs"]
+        legs = all(name in of_legs for name in joints)
+        choices = [
+            _PLURALS.get(c, c) if len(joints) > 1 and c not in alone else c for c in _common(parts, legs=legs)
+        ]
         choices = ["arm" if c == "arms" and one else c for c in (*choices, *_mixed(parts))]
     if choices and len(choices[0]) == 1 < len(joints):
         # `a` of `L_A0`, `R_A1` tells nobody what it is.
@@ -520,15 +537,16 @@ def _sideless(word: str) -> list[str]:
     return [_SIDE_AT_END.sub("", word)] if joined is None else [part for part in joined.groups()[1:] if part]
 
 
-def _common(parts: Sequence[list[str]]) -> Iterator[str]:
-    """Names for the group, the best first."""
+def _common(parts: Sequence[list[str]], *, legs: bool) -> Iterator[str]:
+    """Names for the group, the best first; `legs`: whether all are joints of legs, whatever their words say."""
     start = _shared(parts)
     end = _shared([part[::-1] for part in parts])[::-1]
     heads = list(dict.fromkeys(p[0] for p in parts))
     yield from _keys(start)
     for name, known in _BODY_PARTS:
         # A head and its neck are no torso.
-        if len(heads) > 1 and known.issuperset(heads) and not _HEAD.issuperset(heads):
+        whole = known.issuperset(heads) or (legs and name == "legs" and not known.isdisjoint(heads))
+        if len(heads) > 1 and whole and not _HEAD.issuperset(heads):
             yield name
     if not _AXES.issuperset(end):
         yield from _keys(end)

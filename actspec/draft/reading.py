@@ -118,11 +118,17 @@ def read_robot_files(
 
 
 def _once(parts: Sequence[Lifted]) -> Iterator[Diagnostic]:
-    """What the parts have to say; of a robot that an environment of another file imports, not once more."""
+    """What the parts have to say; of a robot that an environment of another file imports, not once more.
+
+    What is said of several figures for one cause at one place is said of them together.
+    """
     told = set[tuple[str, Span | None]]()
     for part in parts:
         own = [d for d in part.actuators.diagnostics if (d.code, d.span) not in told]
-        yield from own
+        causes: dict[Diagnostic, list[str]] = {}
+        for item in own:
+            causes.setdefault(replace(item, where=""), []).append(item.where)
+        yield from (replace(item, where=listed(dict.fromkeys(wheres), 4)) for item, wheres in causes.items())
         told.update((d.code, d.span) for d in own if d.span is not None and d.span.line)
 
 
@@ -248,14 +254,28 @@ def _is_motor_alone(part: Artifact) -> bool:
 
 
 def _is_base(part: Artifact, other: Artifact) -> bool:
-    """Whether a configuration is only what another one of its file was made of: private, or without an asset."""
+    """Whether a configuration is only what another one of its file was made of: private, or without an asset, or what
+    the function that makes the other one would make without arguments."""
     one, two = part.config, other.config
     if one is None or two is None or part.path != other.path:
         return False
+    if _is_made_by(two, one):
+        return True
     if part.name.startswith("_") and not other.name.startswith("_") and _written(one) & _written(two):
         # The copy may get entries, or lose some.
         return True
     return written_once(one, two) and "model" not in one.settings and "model" in two.settings
+
+
+def _is_made_by(robot: RobotConfig, function: RobotConfig) -> bool:
+    """Whether a robot is made by a function of its file, in which its groups are written.
+
+    Of a task the figures without arguments are those of its training.
+    """
+    lines = [group.span.line for group in function.groups]
+    if not function.by_call or robot.by_call or function.randomize or "decimation" in function.settings:
+        return False
+    return written_once(robot, function) and function.span.line <= min(lines) <= max(lines) < robot.span.line
 
 
 def _written(config: RobotConfig) -> set[tuple[str, Span]]:
@@ -377,7 +397,7 @@ def _check_classes(
         if files
         else f"name {robot_file_of(config)}"
         if model is None and any(of_model)
-        else None,
+        else "leave this file out: the robot's MJCF or URDF alone makes a spec, in which you state what drives it",
     )
 
 

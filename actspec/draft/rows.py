@@ -138,7 +138,7 @@ def motor_of(joint: JointActuator) -> dict[str, Row]:
 
 def randomize_of(joint: JointActuator) -> tuple[tuple[str, str], ...]:
     """(field, flow mapping) of each range, in the joint's order."""
-    return tuple((item.field, _range(item, joint)) for item in joint.randomize)
+    return tuple((item.field, range_text(item, joint)) for item in joint.randomize)
 
 
 def network_of(joint: JointActuator) -> str:
@@ -193,8 +193,9 @@ def _hints(joint: JointActuator) -> dict[str, str]:
     viscous = joint.friction_viscous
     if joint.command is Command.EFFORT or joint.kd is None or joint.level is Level.ACTUATOR_NET:
         return {}
-    if viscous.origin is Origin.AUTHORED:
-        return {"friction.viscous": viscous.note or ""}
+    for key, one in (("friction.viscous", viscous), ("kd", joint.kd)):
+        if one.origin is Origin.AUTHORED:
+            return {key: one.note or ""}
     if joint.kd.origin is Origin.DEFAULT or joint.kd.value in (None, 0.0):
         silent = joint.kd.known and not stated(joint.kd)
         return {"kd": joint.kd.note or ""} if silent else {}
@@ -244,7 +245,8 @@ def _delay(delay: Delay) -> str:
     return f"{{nominal: {nominal}, range: {ends}, sampling: {delay.sampling}}}"
 
 
-def _range(item: Randomization, joint: JointActuator) -> str:
+def range_text(item: Randomization, joint: JointActuator) -> str:
+    """A range as a spec writes it, a flow mapping: `{scale: [0.9, 1.1], when: reset, per: joint}`."""
     kind = Kind.RATIO if item.operation == "scale" else RANDOMIZED_KINDS[item.field]
     unit = "" if kind is Kind.RATIO else unit_of_kind(kind, joint.kind)
     ends = [time_text(end) if unit == "s" else figure(end, unit) for end in (item.low, item.high)]

@@ -8,16 +8,15 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity, Randomization, stated, unknown
-from actspec.lift.config_joint import ConfigJoint
+from actspec.lift.config_joint import ConfigJoint, below_root, drive_kind
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
-from actspec.readings.config import control_of_group, selected
+from actspec.readings.config import selected
 from actspec.readings.dict_keys import plain_name
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.versions import Versions, friction_unit_of, is_native, meant_for
@@ -133,7 +132,7 @@ def _unsupported(
         return f"{len(chosen)} groups select it: {', '.join(one_line(group.name) for group, _ in chosen)}"
     group = chosen[-1][0]
     cls = one_line(group.cls)
-    control = control_of_group(config.framework, group)
+    control = drive_kind(config.framework, group)
     if config.framework is Framework.LEGGED_GYM and control == "velocity":
         return "control_type V: its gains act on speeds and accelerations"
     if leaves_to_model(config.framework, group):
@@ -189,23 +188,7 @@ def asset_of(config: RobotConfig) -> str | None:
         return None
     if "\0" in path:
         return None
-    if os.path.isfile(path):
-        return path
-    # legged_gym formats the name of its own folder into it, which is one above the configuration.
-    below = re.fullmatch(r"\{\w+\}/(.+)", path)
-    folder = os.path.dirname(config.span.path)
-    for _ in range(_ABOVE):
-        if below is None:
-            break
-        if os.path.isfile(found := os.path.normpath(os.path.join(folder, below[1]))):
-            return found
-        folder = os.path.join(folder, os.pardir)
-    return None
-
-
-_ABOVE = 6
-"""Folders in which the file of `{LEGGED_GYM_ROOT_DIR}/...` is looked for. Chosen: forks have the configuration three or
-four below their root."""
+    return path if os.path.isfile(path) else below_root(path, config.span.path)
 
 
 def _plain_names(config: RobotConfig) -> tuple[str, ...]:

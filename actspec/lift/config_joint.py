@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -24,7 +26,7 @@ from actspec.ir import (
     unknown,
 )
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.readings.config import control_of_group, figures_of, is_own_class, lags_of
+from actspec.readings.config import control_of_group, figures_of, is_network, is_own_class, lags_of
 from actspec.readings.dict_keys import Found
 from actspec.readings.networks import stated_manifest
 from actspec.readings.versions import Versions, is_native
@@ -76,7 +78,7 @@ class ConfigJoint:
     def __post_init__(self) -> None:
         """What its class makes of the settings."""
         config, group = self.config, self.group
-        self._control = control_of_group(config.framework, group)
+        self._control = drive_kind(config.framework, group)
         self._idle = self._without_use()
         used = {name: setting for name, setting in group.settings.items() if name not in self._idle}
         acting = replace(group, settings=used)
@@ -144,7 +146,7 @@ class ConfigJoint:
             kp=kp,
             kd=kd,
             effort_limit=self._effort_limit(),
-            velocity_limit=self._figure("velocity_limit", units.speed),
+            velocity_limit=real_limit(self._figure("velocity_limit", units.speed)),
             stall_torque=stall,
             no_load_speed=speed,
             curve=curve,
@@ -399,9 +401,13 @@ class ConfigJoint:
                 self.notes.append(f"the network {reading.file} beside the gains is left out")
             return None
         stated = stated_manifest(self.config.framework, self.group, self.physics_dt)
+        unused = [name for name in ("stiffness", "damping") if name in self.group.settings]
+        if self.config.framework is Framework.LEGGED_GYM and unused:
+            why = "use_actuator_network: the network gives the torque"
+            self.notes.append(f"{' and '.join(unused)} are left out, which training does not use ({why})")
         if reading is None:
             return Network("", None, self.group.span, *stated)
-        file = reading.path or reading.file
+        file = reading.path or below_root(reading.file, reading.span.path) or reading.file
         if reading.manifest is not None:
             return Network(file, reading.manifest.path, reading.span)
         return Network(file, None, reading.span, *stated)
@@ -413,6 +419,17 @@ class ConfigJoint:
             value = group.settings["velocity_limit"].value
             shown = f" {value:g}" if isinstance(value, float | int) else ""
             self.notes.append(f"velocity_limit{shown} is left out: an implicit drive ignores it")
+        for own in ("effort_limit", "velocity_limit") if self._control == "implicit" else ():
+            pair = [group.settings.get(name) for name in (own, f"{own}_sim")]
+            values = [
+                one.value for one in pair if one is not None and one.unknown is None and one.value is not None
+            ]
+            # In 3.0 both names are aliases of one field. The audit says it too (LIM106).
+            if len(values) == 2 and values[0] != values[1] and not is_native(self.versions):
+                self.notes.append(
+                    f"{own} and {own}_sim differ: Isaac Lab 2.x raises ValueError when it builds the group; "
+                    f"{own}_sim is taken"
+                )
         for name in self._idle:
             setting = group.settings[name]
             if setting.value is None or (setting.number or 0.0) >= NONE_FROM:
@@ -428,6 +445,35 @@ class ConfigJoint:
         elif group.bases:
             self.notes.append(f"{group.cls} is read as {group.bases[0]}: what else it does is not known here")
 
+
+def drive_kind(framework: Framework, group: ActuatorGroup) -> str:
+    """What drives a group's joints, in the words of the ledger."""
+    return "network" if is_network(framework, group) else control_of_group(framework, group)
+
+
+def below_root(path: str, config: str) -> str | None:
+    """A file that legged_gym names below its own folder (`{LEGGED_GYM_ROOT_DIR}/...`), which is above a configuration.
+
+    Args:
+        path: As the configuration names it.
+        config: The configuration's own path.
+
+    Returns: None where it is named another way, or is not there.
+    """
+    below = re.fullmatch(r"\{\w+\}/([^\0]+)", path)
+    if below is None:
+        return None
+    folder = os.path.dirname(config)
+    for _ in range(_ABOVE):
+        if os.path.isfile(found := os.path.normpath(os.path.join(folder, below[1]))):
+            return found
+        folder = os.path.join(folder, os.pardir)
+    return None
+
+
+_ABOVE = 6
+"""Folders in which the file of `{LEGGED_GYM_ROOT_DIR}/...` is looked for. Chosen: forks have the configuration three or
+four below their root."""
 
 _ARTICLE: Mapping[Command, str] = {Command.VELOCITY: "a speed", Command.EFFORT: "a torque"}
 

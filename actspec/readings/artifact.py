@@ -220,6 +220,7 @@ class RobotConfig:
         looped: Settings that a loop of the file fills, for import: the audit's figures are without them.
         edited: What its program calls and sets before the simulator has the model: names of methods and attributes of
             the function that loads it (`add_equality`, `damping`), whatever they are of.
+        by_call: Whether it is what a function of the file makes without arguments, whose name it has.
     """
 
     framework: Framework
@@ -236,6 +237,7 @@ class RobotConfig:
     others: Mapping[str, Setting] = field(default_factory=dict)
     looped: Mapping[str, Setting] = field(default_factory=dict)
     edited: frozenset[str] = frozenset()
+    by_call: bool = False
 
     @property
     def physics_dt(self) -> float | None:
@@ -334,8 +336,8 @@ class Artifact:
         return any(tag in file.data and tag in without_comments(file.data) for file in files)
 
 
-PHYSX = "PhysX"
-"""What stands for a class in a legged_gym configuration whose drive is PhysX's own."""
+PHYSX, NETWORK = "PhysX", "actuator_net"
+"""What stands for a class in a legged_gym configuration whose drive is PhysX's own, or a network."""
 
 NAMES_NOTHING = ("AUD014", "AUD016")
 """Codes of names that stand for no file."""

@@ -17,6 +17,7 @@ from typing import Any
 from actspec.fields import FIELDS
 from actspec.joints import JointKind
 from actspec.readings.artifact import (
+    NETWORK,
     PHYSX,
     ActuatorGroup,
     Artifact,
@@ -186,6 +187,13 @@ def control_of_group(framework: Framework, group: ActuatorGroup) -> str:
     inner = group.settings.get("base_cfg")
     inside = (inner.value,) if inner is not None and isinstance(inner.value, str) else ()
     return control_of(framework, *inside, group.cls, *group.bases)
+
+
+def is_network(framework: Framework, group: ActuatorGroup) -> bool:
+    """Whether a network gives the group's torque; of legged_gym its gains stand there, and are not used."""
+    if framework is Framework.LEGGED_GYM:
+        return group.cls == NETWORK
+    return control_of(framework, group.cls, *group.bases) == "network"
 
 
 def _control(framework: Framework, cls: str) -> str:

@@ -293,9 +293,10 @@ def _beside(config: RobotConfig | None) -> tuple[dict[str, float], dict[str, flo
     for drawn in config.randomize:
         joints = "" if drawn.joints is None else f" of {listed(drawn.joints)}"
         how = ", ".join(filter(None, (drawn.distribution, drawn.when)))
-        others[f"randomization of {drawn.field}{joints}"] = (
-            f"{drawn.operation} {format_number(drawn.low)} to {format_number(drawn.high)} ({how})"
-        )
+        name = f"randomization of {drawn.field}{joints}"
+        text = f"{drawn.operation} {format_number(drawn.low)} to {format_number(drawn.high)} ({how})"
+        # A figure that is drawn at the start and at every reset has two.
+        others[name] = f"{others[name]}, {text}" if name in others else text
     return entries, others
 
 

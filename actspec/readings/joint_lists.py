@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import itertools
 import math
 import os
@@ -18,6 +19,7 @@ from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.deploy import MOST_STEPS, NAMES, Unfit, compose
 from actspec.readings.pair import joint_names, matching
+from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
 from actspec.readings.read import MOST_YAML_BYTES, YAML, PendingFiles
 from actspec.robot.view import JointView
 
@@ -37,6 +39,10 @@ _PRINTED = re.compile(r"\s*(?:[A-Za-z][\w ]*[:=])?\s*\[([^\[\]]*)\]\s*")
 """A list as Python prints it, alone or behind words: `Joint names: ['hip', 'knee']`."""
 _NAME_KEYS = ("name", "joint", "joint_name", "joint name", "dof_name", "dof name")
 """What the name of a joint is called in a table, or in a list of mappings."""
+_NO_JOINT = ("", "t", "time", "timestamp", "index", "step")
+"""Columns of a recording that are no joint's."""
+_SIGNALS = ("command", "position", "velocity", "torque", "pos", "vel", "q", "qd", "tau")
+_CONSTANT = re.compile(r"(?:^|_)joint_names$", re.IGNORECASE)
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _PATTERN = re.compile(r"[\\*+?|()^$\[\]{}]")
 _HELP = (
@@ -66,7 +72,7 @@ def joint_lists(text: str) -> tuple[Joints, ...]:
     if lower.endswith((*YAML, ".json")):
         found = tuple(_named(_data(text), text))
     elif os.path.isdir(text) or lower.endswith(_ROBOT_FILES) or _XML.match(_data(text)):
-        found = tuple(_of_files(text))
+        found = tuple(_of_constant(text)) or tuple(_of_files(text))
     else:
         lines = _COMMENT.sub("", _data(text).decode("utf-8-sig", "replace"))
         column = _column(lines, text)
@@ -231,6 +237,27 @@ def _of_files(path: str) -> Iterator[Joints]:
                 yield names
 
 
+def _of_constant(path: str) -> Iterator[Joints]:
+    """The one list of a Python file that is called `JOINT_NAMES`, or `BIPED_JOINT_NAMES`; its text is not run."""
+    if not path.lower().endswith(".py"):
+        return
+    try:
+        body = parse(path, (), "", MAX_BYTES).tree.body
+    except UnreadableError:
+        return
+    found = []
+    for one in body:
+        target = one.targets[0] if isinstance(one, ast.Assign) and len(one.targets) == 1 else None
+        if isinstance(one, ast.Assign) and isinstance(target, ast.Name) and _CONSTANT.search(target.id):
+            items = one.value.elts if isinstance(one.value, (ast.List, ast.Tuple)) else []
+            names = [item.value for item in items if isinstance(item, ast.Constant)]
+            found.append([name for name in names if isinstance(name, str) and not _PATTERN.search(name)])
+            if len(found[-1]) < max(1, len(items)) or len({*found[-1]}) < len(items):
+                return
+    if len(found) == 1:
+        yield tuple(found[0])
+
+
 def _named(data: bytes, path: str) -> Iterator[Joints]:
     """Lists of names below a key that names joints, and a list that is the whole file."""
     try:
@@ -238,10 +265,15 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
     except Unfit as err:
         raise _refusal(str(err), path, None, err.span(path)) from None
     pending = [] if root is None else [("joints", root)]
+    # `joints: {hip: {...}, knee: {...}}`, where the file has no list.
+    keyed: list[Joints] | None = []
     # Aliases may form a circle, or be many.
     for key, node in itertools.islice(pending, MOST_STEPS):
         if isinstance(node, yaml.MappingNode):
             pending += [(str(one.value), value) for one, value in node.value]
+            below = node is not root and key in NAMES and node.value
+            if keyed is not None and below and all(isinstance(v, yaml.MappingNode) for _, v in node.value):
+                keyed.append(tuple(dict.fromkeys(str(one.value) for one, _ in node.value)))
         elif isinstance(node, yaml.SequenceNode):
             texts = [item.value for item in node.value if item.tag == "tag:yaml.org,2002:str"]
             # `joints: [{name: hip}, {name: knee}]`
@@ -253,9 +285,11 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
                 if name in _NAME_KEYS and value.tag == "tag:yaml.org,2002:str"
             ]
             if key in NAMES and texts and len(texts) == len(node.value) == len(set(texts)):
+                keyed = None
                 yield tuple(texts)
             else:
                 pending += [("", item) for item in node.value]
+    yield from keyed or ()
 
 
 def _column(text: str, path: str) -> list[str] | None:
@@ -274,6 +308,8 @@ def _column(text: str, path: str) -> list[str] | None:
         # A text of blanks and names has no heads, and one name alone is a name.
         if heads.count(True) == 1 and (len(rows) > 1 if len(heads) == 1 else mark is not None):
             return [row[heads.index(True)] for row in rows[1:]]
+        if mark is not None and (heads_only := _heads(rows)):
+            return heads_only
         columns = list(zip(*rows, strict=True))
         counts = [len(rows) > 1 and all(map(_NUMBER.fullmatch, column[1:])) for column in columns]
         if any(counts) and not all(counts):
@@ -287,6 +323,19 @@ def _column(text: str, path: str) -> list[str] | None:
                 )
             return list(names[0])
     return None
+
+
+def _heads(rows: Sequence[Sequence[str]]) -> list[str]:
+    """The joints that a recording's columns are of, `hip.position [rad]` or `hip`; none of what is no recording."""
+    first, *rest = rows
+    numbers = all(_NUMBER.fullmatch(cell) for row in rest for cell in row)
+    if not rest or not numbers or any(_NUMBER.fullmatch(head) for head in first):
+        return []
+    heads = [re.sub(r"\s*\[[^\[\]]*\]$", "", head) for head in first]
+    heads = [head for head in heads if head.lower() not in _NO_JOINT]
+    stems = [stem for stem, _, end in (head.rpartition(".") for head in heads) if stem and end in _SIGNALS]
+    names = list(dict.fromkeys(stems or heads))
+    return names if len(names) > 1 else []
 
 
 def _listed(text: str, path: str) -> str:
@@ -321,7 +370,7 @@ def _distinct(names: str, text: str) -> Joints:
     if pattern is not None:
         raise _refusal(f"{one_line(pattern)} is a pattern, and names are needed", text, _HELP)
     if twice is not None:
-        raise _refusal(f"{one_line(twice)} stands there twice", text, None)
+        raise _refusal(f"{one_line(twice)} stands there twice", text, _HELP)
     if not found:
         raise _refusal("no name of a joint is in it", text, _HELP)
     return tuple(found)

@@ -135,24 +135,17 @@ def check_ranges(actuators: ActuatorSet, collector: Collector) -> None:
 
 def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
     field = entry.field
-    if actuator.level is Level.ACTUATOR_NET and field in ("kp", "kd", "gains"):
-        yield _Fault("RND008", f"a network has no {field} to draw", "remove it, or draw strength", False)
-        return
-    parts = FACTORS.get(field, (field,))
     if field in FACTORS:
-        there = [quantity_of(actuator, part) for part in parts]
-        if field == "gains" and not any(there):
-            yield _absent(actuator, field)
-            return
-        known = [quantity.value for quantity in there if quantity is not None]
-        if actuator.level is not Level.ACTUATOR_NET and None in known and field == "gains":
+        if (idle := _idle(actuator, entry)) is not None:
+            yield idle
+            if idle.code != "RND003":
+                return
+        elif field == "gains" and None in [one.value for one in _parts(actuator, field)]:
             yield _Fault("RND001", f"{field}: kp or kd is unknown", "state kp and kd")
-        elif known and all(value == 0.0 for value in known):
-            yield _Fault("RND003", f"{field} scales nothing but zeros", f"state {' and '.join(parts)}")
         yield from _outside(entry, 1.0, "1")
         return
-    if quantity_of(actuator, field) is None and field != "delay":
-        yield _absent(actuator, field)
+    if (idle := _idle(actuator, entry)) is not None:
+        yield idle
         return
     nominal, unit = nominal_of(actuator, field), unit_of(actuator, field)
     if entry.operation != "abs" and nominal is None:
@@ -160,11 +153,6 @@ def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
             "RND001",
             f"{field} is unknown, and the range is {_WORDS[entry.operation]} it",
             f"state {field}, or give the range as abs",
-        )
-        return
-    if entry.operation == "scale" and nominal == 0.0:
-        yield _Fault(
-            "RND003", f"{field} is 0 {unit}, and 0 times a factor stays 0", "give the range as add or abs"
         )
         return
     if field != "encoder_bias":
@@ -197,6 +185,37 @@ def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
 
 
 _WORDS = {"scale": "a factor on", "add": "an offset on"}
+
+
+def without_effect(actuator: JointActuator, entry: Randomization) -> str | None:
+    """Why a range changes nothing in a joint, which has no such number, or 0 to multiply; None where it may."""
+    idle = _idle(actuator, entry)
+    return None if idle is None else idle.message
+
+
+def _idle(actuator: JointActuator, entry: Randomization) -> _Fault | None:
+    field = entry.field
+    if actuator.level is Level.ACTUATOR_NET and field in ("kp", "kd", "gains"):
+        return _Fault("RND008", f"a network has no {field} to draw", "remove it, or draw strength", False)
+    parts = _parts(actuator, field)
+    if not parts and field not in ("delay", "strength"):
+        return _absent(actuator, field)
+    if field in FACTORS:
+        if not parts or any(part.value != 0.0 for part in parts):
+            return None
+        return _Fault("RND003", f"{field} scales nothing but zeros", f"state {' and '.join(FACTORS[field])}")
+    if entry.operation != "scale" or nominal_of(actuator, field) != 0.0:
+        return None
+    unit = unit_of(actuator, field)
+    return _Fault(
+        "RND003", f"{field} is 0 {unit}, and 0 times a factor stays 0", "give the range as add or abs"
+    )
+
+
+def _parts(actuator: JointActuator, field: str) -> list[Quantity]:
+    """The numbers of a joint that a field draws, each if the joint has it."""
+    there = [quantity_of(actuator, part) for part in FACTORS.get(field, (field,))]
+    return [quantity for quantity in there if quantity is not None]
 
 
 def _absent(actuator: JointActuator, field: str) -> _Fault:

@@ -334,6 +334,16 @@ class EventCfg:
         "  not compared: randomization of kp scale 0.8 to 1.2 (uniform, reset) -> scale 0.5 to 1.2 (uniform, reset)"
         in told
     )
+    # A range of the start before it, and the first of the two changed.
+    start = event + event[event.index("    gains") :].replace("gains =", "start =").replace(
+        "reset", "startup"
+    )
+    again = start.replace("(0.8, 1.2)", "(0.5, 1.2)", 1)
+    (tmp_path / "two").mkdir()
+    found = compare(tmp_path / "two", ("e_cfg.py", CFG + start), ("e_cfg.py", CFG + again))
+    beside = ", scale 0.8 to 1.2 (uniform, startup)"
+    told = "scale 0.8 to 1.2 (uniform, reset)" + beside + " -> scale 0.5 to 1.2 (uniform, reset)" + beside
+    assert f"  not compared: randomization of kp {told}" in list(report_lines(found, "a", "b"))
 
 
 def test_another_model_is_told(tmp_path: Path) -> None:

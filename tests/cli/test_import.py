@@ -432,6 +432,10 @@ def test_a_model_that_attaches(folder: Path, capsys: pytest.CaptureFixture[str])
     assert "# compile with --canonical: MJC004" in (folder / "arm.yaml").read_text(encoding="utf-8")
     assert main(["compile", "arm.yaml", "-o", "out"]) == 2
     assert main(["compile", "--canonical", "arm.yaml", "-o", "out"]) == 0
+    # What compiles with it is verified with it, written or not.
+    assert main(["verify", "arm.yaml", "-t", "mujoco"]) == 2
+    assert main(["verify", "--canonical", "arm.yaml", "-t", "mujoco", "--built", "out"]) == 0
+    assert main(["verify", "--canonical", "arm.yaml", "-t", "mujoco"]) == 0
 
 
 PARTS = {

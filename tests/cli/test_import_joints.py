@@ -409,6 +409,11 @@ class LegCfg(LeggedRobotCfg):
         ("names.lst", "\n".join(NAMES), "the names of the 4 joints are from names.lst", NAMES),
         ("names", f"{NAMES}\n", "the names of the 4 joints are from names", NAMES),
         ("p.txt", f"Joint names: {NAMES}\n", "from p.txt", NAMES),
+        ("log.csv", "time [s]," + ",".join(f"{n}.{s} [x]" for n in NAMES for s in ("position", "torque"))
+            + ",base.position.x [m]\n" + ",".join("0" * 10) + "\n", "from log.csv", NAMES),
+        ("head.csv", ",".join(NAMES) + "\n0,0,0,0\n0.5,0,0,-1e-3\n", "from head.csv", NAMES),
+        ("k.yaml", "rate: {hz: 50}\njoints:\n" + "".join(f"  {n}: {{lower: -1}}\n" for n in NAMES), "k.yaml", NAMES),
+        ("c.py", f"LEG_JOINT_NAMES = {NAMES}\nOTHER = ['left_hip']\n", "from c.py", NAMES),
         (
             "leg.urdf",
             URDF,
@@ -420,7 +425,7 @@ class LegCfg(LeggedRobotCfg):
         *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "mappings"),
         *("CSV", "semicolons", "numbers", "blanks", "sides", "one column", "two lines", "a number a line"),
         "any ending",
-        *("printed", "printed behind words", "URDF"),
+        *("printed", "printed behind words", "recording", "heads", "keys", "constant", "URDF"),
     ],
 )  # fmt: skip
 def test_a_spec_that_compiles(
@@ -457,7 +462,7 @@ def test_a_spec_that_compiles(
     [
         ("a,b", "", "none of its joints is selected by .*_hip, .*_knee"),
         (".*_hip,.*_knee", "", ".*_hip is a pattern, and names are needed"),
-        ("left_hip,left_hip", "", "left_hip stands there twice"),
+        ("left_hip,left_hip", "", "left_hip stands there twice\n  help: a URDF, an MJCF, "),
         (" ,", "", "no name of a joint is in it"),
         ("missing.urdf", "", "there is no such file"),
         ("missing.yaml", "", "there is no such file"),
@@ -478,6 +483,7 @@ def test_a_spec_that_compiles(
         ("loop.yaml", "a: &a [*a]\n", "no list of joint names is in it"),
         ("broken.yaml", "a: [", "it is not YAML"),
         ("leg_cfg.py", "", "no list of joint names is in it"),
+        ("two.py", "A_JOINT_NAMES = ['left_hip']\nB_JOINT_NAMES = ['left_knee']\n", "cannot be read"),
         ("folder", "", "cannot be read: it has no file that ends in .xml, "),
         ("leg.stl", "solid\0\1", "is no text"),
         ("leg", "<robot", "cannot be read: "),
@@ -605,3 +611,19 @@ def test_of_a_deploy_file_without_names(folder: Path, capsys: pytest.CaptureFixt
     deploy.write_text("kp: [25, 25, 25, 25]\nkd: [1, 1, 1, 1]\n", encoding="utf-8")
     assert main(["import", "deploy.yaml", "--joints", ",".join(NAMES)]) == 0
     assert "kp: {value: 25 N*m/rad, source: deploy}" in capsys.readouterr().out
+
+
+def test_one_cause_is_told_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What cannot be read at one place is one line, whichever figures it is in."""
+    groups = "".join(
+        f'"{n}": ImplicitActuatorCfg(joint_names_expr=["{n}"], effort_limit=24.0, stiffness=KP[0], damping=1.0),'
+        for n in NAMES
+    )
+    head = CFG[: CFG.index("LEG_CFG")]
+    text = f"import numpy as np\n{head}KP = np.array([40.0])\nLEG_CFG = ArticulationCfg(actuators={{{groups}}})\n"
+    (folder / "leg_cfg.py").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py"]) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if "CFG001" in line]
+    assert len(lines) == 1
+    figures = ", ".join(f"{name}.stiffness" for name in NAMES)
+    assert f"CFG001 [info] {figures}: not known without running it: calls array(): " in lines[0]

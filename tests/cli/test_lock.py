@@ -67,6 +67,21 @@ def test_check(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["lock", "--check"]) == 0
 
 
+def test_check_of_a_file_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
+    """It cannot be added; one that is there can."""
+    main(["lock", "leg.xml"])
+    capsys.readouterr()
+    assert main(["lock", "--check", "nope.yaml"]) == 2
+    said = capsys.readouterr().err
+    assert (
+        "nope.yaml: LCK003: is not in the lock, and there is no such file\n" in said and "help:" not in said
+    )
+    assert main(["lock", "--check", "leg.yaml"]) == 2
+    assert (
+        "leg.yaml: LCK003: is not in the lock\n  help: add it with `actspec lock" in capsys.readouterr().err
+    )
+
+
 def test_check_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     """`--check` gives the same JSON as diff."""
     main(["lock", "leg.xml"])

@@ -456,6 +456,33 @@ def test_a_changed_copy_is_a_robot(how: str, tmp_path: Path) -> None:
         assert joint(imported(paths, tmp_path, "LEG_CFG"), "hip")["kp"] == "40 N*m/rad"
 
 
+MAKER = """
+def make(kp=40.0):
+    return ArticulationCfg(actuators={"all": IdealPDActuatorCfg(
+        joint_names_expr=[".*"], effort_limit=20.0, stiffness=kp, damping=1.0)})
+"""
+
+
+def test_a_function_that_makes_the_robot_is_no_second_one(tmp_path: Path) -> None:
+    """Its figures without arguments are nobody's; who names it gets them. Two robots of one function are two."""
+    head = ISAACLAB[: ISAACLAB.index("LEG_CFG")] + MAKER
+    paths = write(tmp_path, leg_xml=MOTORS, robots_py=head + "LEG_CFG = make(30.0)\n")
+    assert joint(imported(paths, tmp_path), "hip")["kp"] == "30 N*m/rad"
+    assert joint(imported(paths, tmp_path, "make"), "hip")["kp"] == "40 N*m/rad"
+    two = write(tmp_path, robots_py=head + "LEG_CFG = make(30.0)\nARM_CFG = make(70.0)\n")
+    with pytest.raises(AuditError) as caught:
+        imported(two, tmp_path)
+    (item,) = caught.value.diagnostics
+    assert (item.code, item.message) == ("DRF007", "describes 2 robots")
+    assert item.help == "name one with --robot: LEG_CFG, ARM_CFG"
+    # A function that changes the robot makes another one, whose figures somebody wrote.
+    stiff = "\ndef stiff():\n    found = LEG_CFG.copy()\n"
+    stiff += "    found.actuators['all'].stiffness = 70.0\n    return found\n"
+    with pytest.raises(AuditError) as caught:
+        imported(write(tmp_path, robots_py=ISAACLAB + stiff), tmp_path)
+    assert caught.value.diagnostics[0].code == "DRF007"
+
+
 def test_a_base_without_an_asset_is_no_robot(tmp_path: Path) -> None:
     """Its only copy that has one is the robot; of two such copies one is named, and the base not offered."""
     copies = "".join(
@@ -585,6 +612,37 @@ def test_networks(tmp_path: Path, capsys: Any) -> None:
         assert load_spec(str(spec)).model.actuators["all"].network == NetworkFile(file=named)
         told = "copy ../net.pt to net.pt there" in capsys.readouterr().out
         assert told == ("copy ../net.pt to net.pt" in spec.read_text()) == (folder != tmp_path)
+
+
+def test_network_of_legged_gym(tmp_path: Path) -> None:
+    """As ANYmal C of legged_gym: the network drives, its gains are nobody's, and what stands beside them is kept.
+
+    The network lies below the folder that `LEGGED_GYM_ROOT_DIR` stands for, above the configuration.
+    """
+    own = """    class control(LeggedRobotCfg.control):
+        stiffness = {"hip": 80.0, "knee": 80.0}
+        damping = {"hip": 2.0, "knee": 2.0}
+        action_scale = 0.5
+        decimation = 4
+        use_actuator_network = True
+        actuator_net_file = "{LEGGED_GYM_ROOT_DIR}/nets/sea.pt"
+"""
+    text = f"class LegCfg(LeggedRobotCfg):\n{own}    class sim(LeggedRobotCfg.sim):\n        dt = 0.005\n"
+    (tmp_path / "envs" / "leg").mkdir(parents=True)
+    (tmp_path / "nets").mkdir()
+    (tmp_path / "nets" / "sea.pt").write_text("")
+    (tmp_path / "envs" / "leg" / "leg_cfg.py").write_text(text)
+    (model,) = write(tmp_path, leg_xml=MOTORS)
+    spec = tmp_path / "leg.yaml"
+    assert main(["import", str(tmp_path / "envs" / "leg" / "leg_cfg.py"), str(model), "-o", str(spec)]) == 0
+    loaded = load_spec(str(spec)).model
+    (group,) = loaded.actuators.values()
+    assert (group.level, group.network) == ("actuator_net", NetworkFile(file="nets/sea.pt"))
+    written = spec.read_text()
+    assert "action_scale: {value: 0.5, source: leg_cfg}" in written and "decimation: 4" in written
+    assert "kp:" not in written and "kd:" not in written
+    words = " ".join(written.replace("\n    # ", " ").split())
+    assert "stiffness and damping are left out, which training does not use" in words
 
 
 def test_errors_are_ours(tmp_path: Path) -> None:

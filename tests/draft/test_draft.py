@@ -458,11 +458,15 @@ def test_damping_is_settled_once(tmp_path: Path, answer: str | None) -> None:
             "wrist": ("1 N*m*s/rad", "0.5 N*m*s/rad"),
         }
     else:
+        # Friction is no kd: MuJoCo's 0 is the servo's.
+        kd = "unknown" if answer is None else "0 N*m*s/rad"
         assert gains == {
-            "knee": ("unknown", "2 N*m*s/rad"),
-            "elbow": ("unknown", "3 N*m*s/rad"),
+            "knee": (kd, "2 N*m*s/rad"),
+            "elbow": (kd, "3 N*m*s/rad"),
             "wrist": ("1 N*m*s/rad", "0.5 N*m*s/rad"),
         }
+        told = "left_knee, elbow: joint damping is friction, and kd is 0 (--damping as-friction)"
+        assert (told in found.draft.inferred) is (answer == "as-friction")
 
 
 @pytest.mark.parametrize(
@@ -484,6 +488,13 @@ def test_damping_of_a_stiff_servo(tmp_path: Path, answer: str | None, kd: str, v
     group = bare(found.data["actuators"]["g_finger"])
     assert (group["kd"], group["friction"]["viscous"]) == (kd, viscous)
     assert found.draft.inferred == (("g_finger: joint damping is kd (--damping as-kd)",) if answer else ())
+
+
+def test_friction_says_nothing_of_a_controllers_kd(tmp_path: Path) -> None:
+    """A URDF has no gains: that its damping is friction leaves its controller's kd unknown."""
+    found = drafted(tmp_path, URDF, "arm.urdf", damping="as-friction")
+    assert bare(found.data["actuators"]["shoulder"]["kd"]) == "unknown"
+    assert "shoulder: joint damping is friction (--damping as-friction)" in found.draft.inferred
 
 
 def test_no_damping_to_settle(tmp_path: Path) -> None:

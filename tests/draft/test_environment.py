@@ -104,3 +104,110 @@ def test_remarks_of_two_robot_files(tmp_path: Path, capsys: pytest.CaptureFixtur
         file.write_text(speed, encoding="utf-8")
     assert main(["import", *map(str, files)]) == 0
     assert capsys.readouterr().err.count("velocity_limit 14 is left out") == 2
+
+
+EVENTS = """
+import isaaclab.envs.mdp as mdp
+from isaaclab.managers import EventTermCfg as EventTerm, SceneEntityCfg
+
+@configclass
+class EventCfg:
+{terms}
+
+@configclass
+class DogoEnvCfg(ManagerBasedRLEnvCfg):
+    events: EventCfg = EventCfg()
+    def __post_init__(self):
+        self.scene.robot = DOGO_CFG.replace(prim_path="{{ENV_REGEX_NS}}/Robot")
+"""
+START = """    start = EventTerm(func=mdp.randomize_actuator_gains, mode="startup", params={
+        "asset_cfg": SceneEntityCfg("robot", joint_names=".*"), "operation": "abs",
+        "stiffness_distribution_params": (20.0, 30.0)})"""
+RESET = """    gains = EventTerm(func=mdp.randomize_actuator_gains, mode="reset", params={
+        "asset_cfg": SceneEntityCfg("robot", joint_names=[".*"]), "operation": "scale",
+        "distribution": "log_uniform", "stiffness_distribution_params": (0.5, 2.0)})"""
+
+
+@pytest.mark.parametrize("order", [(START, RESET), (RESET, START)])
+def test_gains_drawn_at_the_start_and_at_every_reset(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], order: tuple[str, str]
+) -> None:
+    """The reset's range counts wherever it stands: Isaac Lab draws it last, from the configuration's figure.
+
+    Source: Isaac Lab 2.3.2, envs/mdp/events.py, `stiffness[...] = default_joint_stiffness[...]`.
+    """
+    text, said = imported(tmp_path, ROBOT + EVENTS.format(terms="\n".join(order)), capsys)
+    assert (
+        "\n    randomize:\n      kp: {scale: [0.5, 2], distribution: log_uniform, when: reset, per: joint}\n"
+        in text
+    )
+    lines = (tmp_path / "dogo_cfg.py").read_text(encoding="utf-8").splitlines()
+    startup, reset = (
+        next(n for n, line in enumerate(lines, 1) if ends in line) for ends in ("(20.0, 30.0)", "(0.5, 2.0)")
+    )
+    told = (
+        "hip, knee: randomize.kp {abs: [20 N*m/rad, 30 N*m/rad], when: startup, per: joint} of "
+        f"dogo_cfg.py:{startup} is left out: dogo_cfg.py:{reset} is drawn last, at reset"
+    )
+    assert told in said
+
+
+def test_two_ranges_of_one_moment(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The later term replaces what the earlier has drawn; one that says the same is not told."""
+    other = RESET.replace("gains =", "more =").replace("(0.5, 2.0)", "(0.9, 1.1)")
+    text, said = imported(tmp_path, ROBOT + EVENTS.format(terms=f"{RESET}\n{other}"), capsys)
+    assert "kp: {scale: [0.9, 1.1], distribution: log_uniform, when: reset, per: joint}" in text
+    assert said.count("randomize.kp {scale: [0.5, 2]") == 1
+    again = RESET.replace("gains =", "more =")
+    _, said = imported(tmp_path, ROBOT + EVENTS.format(terms=f"{RESET}\n{again}"), capsys)
+    assert "randomize." not in said
+
+
+def test_environments_whose_ranges_are_drawn_at_other_times(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Ranges with the same ends are others if one is drawn once and one at every reset."""
+    one = EVENTS.format(terms=RESET)
+    two = (
+        one.replace("EventCfg", "PlayEventCfg").replace("DogoEnv", "DogoPlayEnv").replace("reset", "startup")
+    )
+    text, said = imported(tmp_path, ROBOT + one + two, capsys)
+    assert "randomize:" not in text
+    assert "DogoEnvCfg, DogoPlayEnvCfg in its file differ in ranges" in said
+
+
+WHEELS = ROBOT.replace(
+    "max_delay=3)})",
+    """max_delay=3),
+    "wheels": DelayedPDActuatorCfg(joint_names_expr=["wheel"], stiffness=0.0, damping=0.5, effort_limit=20.0)})""",
+)
+
+
+def test_no_range_of_a_gain_that_a_joint_has_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Wheels that are driven by speed have no kp: a factor on it is none, and compile draws the others' ranges."""
+    text, said = imported(tmp_path, WHEELS + EVENTS.format(terms=RESET), capsys)
+    legs, wheels = text[text.index("\n  legs:") :].split("\n  wheels:")
+    kept = "kp: {scale: [0.5, 2], distribution: log_uniform, when: reset, per: joint}"
+    assert kept in legs and "randomize" not in wheels.split("joints:")[1]
+    assert f"wheel: randomize.{kept.replace(':', '', 1)} of dogo_cfg.py:" in said
+    assert "is left out: a drive of level ideal_pd and command velocity has no kp" in said
+    spec = tmp_path / "spec.yaml"
+    spec.write_text(text, encoding="utf-8")
+    assert main(["compile", str(spec), "-t", "randomization", "-o", str(tmp_path / "out")]) == 0
+    (events,) = tmp_path.glob("out/randomization/*_isaaclab_events.py")
+    assert '"stiffness_distribution_params": (0.5, 2.0)' in events.read_text(encoding="utf-8")
+
+
+def test_no_factor_on_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """0 times a factor stays 0 in Isaac Lab: such a range of the text is none, an offset is."""
+    undamped = ROBOT.replace("damping=0.5", "damping=0.0")
+    factor = RESET.replace("stiffness_", "damping_")
+    text, said = imported(tmp_path, undamped + EVENTS.format(terms=factor), capsys)
+    assert "randomize:" not in text
+    assert "is left out: kd is 0 N*m*s/rad, and 0 times a factor stays 0" in said
+    offset = factor.replace('"scale"', '"add"').replace('"log_uniform"', '"uniform"')
+    text, said = imported(tmp_path, undamped + EVENTS.format(terms=offset), capsys)
+    assert (
+        "kd: {add: [0.5 N*m*s/rad, 2 N*m*s/rad], when: reset, per: joint}" in text
+        and "left out: kd" not in said
+    )

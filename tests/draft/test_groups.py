@@ -323,3 +323,21 @@ EXTRA = "".join(
     f'<child link="{name}"/><limit lower="-1" upper="1" effort="12" velocity="24"/></joint>'
     for name in ("FL", "FR", "RL")
 )
+
+
+def test_equal_motors_of_a_leg_whose_words_are_not_all_known(tmp_path: Path) -> None:
+    """Collar and hip of mujina have one motor and one figure each: one group of the legs, knees are its exception."""
+    legs = ("FL", "FR", "RL", "RR")
+    hips, knees = (
+        [f"{leg}_{part}" for leg in legs for part in ("collar", "hip")],
+        [f"{leg}_knee" for leg in legs],
+    )
+    text = f"""from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+CFG = ArticulationCfg(actuators={{
+    "hips": IdealPDActuatorCfg(joint_names_expr={hips}, effort_limit=12.0, stiffness=30.0, damping=1.0),
+    "knees": IdealPDActuatorCfg(joint_names_expr={knees}, effort_limit=24.0, stiffness=30.0, damping=1.0),
+}})
+"""
+    found = imported(write(tmp_path, dog_cfg_py=text), tmp_path)
+    assert groups(found) == {"legs": ([".*"], {".*_knee": "24 N*m"})}

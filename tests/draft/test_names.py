@@ -7,7 +7,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from actspec.draft.names import body_part, group_name, joint_patterns
+from actspec.draft.names import body_part, group_name, joint_patterns, parts_of_body
 from actspec.draft.text import comment, figure, quantity_text, scalar, sourced, time_text
 from actspec.ir import Origin, Quantity
 from actspec.patterns import MAX_PATTERN, compile_pattern, covering_pattern
@@ -368,6 +368,23 @@ def test_comment_ends_with_its_line(text: str) -> None:
 def test_body_parts(joints: list[str], expected: str | None) -> None:
     """Joints are of a body part where all of their names say so."""
     assert body_part(joints) == expected
+
+
+def test_a_joint_beside_those_of_its_leg() -> None:
+    """A word that is no part's is of the leg whose end and side it has (mujina's collars), and of nothing else.
+
+    `lf` and `rf` are a little and a ring finger too, and a humanoid's collar is beside arms and legs.
+    """
+    corners = [f"{end}{side}_{part}_joint" for end in "FR" for side in "LR" for part in ("collar", "hip")]
+    assert set(parts_of_body(corners).values()) == {"legs"}
+    assert parts_of_body(["lf_mcp", "rf_mcp", "thumb"])["lf_mcp"] is None
+    assert parts_of_body(["FL_collar", "FL_hip", "FL_elbow"])["FL_collar"] is None
+    assert parts_of_body(["left_collar", "left_hip", "left_elbow"])["left_collar"] is None
+    assert group_name(corners, ()) == "legs"
+    assert (
+        group_name([name for name in corners if "collar" in name], (), given=dict.fromkeys(corners, ""))
+        == "collar"
+    )
 
 
 @pytest.mark.parametrize(

@@ -216,6 +216,34 @@ def test_solvers_limit_of_a_placeholder_is_none(tmp_path: Path) -> None:
     assert (hip.effort_limit.value, hip.effort_limit.note) == (None, why)
 
 
+def test_speed_limit_of_a_placeholder_is_none(tmp_path: Path) -> None:
+    """1e9 rad/s limits nothing, as 1e9 N*m does."""
+    (found,) = isaaclab(
+        tmp_path,
+        'ImplicitActuatorCfg(["hip"], effort_limit_sim=9.0, velocity_limit_sim=1e9, stiffness=1.0, damping=1.0)',
+    ).actuators.joints
+    assert (found.velocity_limit.value, found.velocity_limit.note) == (None, "1e9 rad/s is no limit")
+
+
+@pytest.mark.parametrize("own, told", [("20.0", True), ("40.0", False), ("None", False)])
+def test_two_limits_of_an_implicit_drive(tmp_path: Path, own: str, told: bool) -> None:
+    """The solver's is taken, and that Isaac Lab 2.x refuses two that differ is told.
+
+    Source: Isaac Lab 2.3.2, actuators/actuator_pd.py, ImplicitActuator.__init__ raises ValueError.
+    """
+    found = isaaclab(
+        tmp_path,
+        f'ImplicitActuatorCfg(["hip"], effort_limit={own}, effort_limit_sim=40.0, stiffness=1.0, damping=1.0)',
+    )
+    (hip,) = found.actuators.joints
+    assert hip.effort_limit.value == 40.0
+    said = (
+        "effort_limit and effort_limit_sim differ: Isaac Lab 2.x raises ValueError when it builds the group; "
+        "effort_limit_sim is taken"
+    )
+    assert (said in found.notes.get("hip", ())) is told
+
+
 def test_dc_motor_with_the_solvers_speed_alone(tmp_path: Path) -> None:
     """`velocity_limit_sim` is no end of a torque-speed line: 25 rad/s is the solver's, the 45 N*m of it are lost."""
     group = 'DCMotorCfg(["hip"], saturation_effort=45, velocity_limit_sim=25, effort_limit=9, stiffness=1, damping=1)'

@@ -3,7 +3,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.networks_found import is_network
 from actspec.audit.rules.randomized import rows_in
 from actspec.readings.artifact import (
     ActuatorGroup,
@@ -11,6 +10,7 @@ from actspec.readings.artifact import (
     RandomizedRange,
     RobotConfig,
 )
+from actspec.readings.config import is_network
 
 _Subject = tuple[int, RobotConfig, list[RandomizedRange]]
 
@@ -37,7 +37,7 @@ class GainsRandomisedOnNetwork(RuleOver[_Subject]):
         """Hold the ranges of gains against the groups."""
         index, config, ranges = subject
         for group in config.groups:
-            for one in ranges if is_network(config, group) else ():
+            for one in ranges if is_network(config.framework, group) else ():
                 for joint in _joints(case, index, group, one):
                     yield Finding(
                         self.code,

@@ -10,22 +10,14 @@ from actspec.readings.artifact import (
     ActuatorGroup,
     Artifact,
     FileKind,
-    Framework,
     NetworkConventions,
     NetworkReading,
     RobotConfig,
 )
-from actspec.readings.config import control_of
+from actspec.readings.config import is_network
 
 SAME = 0.01
 """Relative difference up to which two periods or scales are one. Chosen: rounding of written figures."""
-
-
-def is_network(config: RobotConfig, group: ActuatorGroup) -> bool:
-    """Whether a network gives the group's torque."""
-    if config.framework is Framework.LEGGED_GYM:
-        return group.cls == "actuator_net"
-    return control_of(config.framework, group.cls, *group.bases) == "network"
 
 
 def networks(case: Case) -> Iterator[tuple[int, RobotConfig, ActuatorGroup]]:
@@ -33,7 +25,7 @@ def networks(case: Case) -> Iterator[tuple[int, RobotConfig, ActuatorGroup]]:
     for index, artifact in case.of_kind(FileKind.CFG):
         if artifact.config is not None:
             for group in artifact.config.groups:
-                if is_network(artifact.config, group):
+                if is_network(artifact.config.framework, group):
                     yield index, artifact.config, group
 
 

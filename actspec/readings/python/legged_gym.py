@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from actspec.readings.artifact import PHYSX, ActuatorGroup, Framework, RobotConfig, Setting
+from actspec.readings.artifact import NETWORK, PHYSX, ActuatorGroup, Framework, RobotConfig, Setting
 from actspec.readings.config import IN_FIGURES
 from actspec.readings.python.settings import Draft, known, setting
 from actspec.readings.python.values import Cls, Unknown, Value, ancestors, reason_of
@@ -110,7 +110,7 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
     network = get(control, "use_actuator_network")
     if network is not None and network.data is True and not _is_chosen(control, cls_name):
         # The gains are not used then.
-        cls_name = "actuator_net"
+        cls_name = NETWORK
     patterns = tuple(joints) if certain else None
     draft.groups.append(ActuatorGroup("control", cls_name, control.span, patterns, settings))
 

@@ -195,7 +195,7 @@ class _Reader:
             repeated = not (config.groups or config.settings) and inside.issuperset(config.randomize)
             if config.name in constants or (content not in seen and not repeated):
                 seen.append(content)
-                kept.append(self._scaled(config))
+                kept.append(replace(self._scaled(config), by_call=config.name in functions))
         yield from self._with_assigned(kept)
 
     def _with_assigned(self, configs: Sequence[RobotConfig]) -> Iterator[RobotConfig]:
