@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import names_model
 from actspec.audit.rules.joints import partner_rows, shown, unit
+from actspec.audit.rules.sided import are_of_two_sides
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.ir import JointKind
 from actspec.poses import POSE_TOLERANCE, outside_words
@@ -107,7 +108,8 @@ def _ranges(case: Case, row: LedgerRow) -> Iterator[LedgerRow]:
         seen.add(model.artifact)
         low, high = model.position_range
         doubted = (model.place("position_range").path, model.joint) in case.once(ranges_in_doubt)
-        if low < high and not doubted and not case.is_idle(model.span):
+        other = are_of_two_sides(case, row.artifact, model.artifact)
+        if low < high and not doubted and not other and not case.is_idle(model.span):
             yield model
 
 
