@@ -155,24 +155,24 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
     places = {"kp": kp.span, "kd": None if kd is None else kd.span}
     alone = gain_words(gains, places)
     words: tuple[str, str | None, float] | None = None
+    field = ""
     if alone is not None:
         words = (alone[1], alone[2], abs(math.log(max(active or 0.0, 1e-9) / kp.require())))
         if alone[0] == "kd" and kd is not None and is_stated(kd):
             number, other = kd, kp
-    elif (
-        (joint.motor is not None or _is_of_degrees(kp, kd))
-        and held is not None
-        and joint.kind is JointKind.HINGE
-        and held.reference > 0.0
-    ):
-        # Without a motor they may be a simulator's own servos, of any stiffness, but hardly just 57.3 times others.
-        words = _by_frequency(kp, kd, joint, replace(gains, driven=True), held.reference)
-        if words is None and joint.motor is not None and kd is not None and is_stated(kd):
-            number, other = kd, kp
-            words = damping_words(gains, held.reference)
+    elif held is not None and joint.kind is JointKind.HINGE and held.reference > 0.0:
+        if joint.motor is not None or _is_of_degrees(kp, kd):
+            # Without a motor they may be a simulator's own servos, of any stiffness, but hardly just 57.3 times others.
+            words = _by_frequency(kp, kd, joint, replace(gains, driven=True), held.reference)
+        if words is None and (damped := damping_words(gains, held.reference)) is not None:
+            # Friction is no simulator's servo's.
+            judged = joint.friction_viscous if damped[0] == "viscous" else kd
+            if judged is not None and is_stated(judged) and (joint.motor is not None or judged is not kd):
+                number, other, words = judged, kp, damped[1:]
+                field = "kd" if judged is kd else "friction.viscous"
     if words is not None:
         message, help, size = words
-        where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
+        where = f"actuators.{joint.group}.{field or ('kp' if number is kp else 'kd')}"
         others = (other, limit, joint.armature)
         yield found_at(joint, "SPEC192", where, size, message, help, number, *others)
 
