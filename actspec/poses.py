@@ -44,3 +44,20 @@ def outside_words(
         f"{format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)}"
     )
     return beyond, message, help
+
+
+def far_words(pose: float) -> tuple[str, str] | None:
+    """Message and help of a hinge's default position that is more than a turn from its zero; None where it is not.
+
+    Args:
+        pose: The default position [rad].
+    """
+    turn = 2.0 * math.pi
+    if abs(pose) <= turn + POSE_TOLERANCE[JointKind.HINGE]:
+        return None
+    turns = format_quantity(abs(pose) / turn, "turns", 3)
+    message = f"the default position {format_quantity(pose, 'rad', 4)} is {turns} from the joint's zero"
+    return (
+        message,
+        f"is it in degrees? Then write {pose:g} deg, {format_quantity(math.radians(pose), 'rad', 4)}",
+    )

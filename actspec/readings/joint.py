@@ -172,14 +172,23 @@ class DriveReading:
 
     @property
     def command_range(self) -> tuple[float, float] | None:
-        """Clamp of the command at the joint: position or speed of a servo, torque of a motor; None: none known."""
+        """Clamp of the command at the joint: position or speed of a servo, torque of a motor; None: none known.
+
+        Of a servo whose gain is not its stiffness, as one that is commanded in degrees or by a byte, it is where it
+        goes. Source: MuJoCo 4.0, measured.
+        """
         view = self.view
         if view.control_range is None or not view.gear or {"gear", "control_range"} & view.unknown:
             return None
         if view.control == "motor":
             return None if "gain" in view.unknown else self.control_torques
-        low, high = sorted(end / view.gear for end in view.control_range)
-        return low, high
+        if view.is_scaled is None:
+            return None
+        ends = [end / view.gear for end in view.control_range]
+        if view.is_scaled:
+            feedback = view.kp if view.control == "position" else view.kd
+            ends = [view.gear * (view.gain * end + view.offset) / feedback for end in view.control_range]
+        return min(ends), max(ends)
 
     @property
     def filter_cutoff(self) -> Quantity | None:

@@ -307,10 +307,10 @@ def bound_of_command(row: LedgerRow, view: ActuatorView) -> tuple[float, float] 
     if command is None or kp is None or "gain" in view.unknown:
         return None
     own = row.position_range or command
-    if kp > 0.0 and row.control in ("dcmotor", "pid"):
+    if kp > 0.0 and row.control in ("position", "dcmotor", "pid"):
         targets: tuple[float, ...] = command
     elif kp > 0.0:
-        # gain x control and bias x position are two numbers, which need not be one kp.
+        # Of a kind that is no servo, as a cylinder with a spring in it, the control is not the target.
         targets = tuple(view.gear**2 * view.gain * end / kp + view.gear * view.offset / kp for end in command)
     elif kd is not None and kd > 0.0 and row.control == "velocity":
         return kd, largest(command)

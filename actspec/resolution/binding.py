@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -279,6 +279,7 @@ class _Matcher:
         self._matched: set[str] = set()
         self._missed: list[_Miss] = []
         self._suggestions = MOST_SUGGESTIONS
+        self._by_letters = {name.lower(): name for name in names}
 
     def match(
         self,
@@ -325,8 +326,12 @@ class _Matcher:
             )
             have = f"it has the joints {listed(self.names, 4)}"
         else:
+            together = [misses for misses in self._recased() if len(misses) > 1]
+            for misses in together:
+                self._report_case(misses)
             for miss in self._missed:
-                self._report_one(miss, placed)
+                if not any(miss in misses for misses in together):
+                    self._report_one(miss, placed)
             return
         without = listed([f"'{pattern}'" for pattern in missed], 4)
         path = ("robot", "joints" if self.spec.model.robot.model == "none" else "model")
@@ -344,6 +349,24 @@ class _Matcher:
                 if len(apart(pattern)) == 1 and not match_names(pattern, joints):
                     strange += number >= MOST_SUGGESTIONS or not is_slip(pattern, joints)
         return 3 * strange > len(groups)
+
+    def _recased(self) -> Iterable[list[_Miss]]:
+        """Names in lists that are a joint's but for capital and small letters, those of each list together."""
+        lists: dict[Path, list[_Miss]] = {}
+        for miss in self._missed:
+            if not miss.key and not miss.scope and miss.pattern.lower() in self._by_letters:
+                lists.setdefault(miss.path[:-1], []).append(miss)
+        return lists.values()
+
+    def _report_case(self, misses: Sequence[_Miss]) -> None:
+        written = listed([f"'{miss.pattern}'" for miss in misses], 4)
+        right = ", ".join(self._by_letters[miss.pattern.lower()] for miss in misses)
+        self.breaches.error(
+            "BIND001",
+            f"the patterns {written} match no joint of {self.robot.name!r}, whose names have other capital letters",
+            misses[0].path,
+            f"write [{right}]",
+        )
 
     def _report_one(self, miss: _Miss, placed: Collection[str]) -> None:
         pattern, names, scope = miss.pattern, miss.names, miss.scope

@@ -134,8 +134,11 @@ class ActuatorLaw:
         told = self.gain_type == "fixed" and self.bias_type in ("none", "affine")
         feedback = (-bias[1], -bias[2]) if self.bias_type == "affine" else (0.0, 0.0)
         other = is_("other", *(feedback if told else (NAN, NAN)))
-        if tag in ("cylinder", "adhesion") or self.dynamics_type in ("muscle", "user"):
+        if tag == "adhesion" or self.dynamics_type in ("muscle", "user"):
             return other
+        if tag == "cylinder":
+            # Its bias is a spring and a damper in it, and no servo's.
+            return other if feedback[0] else is_("motor", 0.0, feedback[1])
         integrated = self.dynamics_type == "integrator"
         # A class may leave numbers in biasprm that no biastype uses.
         if self.bias_type == "none":

@@ -6,6 +6,7 @@ target can edit the author's text without going back to the disk.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -169,6 +170,21 @@ class ActuatorView:
     unknown: frozenset[str] = frozenset()
     disabled: bool = False
     moves: tuple[str, ...] | None = ()
+
+    @property
+    def is_scaled(self) -> bool | None:
+        """Whether gain or offset makes another position or speed of a servo's control than itself; None: unknown.
+
+        So one is commanded in degrees, by a byte or by an action.
+        """
+        if self.control not in ("position", "velocity"):
+            return False
+        name = "kp" if self.control == "position" else "kd"
+        if not self.gear or {name, "gain", "offset", "gear"} & self.unknown:
+            # These two elements have one number for both.
+            return False if self.tag in ("position", "velocity") else None
+        feedback: float = getattr(self, name) / self.gear**2
+        return bool(self.offset) or not math.isclose(self.gain, feedback, rel_tol=0.01)
 
 
 @dataclass(frozen=True, slots=True)

@@ -88,6 +88,21 @@ SHORTCUTS = [
         '<general joint="j" gainprm="50" biastype="affine" biasprm="0 -50 -2" forcerange="-6 6"/>',
         {"control": "position", "kp": 50.0, "kd": 2.0, "effort_limit": 6.0, "kd_clamped": True},
     ),
+    # 1 N*m a unit of control, 50 a rad: -100 and 25 are -2 and 0.5 rad.
+    (
+        '<general joint="j" gainprm="1" biastype="affine" biasprm="0 -50 -2" ctrlrange="-100 25"/>',
+        {"control": "position", "kp": 50.0, "command_range": (-2.0, 0.5)},
+    ),
+    # Of a byte: -120 / 60 = -2 and (0.5 x 255 - 120) / 60 = 0.125 at the actuator, half of that behind a gear of 2.
+    (
+        '<general joint="j" gear="2" gainprm="0.5" biastype="affine" biasprm="-120 -60 0" ctrlrange="0 255"/>',
+        {"control": "position", "kp": 240.0, "command_range": (-1.0, 0.0625)},
+    ),
+    # (2 x 3 + 4) / 2 = 5 rad/s, and (2 x -3 + 4) / 2 = -1.
+    (
+        '<general joint="j" gainprm="2" biastype="affine" biasprm="4 0 -2" ctrlrange="-3 3"/>',
+        {"control": "velocity", "kd": 2.0, "command_range": (-1.0, 5.0)},
+    ),
     ('<intvelocity joint="j" kp="4" kv="1" actrange="-1 1"/>', {"control": "other", "kp": 4.0, "kd": 1.0}),
     # How much a damper and a muscle brake, their control decides; what bounds a muscle, it does itself.
     (
@@ -105,6 +120,11 @@ SHORTCUTS = [
     (
         '<general joint="j" gaintype="affine" gainprm="1 2 3"/>',
         {"control": "other", "kp": None, "kd": None, "effort_limit": None},
+    ),
+    # 210 bar on 8 cm^2: MuJoCo never gives more than 16,800 N, whatever is commanded.
+    (
+        '<cylinder joint="j" timeconst="0.05" area="0.0008" ctrlrange="-2.1e7 2.1e7"/>',
+        {"control": "motor", "kp": 0.0, "kd": 0.0, "effort_limit": 16800.0},
     ),
     # gear^2 = 4.
     (

@@ -198,6 +198,28 @@ def test_order_is_the_robots() -> None:
 ANOTHER = "name: r, model: none, joints: [LF_HAA, LF_HFE, LF_KFE, RF_HAA, RF_HFE, RF_KFE]"
 
 
+def test_names_in_other_letters_are_told_once() -> None:
+    """A list of them is one error, with the whole list as it is to be; one alone has its own answer."""
+    with pytest.raises(ResolveError) as refusal:
+        fit(
+            spec_of(
+                f'a: {{joints: [lf_haa, rf_haa, lf_hfe], {PD}}}, b: {{joints: [".*_KFE", rf_hfe], {PD}}}',
+                robot=ANOTHER,
+            )
+        )
+    assert [(item.message, item.help) for item in refusal.value.diagnostics if item.code == "BIND001"] == [
+        (
+            "the patterns 'lf_haa', 'rf_haa', 'lf_hfe' match no joint of 'r', whose names have "
+            "other capital letters",
+            "write [LF_HAA, RF_HAA, LF_HFE]",
+        ),
+        (
+            "the pattern 'rf_hfe' matches no joint of 'r'",
+            "did you mean 'RF_HFE'? (matches RF_HFE)",
+        ),
+    ]
+
+
 @pytest.mark.parametrize(
     ("joints", "expected"),
     [

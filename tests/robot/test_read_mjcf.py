@@ -436,7 +436,9 @@ def test_option_is_read() -> None:
         ("<motor {}/>", "motor", 0, 0, 1),
         ('<intvelocity {} kp="10" kv="2" actrange="-1 1"/>', "intvelocity", 90, 18, 10),
         ('<damper {} kv="2" ctrlrange="0 1"/>', "damper", 0, 0, 0),
-        ('<cylinder {} area="2"/>', "other", 0, 0, 2),
+        ('<cylinder {} area="2"/>', "motor", 0, 0, 2),
+        ('<cylinder {} area="2" bias="0 0 -5"/>', "motor", 0, 45, 2),
+        ('<cylinder {} area="2" bias="0 -3 -5"/>', "other", 27, 45, 2),
         ('<general {} gainprm="5"/>', "motor", 0, 0, 5),
         ('<general {} gainprm="10" biastype="affine" biasprm="0 -10 -2"/>', "position", 90, 18, 10),
         # Feedback without a biastype is not there.

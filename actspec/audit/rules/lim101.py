@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
@@ -30,7 +31,7 @@ from actspec.readings.artifact import FileKind, Setting
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.view import ActuatorView
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 _URDF = {
     "effort_limit": "the URDF's effort is 0: MuJoCo reads it as no limit, and a tool that sets up drives from it as a "
@@ -75,7 +76,10 @@ class NoEffectiveLimit(RuleInParts):
             speaks = _limits_most(case, index)
             views = {} if artifact.robot is None else {view.span: view for view in artifact.robot.actuators}
             meant = _is_unlimited_by_intent(case, index)
+            driven = Counter(row.joint for row in case.rows_of(index) if row.control != "none")
             for row in case.rows_of(index):
+                if row.control in ("position", "pid") and row.joint and driven[row.joint] == 1:
+                    yield self._one_way(case, row, views.get(row.span))
                 if row.control != "none" and row.joint:
                     bounded = self._held(case, row, views.get(row.span))
                     if bounded is not None:
@@ -356,6 +360,32 @@ class NoEffectiveLimit(RuleInParts):
             help=f"state the motor's {FIELDS[field].noun}",
             fields=(field,),
         )
+
+    def _one_way(self, case: Case, row: LedgerRow, view: ActuatorView | None) -> Iterator[Finding]:
+        """Of the only servo of a hinge, without a spring against it, that gives no torque in one direction."""
+        robot = case.artifacts[row.artifact].robot
+        joint = None if robot is None else robot.joint(row.joint)
+        if joint is None or view is None or row.kind is not JointKind.HINGE or joint.stiffness > 0.0:
+            return
+        own = None if "force_range" in view.unknown else view.force_range
+        clamp = None if "effort_range" in joint.unknown else joint.effort_range
+        for name, ends in (("forcerange", own), ("actuatorfrcrange", clamp)):
+            if ends is None or ends[0] >= ends[1] or ends[0] < 0.0 < ends[1]:
+                continue
+            most = format_number(largest(ends))
+            turned = name == "forcerange" and view.gear < 0.0
+            towards = "higher" if (ends[0] < 0.0) is not turned else "lower"
+            yield Finding(
+                self.code,
+                f'{name}="{ends[0]:g} {ends[1]:g}" lets this servo push in one direction alone: it cannot move the '
+                f"joint to {towards} positions",
+                row.place("effort_limit"),
+                row.joint,
+                help=f"write -{most} {most}",
+                fields=("effort_limit",),
+                about=f"{name} {ends[0]:g} {ends[1]:g}",
+                confidence=Confidence.MEDIUM,
+            )
 
     def _empty(self, row: LedgerRow, ends: tuple[float, float]) -> Finding:
         """Of a force range whose ends are one."""

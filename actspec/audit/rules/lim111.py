@@ -1,13 +1,15 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
-from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import names_model
 from actspec.audit.rules.joints import partner_rows, shown, unit
+from actspec.audit.rules.sided import are_of_two_sides
 from actspec.audit.rules.unt101 import ranges_in_doubt
+from actspec.diagnostics import Span
 from actspec.ir import JointKind
-from actspec.poses import POSE_TOLERANCE, outside_words
+from actspec.poses import POSE_TOLERANCE, far_words, outside_words
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.compare import angle_slip
 from actspec.readings.ledger import LedgerRow
@@ -21,7 +23,7 @@ _SAME = 0.01
 """Largest relative difference of equal positions, as `tolerance` of SRC106."""
 
 
-class PoseOutOfRange(RuleOver[tuple[LedgerRow, list[LedgerRow]]]):
+class PoseOutOfRange(RuleInParts):
     code = "LIM111"
     name = "default-position-out-of-range"
     severity = Severity.WARNING
@@ -32,17 +34,22 @@ class PoseOutOfRange(RuleOver[tuple[LedgerRow, list[LedgerRow]]]):
         "no configuration or deploy file states a default position of a joint with a range in a URDF or MJCF"
     )
 
-    def subjects(self, case: Case) -> Iterator[tuple[LedgerRow, list[LedgerRow]]]:
-        """Joints with a default position and a range."""
-        for index, _ in case.of_kind(FileKind.CFG, FileKind.DEPLOY):
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
+        """Joints with a default position and a range, and those of which no model is at hand."""
+        for index, artifact in case.of_kind(FileKind.CFG, FileKind.DEPLOY):
+            far: dict[Span, Finding] = {}
             for row in case.rows_of(index):
                 models = list(_ranges(case, row)) if row.joint and _starts_there(case, row) else []
                 if models:
-                    yield row, models
+                    yield self._outside(case, row, models)
+                elif artifact.kind is FileKind.CFG:
+                    # Programs on a robot may have degrees. A key may be for several groups.
+                    far |= {found.span: found for found in self._far(case, row)}
+            if far:
+                yield far.values()
 
-    def judge(self, case: Case, subject: tuple[LedgerRow, list[LedgerRow]]) -> Iterator[Finding]:
+    def _outside(self, case: Case, row: LedgerRow, models: Sequence[LedgerRow]) -> Iterator[Finding]:
         """Isaac Lab goes by the URDF that it loads; else the joint has none of the ranges."""
-        row, models = subject
         if _is_in_doubt(case, row):
             return
         loaded = [model for model in models if _is_loaded(case, row, model)]
@@ -53,6 +60,27 @@ class PoseOutOfRange(RuleOver[tuple[LedgerRow, list[LedgerRow]]]):
         found = [self._finding(case, row, model, POSE_TOLERANCE[_kind(model)], False) for model in models]
         if all(found):
             yield from filter(None, found[:1])
+
+    def _far(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
+        """Positions beyond a full turn, where no model tells what the joint is."""
+        if any(partner_rows(case, row, FileKind.URDF, FileKind.MJCF)) or _is_in_doubt(case, row):
+            return
+        poses = dict(row.by_key.get("default_position", {}))
+        if row.default_position is not None and "default_position" in row.stated:
+            poses[row.joint] = (row.default_position, row.place("default_position"))
+        for joint, (pose, place) in poses.items():
+            if (words := far_words(pose)) is not None:
+                yield Finding(
+                    self.code,
+                    words[0],
+                    place,
+                    joint,
+                    pose,
+                    "rad",
+                    help=words[1],
+                    fields=("default_position",),
+                    confidence=Confidence.MEDIUM,
+                )
 
     def _finding(
         self, case: Case, row: LedgerRow, model: LedgerRow, tolerance: float, refused: bool
@@ -107,7 +135,8 @@ def _ranges(case: Case, row: LedgerRow) -> Iterator[LedgerRow]:
         seen.add(model.artifact)
         low, high = model.position_range
         doubted = (model.place("position_range").path, model.joint) in case.once(ranges_in_doubt)
-        if low < high and not doubted and not case.is_idle(model.span):
+        other = are_of_two_sides(case, row.artifact, model.artifact)
+        if low < high and not doubted and not other and not case.is_idle(model.span):
             yield model
 
 

@@ -1,10 +1,15 @@
-"""Which joints are the left and right of one, by the words of their names."""
+"""Which joints, and which files, are the left and right of one, by the words of their names."""
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
+from dataclasses import replace
 from functools import lru_cache
+
+from actspec.audit.case import Case
+from actspec.readings.artifact import Artifact, Robot
 
 _SIDES = (
     ("left", "right"), ("l", "r"), ("fl", "fr"), ("rl", "rr"), ("hl", "hr"), ("bl", "br"), ("ml", "mr"),
@@ -17,6 +22,12 @@ _RIGHT = {
 }
 
 SIDE_WORDS = frozenset(word for sides in _SIDES for word in sides)
+
+_OF_FILES = {"left": {"left", "l", "lh"}, "right": {"right", "r", "rh"}}
+"""Words for the side that a file is of. Chosen: others are names of folders and robots (`rl`, `ml`, `fr3`, `rm65`)."""
+
+_FOLDERS = 3
+"""Folders above a file that may tell its side. Chosen: `hand_left/urdf/hand.urdf` and one more."""
 
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^A-Za-z0-9]+")
 
@@ -37,3 +48,41 @@ def mirrors(name: str) -> tuple[str, ...]:
         for chosen in (*([index] for index in at), at)
         if chosen
     )
+
+
+def robots_of_one_side(case: Case) -> tuple[Robot, ...]:
+    """The robots of a case; one of which files say left and others right is two.
+
+    A left and a right hand have joints of one name, whose axes and ranges are mirror images as they should be.
+    """
+    return tuple(part for robot in case.robots for part in _of_one_side(case, robot))
+
+
+def are_of_two_sides(case: Case, one: int, other: int) -> bool:
+    """Whether of two artifacts one says left and the other right."""
+    return {side_of(case.artifacts[index]) for index in (one, other)} == {"left", "right"}
+
+
+def _of_one_side(case: Case, robot: Robot) -> Iterable[Robot]:
+    sides = {index: side_of(case.artifacts[index]) for index in robot.artifacts}
+    if not {"left", "right"} <= set(sides.values()):
+        return (robot,)
+    # A file that says neither may be of either: it is held to others that say neither.
+    return (
+        replace(robot, artifacts=tuple(index for index, its in sides.items() if its == side))
+        for side in dict.fromkeys(sides.values())
+    )
+
+
+def side_of(artifact: Artifact) -> str:
+    """`left` or `right`, by the names of its file, of what that includes, of the model and of the folders; else ""."""
+    path = os.path.abspath(artifact.path)
+    included = () if artifact.robot is None else artifact.robot.files[1:]
+    stems = [" ".join(os.path.splitext(os.path.basename(file.path))[0] for file in included)]
+    folders = os.path.dirname(path).split(os.sep)[: -_FOLDERS - 1 : -1]
+    for text in (os.path.splitext(os.path.basename(path))[0], *stems, artifact.name, *folders):
+        words = {word.lower() for word in WORD.findall(text)}
+        sides = [side for side, said in _OF_FILES.items() if words & said]
+        if len(sides) == 1:
+            return sides[0]
+    return ""

@@ -42,7 +42,11 @@ _REFERENCES: dict[FileKind, tuple[tuple[FileKind, ...], ...]] = {
 
 
 def disagreements(
-    case: Case, fields: Sequence[str], tolerance: float, absolute: float = 0.0
+    case: Case,
+    fields: Sequence[str],
+    tolerance: float,
+    absolute: float = 0.0,
+    robots: Sequence[Robot] | None = None,
 ) -> Iterator[Disagreement]:
     """Where files of one robot state different figures.
 
@@ -58,11 +62,12 @@ def disagreements(
         fields: Fields of a row; of several, the first that a file states is its figure.
         tolerance: Largest relative difference of equal figures.
         absolute: Largest absolute difference of equal figures.
+        robots: Whose files are held to each other; None: the case's.
 
     Yields: One a joint and departing file.
     """
     blamed = set()
-    for robot in case.robots:
+    for robot in case.robots if robots is None else robots:
         if len(robot.artifacts) < 2:
             continue
         stated = {index: _stated_joints(case, index, fields) for index in robot.artifacts}

@@ -32,9 +32,9 @@ class SpecTiming(RuleOver[_Subject]):
     def subjects(self, case: Case) -> Iterator[_Subject]:
         for robot in case.robots:
             spec = next((i for i in robot.artifacts if case.artifacts[i].spec is not None), None)
-            wanted = {} if spec is None else _periods(case, spec)
+            wanted = {} if spec is None else stated_periods(case, spec)
             for index in robot.artifacts if spec is not None else ():
-                found = _periods(case, index)
+                found = stated_periods(case, index)
                 shared = [name for name in _NAMES if name in found and name in wanted]
                 # Another spec of the robot, with other gains say, has a step of its own.
                 if case.artifacts[index].kind is FileKind.SPEC or not shared:
@@ -76,8 +76,8 @@ def _shown(period: float) -> str:
     return format_quantity(period * 1e3, "ms", 3)
 
 
-def _periods(case: Case, index: int) -> dict[str, tuple[float, Span]]:
-    """What an artifact states of `_NAMES` [s], with its place."""
+def stated_periods(case: Case, index: int) -> dict[str, tuple[float, Span]]:
+    """What an artifact states of `control_dt` and `physics_dt` [s], with its place."""
     artifact = case.artifacts[index]
     settings = settings_of(artifact)
     found: dict[str, tuple[float, Span]] = {}

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_blame import POSE, Disagreement
 from actspec.audit.rules.source_pairs import compared, disagreements
 from actspec.audit.rules.source_rule import SourceRule, is_of_one_training, shown
@@ -31,7 +32,8 @@ class ActionOrPose(SourceRule):
     def _departing(self, case: Case) -> Iterator[Finding]:
         tolerance = self.option(case, "tolerance")
         for fields, absolute in zip(self.groups, (0.0, POSE), strict=True):
-            for found in disagreements(case, fields, tolerance, absolute):
+            robots = case.once(robots_of_one_side)
+            for found in disagreements(case, fields, tolerance, absolute, robots):
                 kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
                 if kinds == {FileKind.DEPLOY, FileKind.CFG}:
                     yield self.finding(case, found)

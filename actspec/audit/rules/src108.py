@@ -8,6 +8,7 @@ from typing import ClassVar
 from actspec.audit.case import MODELS
 from actspec.audit.difference import axis_text
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_pairs import are_variants, is_one_machine
 from actspec.readings.artifact import Artifact, FileKind, Robot
 from actspec.robot.view import JointView, RobotView
@@ -50,7 +51,7 @@ class AxisDisagrees(RuleOver[Robot]):
     options: ClassVar[dict[str, float]] = {"degrees": 5.0}
 
     def subjects(self, case: Case) -> Iterator[Robot]:
-        for robot in case.robots:
+        for robot in case.once(robots_of_one_side):
             if sum(case.artifacts[index].kind in MODELS for index in robot.artifacts) > 1:
                 yield robot
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from actspec.audit.case import MODELS
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import is_called_undriven, shown, unit
+from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_pairs import counts_alike, is_one_machine
 from actspec.audit.rules.source_rule import revision
 from actspec.audit.rules.unt101 import ranges_in_doubt
@@ -60,7 +61,7 @@ class RangeDisagrees(RuleOver[tuple[Robot, str]]):
 
     def subjects(self, case: Case) -> Iterator[tuple[Robot, str]]:
         """Joints with a range in two models of a robot."""
-        for robot in case.robots:
+        for robot in case.once(robots_of_one_side):
             models = [index for index in robot.artifacts if case.artifacts[index].kind in MODELS]
             joints: dict[str, int] = {}
             for index in models if len(models) > 1 else ():

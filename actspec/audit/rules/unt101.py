@@ -39,6 +39,7 @@ class RangeInDegrees(RuleInParts):
     def ranges(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare ranges with each other and with what joints do."""
         locked = case.once(read_as_degrees)
+        scaled = _scaled(case)
         least = self.option(case, "least")
         found: list[LedgerRow] = []
         turning: list[LedgerRow] = []
@@ -51,7 +52,8 @@ class RangeInDegrees(RuleInParts):
                 if command is None or joint is None:
                     continue
                 yield ()
-                if index in locked:
+                # Of a control that is no position neither its range in radians nor what to write is known.
+                if index in locked or row.span in scaled:
                     continue
                 artifact = case.artifacts[index]
                 in_degrees = (joint[0] * DEGREES, joint[1] * DEGREES)
@@ -302,6 +304,16 @@ def _is_own(artifact: Artifact, place: Span) -> bool:
     Measured with MuJoCo 4.0.0: in degrees where it states none, whatever attaches it or includes what does.
     """
     return artifact.robot is None or any(file.path == place.path for file in artifact.robot.files)
+
+
+def _scaled(case: Case) -> set[Span]:
+    """Servos whose control is no position: gain and offset make one of it."""
+    return {
+        view.span
+        for _, artifact in case.of_kind(FileKind.MJCF)
+        for view in (() if artifact.robot is None else artifact.robot.actuators)
+        if view.is_scaled
+    }
 
 
 def _turns(row: LedgerRow) -> bool:

@@ -17,6 +17,8 @@ _Subject = tuple[LedgerRow, Sequence[LedgerRow]]
 _SERVOS = ("position", "pid", "dcmotor", "implicit", "ideal_pd", "dc_motor")
 """Drives whose kp and kd are gains of a position."""
 
+_PASSIVE = ("joint_damping", "actuator_damping")
+
 _MOTORS = ("dcmotor", "dc_motor")
 """Those with a torque-speed line, which are a motor's and no simulator's own servo."""
 
@@ -77,10 +79,13 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             inertia = row.kp / frequency**2
             if words := frequency_words(gains, inertia):
                 field, message, help = "kp", *words[:2]
-            elif words := damping_words(gains, inertia):
-                field, message, help = "kd", *words[:2]
+            elif damped := damping_words(gains, inertia, "the joint's damping"):
+                field, message, help = damped[:3]
         if field is None:
             return
+        if field == "viscous":
+            # The larger of the two places of it.
+            field = max(_PASSIVE, key=lambda name: getattr(row, name) or 0.0)
         yield Finding(
             self.code,
             message,
@@ -90,7 +95,7 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             unit(row, field),
             help=help,
             related=_other(row, field),
-            fields=("kp", "kd"),
+            fields=(field,) if field in _PASSIVE else ("kp", "kd"),
         )
 
     def _limit(self, case: Case, row: LedgerRow, published: float | None) -> float | None:

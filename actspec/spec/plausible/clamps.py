@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from actspec.diagnostics import Path, Span
 from actspec.fields import is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
-from actspec.poses import POSE_TOLERANCE, outside_words
+from actspec.poses import POSE_TOLERANCE, far_words, outside_words
 from actspec.spec.document import SourceMap
 from actspec.spec.models import ListedJoint, SpecModel
 from actspec.spec.plausible.relations import DEGREE
-from actspec.spec.plausible.table import Doubt, Found, at, shown
+from actspec.spec.plausible.table import Doubt, Found, at
 from actspec.units import format_quantity
 
 WIDE = 12.0
@@ -133,11 +133,8 @@ def pose_found(joint: JointActuator) -> Iterator[Found]:
     if pose.value is None or pose.origin is not Origin.AUTHORED:
         return
     if joint.position_range is None:
-        if joint.kind is JointKind.HINGE and abs(pose.value) > TURN + POSE_TOLERANCE[joint.kind]:
-            turns = format_quantity(abs(pose.value) / TURN, "turns", 3)
-            message = f"the default position {shown(pose)} is {turns} from the joint's zero"
-            help = f"is it in degrees? Then write {pose.value:g} deg, {format_quantity(pose.value * DEGREE, 'rad', 4)}"
-            doubt = Doubt("SPEC190", message, "robot.default_pose", pose.span, help)
+        if joint.kind is JointKind.HINGE and (words := far_words(pose.value)) is not None:
+            doubt = Doubt("SPEC190", words[0], "robot.default_pose", pose.span, words[1])
             yield Found(doubt, joint.joint, abs(pose.value))
         return
     found = _outside(joint.joint, joint.kind, joint.position_range, pose.value, pose.span)

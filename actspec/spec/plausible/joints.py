@@ -242,7 +242,7 @@ def _joint_doubts_of(
 def _of_derivation(doubt: Doubt, model: SpecModel, spans: SourceMap) -> Doubt:
     """A doubt about a gain; of a derived one it is told of what it is derived by."""
     field = doubt.where.rpartition(".")[2]
-    for path, fields, _ in layers(model):
+    for path, fields, _ in layers(model) if field in ("kp", "kd") else ():
         gain, place = getattr(fields, field), (*path, field)
         if isinstance(gain, DerivedGain) and spans.value(place) == doubt.span:
             return blamed(gain, place, doubt, spans)

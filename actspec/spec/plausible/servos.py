@@ -168,6 +168,7 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
             return
     alone = gain_words(gains, places)
     words: tuple[str, str | None, float] | None = None
+    field = ""
     if alone is not None:
         words = (alone[1], alone[2], abs(math.log(max(active or 0.0, 1e-9) / kp.require())))
         if alone[0] == "kd" and kd is not None and is_stated(kd):
@@ -180,9 +181,11 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
             field, words = by_links
             if field == "kd" and kd is not None:
                 number, other = kd, kp
+            elif field != "kp" and joint.friction_viscous is not None:
+                number, other = joint.friction_viscous, kp
     if words is not None:
         message, help, size = words
-        where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
+        where = f"actuators.{joint.group}.{field or ('kp' if number is kp else 'kd')}"
         others = (other, limit, joint.armature)
         yield found_at(joint, "SPEC192", where, size, message, help, number, *others)
 
@@ -190,7 +193,7 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
 def _by_inertia(
     joint: JointActuator, gains: Gains, inertia: float
 ) -> tuple[str, tuple[str, str, float]] | None:
-    """Which of kp and kd makes a motion that no hinge of that inertia [kg*m^2] has; message, help and size."""
+    """Which of kp, kd and viscous friction makes a motion that no hinge of that inertia [kg*m^2] has; message, help, size."""
     kp, kd = joint.kp, joint.kd
     if kp is None:
         return None
@@ -198,12 +201,19 @@ def _by_inertia(
     if joint.motor is not None or _is_of_degrees(kp, kd):
         # Without a motor they may be a simulator's own servos, of any stiffness, but hardly just 57.3 times others.
         words = _by_frequency(kp, kd, joint, replace(gains, driven=True), inertia)
-        if words is None and joint.motor is not None and kd is not None and is_stated(kd):
-            damped = damping_words(gains, inertia)
-            return None if damped is None else ("kd", damped)
     elif _is_real(joint) and _noticed_softness(joint) < math.inf:
         words = slack_words(gains, inertia)
-    return None if words is None else ("kp", words)
+    if words is not None:
+        return "kp", words
+    damped = damping_words(gains, inertia)
+    if damped is None:
+        return None
+    # Friction is no simulator's servo's.
+    of_kd = damped[0] == "kd"
+    judged = kd if of_kd else joint.friction_viscous
+    if judged is None or not is_stated(judged) or (of_kd and joint.motor is None):
+        return None
+    return "kd" if of_kd else "friction.viscous", damped[1:]
 
 
 def _unstated_rotor(joint: JointActuator) -> float:

@@ -96,23 +96,40 @@ def _swing(gains: Gains, inertia: float) -> str:
     return message
 
 
-def damping_words(gains: Gains, inertia: float) -> tuple[str, str, float] | None:
-    """Message, help and size where the damping ratio of a hinge is no joint's; None where it may be one's.
+def damping_words(
+    gains: Gains, inertia: float, friction: str = "the viscous friction"
+) -> tuple[str, str, str, float] | None:
+    """Which of `kd` and `viscous` makes a damping ratio that no hinge has, with message, help and size.
 
     Args:
         gains: Of the hinge.
         inertia: With the other joints held, armature included [kg*m^2].
+        friction: What the file calls `gains.viscous`.
+
+    Returns: None where the damping ratio may be one's.
     """
     unit = units_of(gains.kind)
-    if not gains.kd:
+    if not gains.kd or (not gains.driven and inertia < STIFF_LINK):
         return None
-    ratio = (gains.kd + gains.viscous) / (2.0 * math.sqrt(gains.kp * inertia))
-    if DAMPING_RATIO[0] <= ratio <= DAMPING_RATIO[1] or (not gains.driven and inertia < STIFF_LINK):
+    own, both = (
+        damping / (2.0 * math.sqrt(gains.kp * inertia)) for damping in (gains.kd, gains.kd + gains.viscous)
+    )
+    with_inertia = f"with the joint's {format_quantity(inertia, unit.inertia, 3)}"
+    if own <= DAMPING_RATIO[1] < both and gains.viscous > gains.kd:
+        message = (
+            f"{friction} of {format_quantity(gains.viscous, unit.velocity_gain, 4)} beside kp {gains.shown_kp} makes a "
+            f"damping ratio of {format_quantity(both, '', 2)} {with_inertia}; kd {gains.shown_kd} alone makes "
+            f"{format_quantity(own, '', 2)}"
+        )
+        help = f"is it in m{unit.velocity_gain}, times 57.3, or the point in the wrong place?"
+        return "viscous", message, help, both
+    if own <= DAMPING_RATIO[1] and both >= DAMPING_RATIO[0]:
         return None
     message = (
-        f"kd {gains.shown_kd} beside kp {gains.shown_kp} gives a damping ratio of {format_quantity(ratio, '', 2)} with "
-        f"the joint's {format_quantity(inertia, unit.inertia, 3)}"
+        f"kd {gains.shown_kd} beside kp {gains.shown_kp} gives a damping ratio of {format_quantity(own, '', 2)} "
+        f"{with_inertia}"
     )
-    per = "per degree? Per radian it is " if ratio < 1 else "multiplied by 57.3? Without that it is "
-    meant = gains.kd / DEGREE if ratio < 1 else gains.kd * DEGREE
-    return message, f"is kd {per}{format_quantity(meant, unit.velocity_gain, 4)}", max(ratio, 1 / ratio)
+    per = "per degree? Per radian it is " if own < 1 else "multiplied by 57.3? Without that it is "
+    meant = gains.kd / DEGREE if own < 1 else gains.kd * DEGREE
+    help = f"is kd {per}{format_quantity(meant, unit.velocity_gain, 4)}"
+    return "kd", message, help, max(own, 1 / own)

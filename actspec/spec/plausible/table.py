@@ -254,7 +254,8 @@ CHECKS = (
         "SPEC192",
         "gains",
         "kp and kd exchanged, or given per degree, per mm or times 57.3, by each other, the effort limit, natural "
-        "frequency and damping ratio; a kd alone by effort limit, dry friction and the joint's speed; both gains 0.",
+        "frequency and damping ratio, a viscous friction by the last; a kd alone by effort limit, "
+        "dry friction and the joint's speed; both gains 0.",
         "kd over kp above 1 s (published: 0.0071 to 0.25 s); a natural frequency outside of 0.15 to 100 Hz, a damping "
         "ratio outside of 0.015 to 60 or a part of the effort limit outside of 0.001 to 5 that a gain is derived "
         "from. Of joints with a motor also kd over kp below 0.5 ms (0.3 ms without friction), a kp that needs an "

@@ -627,6 +627,18 @@ def test_servos_without_a_motor_may_be_of_any_stiffness() -> None:
 
 
 @pytest.mark.parametrize(
+    ("viscous", "expected"),
+    # 2 sqrt(10 x 0.1) = 2: with kd 0.2, 119.8 makes a damping ratio of 60.
+    [("119", []), ("121", ["SPEC192"])],
+)
+def test_friction_that_holds_a_servo(viscous: str, expected: list[str]) -> None:
+    """Friction is no simulator's servo's, and is told at its own place."""
+    fields = f"kp: 10, kd: 0.2, friction: {{viscous: {viscous}}}"
+    text = spec_of(f"legs: {{joints: [hip], level: ideal_pd, {fields}}}", robot="name: leg, model: robot.xml")
+    assert codes(text, MODEL) == expected
+
+
+@pytest.mark.parametrize(
     ("timing", "expected"),
     [
         ("physics_dt: 20 us", []),
