@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rules.joints import starts_there_alone
 from actspec.audit.rules.source_blame import POSE, Disagreement
 from actspec.audit.rules.source_pairs import compared, disagreements
 from actspec.audit.rules.source_rule import SourceRule, is_of_one_training, shown
@@ -32,6 +33,10 @@ class ActionOrPose(SourceRule):
         tolerance = self.option(case, "tolerance")
         for fields, absolute in zip(self.groups, (0.0, POSE), strict=True):
             for found in disagreements(case, fields, tolerance, absolute):
+                if "default_position" in fields and any(
+                    starts_there_alone(case, row) for row in (*found.rows, *found.others)
+                ):
+                    continue
                 kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
                 if kinds == {FileKind.DEPLOY, FileKind.CFG}:
                     yield self.finding(case, found)
