@@ -96,13 +96,14 @@ def _is_within(part: RobotConfig, whole: RobotConfig) -> bool:
 
 
 def _is_of_a_task(name: str) -> bool:
-    return name.startswith("range ") or name in ("physics_dt", "decimation", "action_scale")
+    return name.startswith(("range ", "actions.")) or name in ("physics_dt", "decimation", "action_scale")
 
 
 def _said(config: RobotConfig) -> dict[str, object]:
     """What a configuration says beside its groups, without places."""
     settings = (*config.settings.items(), *config.entries.items(), *config.others.items())
     found: dict[str, object] = {name: (one.value, one.unknown) for name, one in settings}
+    found.update((f"actions.{term.name}", term.said) for term in config.actions)
     for drawn in config.randomize:
         bounds = (drawn.operation, drawn.low, drawn.high, drawn.distribution, drawn.when, drawn.every)
         found[f"range {drawn.field} {drawn.joints} {drawn.actuators}"] = bounds

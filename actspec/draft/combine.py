@@ -109,7 +109,9 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
         None,
     )
     keys = source_keys(readings)
-    ranked = [keyed(reading, keys) for reading in in_order(readings)]
+    # An environment lends the robot what may stand in a base of its own.
+    files = {file: keys[r.path] for r in readings if r.path in keys for file in r.includes} | keys
+    ranked = [keyed(reading, files) for reading in in_order(readings)]
     every = [(r.kind, joint) for r in ranked for joint in r.lifted.actuators.joints]
     # Gains that a configuration has and that could not be read are no torque motor's.
     drives = frozenset(id(joint) for kind, joint in every if kind is FileKind.CFG or _has_drive(joint))

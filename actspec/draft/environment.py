@@ -1,13 +1,14 @@
-"""A robot's configuration and the environments of its file that train it."""
+"""A robot's configuration and the environments that train it, of its file or of one beside it."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Span, listed, one_line
 from actspec.draft.sources import places
-from actspec.readings.artifact import Artifact, RandomizedRange, RobotConfig, Setting
+from actspec.readings.artifact import Artifact, Framework, RandomizedRange, RobotConfig, Setting
 
 _OF_A_ROBOT = ("model", "default_position", "soft_joint_pos_limit_factor")
 """Settings of a robot itself, not of what it is trained in."""
@@ -21,48 +22,127 @@ _OF_TRAINING = {
 """Settings of an environment, in words."""
 
 
-def in_environment(part: Artifact, every: Sequence[Artifact]) -> tuple[Artifact, str]:
-    """A robot's configuration with what the environments of it in its file say, under the robot's own name.
+def in_environments(
+    parts: Sequence[Artifact], every: Sequence[Artifact], named: str | None
+) -> tuple[list[Artifact], list[str]]:
+    """Robots with what the environments say that train them, under the robots' own names.
+
+    Args:
+        parts: What the files have of the robot.
+        every: All that the files have.
+        named: What the user named; None: nothing.
+
+    Returns: The parts, an environment of another file among them where it is the one whose word is taken, and what is
+        to be remarked on each; "" for nothing.
+    """
+    found = [_in_environment(part, every, named) for part in parts]
+    robots = [part for part in parts if part.config is not None and part.config.groups]
+    used = {(env.path, env.name): env for _, _, env in found if env is not None and _is_alone(env)}
+    alone = [
+        one for one in every if _is_alone(one) and any(_may_train(one, robot, every) for robot in robots)
+    ]
+    idle = {(one.path, one.name) for one in alone} - used.keys()
+    kept = [(part, remark) for part, remark, _ in found if (part.path, part.name) not in idle]
+    here = {(part.path, part.name) for part, _ in kept}
+    kept += [(env, "") for at, env in used.items() if at not in here]
+    return [part for part, _ in kept], [remark for _, remark in kept]
+
+
+def _in_environment(
+    part: Artifact, every: Sequence[Artifact], named: str | None
+) -> tuple[Artifact, str, Artifact | None]:
+    """A robot's configuration with what the environments of it say: those of its file, else those of the others.
 
     Nothing of them where they differ.
 
-    Args:
-        part: The one that is meant: the robot's own, or an environment with the robot in it.
-        every: All that the files have.
-
-    Returns: It, and what is to be remarked; "" for nothing.
+    Returns: It, the remark, and the environment whose word is taken.
     """
     config = part.config
     if config is None or not config.groups:
-        return part, ""
-    family = {
-        one.name: one.config
-        for one in every
-        if one.path == part.path and one.config is not None and are_one(part, one)
-    }
-    trained = {name: one for name, one in family.items() if _is_environment(one)}
+        return part, "", None
+    family = {one.name: one for one in every if one.path == part.path and one.config and are_one(part, one)}
+    trained = {name: one for name, one in family.items() if one.config and _is_environment(one.config)}
     if _is_environment(config):
         name = next((name for name in family if name not in trained), part.name)
-        return replace(part, name=name, config=replace(config, name=name)), ""
+        return replace(part, name=name, config=replace(config, name=name)), "", None
+    where = "in its file"
     if not trained:
-        return part, ""
+        others = [one for one in every if one.path != part.path and _may_train(one, part, every)]
+        trained = {one.name: one for one in others}
+        if named in trained:
+            trained = {named: trained[named]}
+        where = f"in {listed(dict.fromkeys(one_line(os.path.basename(one.path)) for one in others), 4)}"
+    if not trained:
+        return part, "", None
     names = listed(map(one_line, trained), 4)
-    first, *others = ({**_said(one.settings), "ranges": _ranges(one)} for one in trained.values())
+    # A base leaves something to what is derived from it, and one for playing has no ranges.
+    fullest = max(trained.values(), key=lambda one: len(_training(one)))
+    told = _training(fullest)
     words = {**_OF_TRAINING, "ranges": "ranges"}
-    unlike = [words[name] for name in words if any(one.get(name) != first.get(name) for one in others)]
+    every_word = [_training(one) for one in trained.values()]
+    unlike = [
+        words[name]
+        for name in words
+        if any(name in one and one[name] != told.get(name) for one in every_word)
+    ]
     if unlike:
-        return part, f"{names} in its file differ in {listed(unlike, 9)}: --robot NAME takes those of one"
-    env = next(iter(trained.values()))
+        # Where the robot is named already, that would take no other one.
+        beside = named is not None and where != "in its file"
+        advice = "none is taken" if beside else "--robot NAME takes those of one"
+        return part, f"{names} {where} differ in {listed(unlike, 9)}: {advice}", None
+    env = fullest.config
+    assert env is not None
     taken = {name: setting for name, setting in env.settings.items() if name in _OF_TRAINING}
-    spans = [*(setting.span for setting in taken.values()), *(item.span for item in env.randomize)]
-    told = [words[name] for name in (*taken, *(["ranges"] if env.randomize else []))]
-    config = replace(config, settings={**config.settings, **taken}, randomize=env.randomize)
-    return replace(part, config=config), f"{listed(told, 9)} from {names} in its file, {places(spans)}"
+    spans = [
+        *(setting.span for setting in taken.values()),
+        *(term.place for term in env.actions),
+        *(item.span for item in env.randomize),
+    ]
+    said = [words[name] for name in words if name in told]
+    settings = {**config.settings, **taken}
+    config = replace(config, settings=settings, randomize=env.randomize, actions=env.actions)
+    of_file = f" {where}" if fullest.path == part.path else ""
+    remark = f"{listed(said, 9)} from {names}{of_file}, {places(spans)}"
+    return replace(part, config=config), remark, fullest
+
+
+def _may_train(env: Artifact, part: Artifact, every: Sequence[Artifact]) -> bool:
+    """Whether an environment of another file is for a robot: it has the robot, or takes it from where nobody looked."""
+    mine, its = part.config, env.config
+    if mine is None or its is None or its.framework is not mine.framework:
+        return False
+    if not _is_alone(env):
+        return _is_environment(its) and are_one(part, env)
+    told = [note.message for note in its.notes]
+    of = {one.name for one in every if any(f" {one.name} comes from " in message for message in told)}
+    return not of or part.name in of
+
+
+def _is_alone(part: Artifact) -> bool:
+    """Whether a part is an environment of Isaac Lab or mjlab whose robot is not known."""
+    config = part.config
+    if config is None or config.groups or config.framework not in (Framework.ISAACLAB, Framework.MJLAB):
+        return False
+    return _is_environment(config)
+
+
+def _training(part: Artifact) -> dict[str, object]:
+    """What an environment says, wherever it is written, by the names of `_OF_TRAINING`, and its ranges."""
+    config = part.config
+    assert config is not None
+    said: dict[str, object] = {
+        name: one for name, one in _said(config.settings).items() if name in _OF_TRAINING
+    }
+    if config.actions:
+        said["action_scale"] = [(term.name, term.said) for term in config.actions]
+    if config.randomize:
+        said["ranges"] = _ranges(config)
+    return said
 
 
 def _is_environment(config: RobotConfig) -> bool:
     """Whether a configuration says how its robot is trained."""
-    return bool(config.randomize) or any(name in config.settings for name in _OF_TRAINING)
+    return bool(config.randomize or config.actions) or any(name in config.settings for name in _OF_TRAINING)
 
 
 def _ranges(config: RobotConfig) -> list[RandomizedRange]:

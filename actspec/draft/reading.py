@@ -19,7 +19,7 @@ from actspec.diagnostics import (
     shell_word,
 )
 from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remark_of
-from actspec.draft.environment import are_one, in_environment, written_once
+from actspec.draft.environment import are_one, in_environments, written_once
 from actspec.draft.including import as_part, whole_of
 from actspec.draft.sources import RobotReading, stated
 from actspec.draft.unread import check_drives, with_drives
@@ -97,13 +97,15 @@ def read_robot_files(
     out.raise_if_failed(AuditError)
     if named is not None and (environment := environment_of(named)) is not None:
         artifacts.append(environment)
-    fitting = of_this_robot(artifacts, () if names is None else names[0], out)
-    trained = [in_environment(artifact, every) for artifact in fitting]
-    artifacts = [artifact for artifact, _ in trained]
+    fitting = list(of_this_robot(artifacts, () if names is None else names[0], out))
+    artifacts, trained = in_environments(fitting, every, robot)
     listed_in = every if named is not None or any(artifact.robot for artifact in artifacts) else []
     passed_over = {one.span for artifact in listed_in for one in lists_of(artifact.config).values()}
     parts = list(_lifted(artifacts, named, names, versions, out))
-    remarks = [remark or (remark_of(part) if listed_in else "") for part, remark in trained]
+    remarks = [
+        remark or (remark_of(part) if listed_in else "")
+        for part, remark in zip(artifacts, trained, strict=True)
+    ]
     parts = [_remarked(part, remark) for part, remark in zip(parts, remarks, strict=True)]
     out.raise_if_failed(AuditError)
     files = {reading.path: tuple(file.path for file in reading.files) for reading in readings}

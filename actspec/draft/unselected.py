@@ -8,7 +8,7 @@ from difflib import get_close_matches
 
 from actspec.diagnostics import Diagnostic, Severity, Span, listed, many, one_line
 from actspec.lift.config import asset_of
-from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
+from actspec.readings.artifact import ActionTerm, ActuatorGroup, Framework, RobotConfig, Setting
 from actspec.readings.config import lost_keys, selected
 from actspec.readings.dict_keys import POSE, again, may_match, meant_for, meets, plain_name, refuses_two
 from actspec.readings.joint_lists import patterns_of
@@ -70,6 +70,23 @@ def unselected(
             lost.append((setting.span, f"of {name}", "no joint of a group", keys))
         else:
             undriven.append((setting, name, keys))
+    for term in config.actions if of is not None else ():
+        mine = _of_term(framework, term, joints)
+        lost.append(
+            (
+                term.span,
+                f"of {_called(term)}",
+                none,
+                [one for one in term.joints or () if not matching(framework, one, joints)],
+            )
+        )
+        if term.scale is not None and mine:
+            keys = [
+                key
+                for key in _keys(term.scale)
+                if not any(meets(framework, _SCALE, key, one) for one in mine)
+            ]
+            lost.append((term.scale.span, f"of {_SCALE}", f"no joint of {_called(term)}", keys))
     told = set[str]()
     for span, owner, instead, keys in lost:
         new = [key for key in dict.fromkeys(keys) if key not in told]
@@ -91,6 +108,16 @@ def unselected(
             yield Diagnostic("DRF012", Severity.WARNING, message, "", span, help)
     if config.groups and all(group.joints is not None for group in config.groups):
         yield from _undriven(config, joints, [item for item in undriven if item[2]])
+
+
+def _of_term(framework: Framework, term: ActionTerm, joints: Sequence[str]) -> list[str]:
+    """The joints of an action term; all where it is not known which."""
+    patterns = (".*",) if term.joints is None else term.joints
+    return [name for name in joints if any(matching(framework, one, (name,)) for one in patterns)]
+
+
+def _called(term: ActionTerm) -> str:
+    return f"actions.{one_line(term.name)}"
 
 
 def _undriven(
@@ -143,6 +170,8 @@ def selected_twice(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagn
     for group in config.groups:
         own = [joint for joint, _ in selected(config, group, joints)]
         every += [(name, setting, own) for name, setting in group.settings.items()]
+    scaled = [(term, term.scale) for term in config.actions if term.scale is not None]
+    every += [(_SCALE, scale, _of_term(framework, term, joints)) for term, scale in scaled]
     for name, setting, mine in every if framework is not Framework.DEPLOY else ():
         # mjlab's classes take one number, and no dict; legged_gym looks damping up by the keys of stiffness.
         if framework is Framework.MJLAB and name not in _CALLED:

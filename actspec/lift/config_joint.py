@@ -25,6 +25,7 @@ from actspec.ir import (
     tidy,
     unknown,
 )
+from actspec.readings.actions import command_of
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config import control_of_group, figures_of, is_network, is_own_class, lags_of
 from actspec.readings.dict_keys import Found
@@ -165,7 +166,7 @@ class ConfigJoint:
             encoder_bias=self._optional("encoder_bias", units.position)
             or assumed(0.0, units.position, "no bias is stated"),
             action_scale=self._optional("action_scale", ""),
-            default_position=self._figure("default_position", units.position),
+            default_position=self._default_position(),
             position_range=self._position_range(),
             network=network,
             randomize=randomize,
@@ -207,11 +208,8 @@ class ConfigJoint:
         kd = self._figure("kd", units.velocity_gain, self._kept("damping"))
         command = self._named_command()
         if command is None:
-            command = Command.POSITION
-            if self._control in ("velocity", "motor"):
-                command = Command.VELOCITY if self._control == "velocity" else Command.EFFORT
-            elif kp.value == 0.0 and self._control != "network":
-                command = Command.EFFORT if kd.value == 0.0 else Command.VELOCITY
+            command = Command(command_of(self._control, self._figures))
+            if command is not Command.POSITION and self._control not in ("velocity", "motor"):
                 zero = self._figures["kp"]
                 why = (
                     "stiffness 0"
@@ -339,12 +337,28 @@ class ConfigJoint:
         static = self._optional("friction_static", unit)
         return sliding, None if static is None or static.value == sliding.value else static
 
+    def _default_position(self) -> Quantity:
+        """The position at zero action: the robot's default position, unless the action term has one of its own."""
+        zero, unit = self._figures.get("action_zero"), self._units.position
+        if zero is None:
+            return self._figure("default_position", unit)
+        start = self._figures.get("start")
+        if zero.value is not None and start is not None and start.value is not None:
+            ends = [format_quantity(value, unit) for value in (zero.value, start.value)]
+            self.notes.append(
+                f"default_pose is {ends[0]}, the command at zero action (line {zero.span.line}); that it starts at "
+                f"{ends[1]} is left out"
+            )
+        return self._quantity(zero, unit)
+
     def _command_range(self, command: Command) -> tuple[Quantity, Quantity] | None:
-        if "command_low" not in self._figures and "command_high" not in self._figures:
+        ends = next((one for one in ("command", "clip") if f"{one}_low" in self._figures), None)
+        if ends is None and "command_high" not in self._figures:
             return None
         units = self._units
         unit = {Command.POSITION: units.position, Command.VELOCITY: units.speed, Command.EFFORT: units.torque}
-        return self._figure("command_low", unit[command]), self._figure("command_high", unit[command])
+        low, high = (self._figure(f"{ends or 'command'}_{end}", unit[command]) for end in ("low", "high"))
+        return low, high
 
     def _delay(self) -> Delay | None:
         """Physics steps in the frameworks, seconds in a deploy file; Isaac Lab 3.0 has one lag, the largest."""

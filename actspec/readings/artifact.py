@@ -182,6 +182,45 @@ class RandomizedRange:
 
 
 @dataclass(frozen=True, slots=True)
+class ActionTerm:
+    """One term of an environment's actions: what an action becomes at the joints that it is for.
+
+    Attributes:
+        name: Its key: `joint_pos`.
+        cls: Its class, as written; "" where a base that is not read has it.
+        joints: Patterns of `joint_names`, or mjlab's `actuator_names`; None: they are not known.
+        command: What it commands: `position`, `velocity` or `effort`; None: no multiple of the action.
+        why: Why `command` is None.
+        scale: Command per unit of action, a number or by pattern; None: the base that is not read has it.
+        zero: Command at zero action, a number or by pattern; None: the joint's default position, and no speed.
+        clip: Pattern to the ends between which the command stays; None without.
+        span: Where it is made.
+    """
+
+    name: str
+    cls: str
+    joints: tuple[str, ...] | None
+    command: str | None
+    why: str
+    scale: Setting | None
+    zero: Setting | None
+    clip: Setting | None
+    span: Span
+
+    @property
+    def place(self) -> Span:
+        """Where its scale is written; where it is made without one."""
+        return self.span if self.scale is None else self.scale.span
+
+    @property
+    def said(self) -> tuple[object, ...]:
+        """What it says, wherever it is written."""
+        settings = (self.scale, self.zero, self.clip)
+        values = (None if one is None else one.unknown or one.value for one in settings)
+        return (self.joints, self.command, self.why, *values)
+
+
+@dataclass(frozen=True, slots=True)
 class NamelessList:
     """A list of a deploy file whose joints nobody names.
 
@@ -205,11 +244,13 @@ class RobotConfig:
         name: Constant or class that defines it: `UNITREE_GO2_CFG`, `G1RoughCfg`; the file's stem for YAML.
         span: Where that is.
         groups: Its actuator groups, in the author's order.
-        settings: Robot-wide settings by actspec's name: `physics_dt`, `decimation`, `action_scale`, `control_dt`,
+        settings: Robot-wide settings by actspec's name: `physics_dt`, `decimation`, `control_dt`, `action_scale` (of
+            all joints; that of an environment's terms is in `actions`),
             `default_position` (by pattern), `soft_joint_pos_limit_factor`, `joint_order` (tuple of names),
             `sdk_order` (the robot's numbering, of a deploy file that actspec wrote: names and None; empty: not stated),
             `model` (path of the asset that it names).
         randomize: Its ranges.
+        actions: The terms of its actions, in the author's order.
         notes: What could not be folded, each with its place and reason.
         written_for: What its groups are for, where actspec wrote them: names of `case.Versions`' fields.
         nameless: `kp` and `kd` to the entries of lists whose joints nobody names.
@@ -229,6 +270,7 @@ class RobotConfig:
     groups: tuple[ActuatorGroup, ...]
     settings: Mapping[str, Setting]
     randomize: tuple[RandomizedRange, ...] = ()
+    actions: tuple[ActionTerm, ...] = ()
     notes: tuple[Diagnostic, ...] = ()
     written_for: Mapping[str, str] = field(default_factory=dict)
     nameless: Mapping[str, tuple[Setting, ...]] = field(default_factory=dict)

@@ -16,6 +16,7 @@ from typing import Any
 
 from actspec.fields import FIELDS
 from actspec.joints import JointKind
+from actspec.readings.actions import acted, command_of
 from actspec.readings.artifact import (
     NETWORK,
     PHYSX,
@@ -240,6 +241,9 @@ def figures_of(
 ) -> dict[str, Found]:
     """What the class of a group makes of its settings for one joint, by the names of `fields.FIELDS`.
 
+    Of a position at zero action that is not the default one there is `action_zero`, with the other one as `start` and
+    no `default_position`, by which commands are held against each other. Of an action's clip there are `clip_low` and
+    `clip_high`.
     Of a lag, which is a range of steps, there are `delay_low` and `delay_high`, and their steps where it is not known
     how long one is.
 
@@ -283,7 +287,11 @@ def figures_of(
     if "kd" in values and _is_undriven_in_legged_gym(config, group, joint, named):
         values["kd"] = Found(0.0, group.settings["stiffness"].span, stated=False)
     take("default_position", "default_position")
-    take("action_scale", "action_scale")
+    if config.actions:
+        values.update(acted(config, joint, pattern, named, command_of(control, values)))
+        _at_zero_action(values)
+    else:
+        take("action_scale", "action_scale")
     if config.framework is Framework.ISAACLAB:
         _isaaclab_limits(control, take, versions)
         take("friction_setting", "friction")
@@ -307,6 +315,19 @@ def figures_of(
             if step is None and steps is not None:
                 values[f"{field}_steps"] = Found(steps, lag.span)
     return values
+
+
+def _at_zero_action(values: dict[str, Found]) -> None:
+    """Leave no default position where an action is not added to it: it is where the joint starts alone."""
+    zero, pose = values.get("action_zero"), values.get("default_position")
+    if zero is None:
+        return
+    if zero.value is not None and zero.value == (0.0 if pose is None else pose.value):
+        del values["action_zero"]
+        return
+    if pose is not None:
+        values["start"] = pose
+    values["default_position"] = Found(None, zero.span, why="an action is not added to the default position")
 
 
 def _is_undriven_in_legged_gym(

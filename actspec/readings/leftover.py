@@ -137,6 +137,8 @@ def _below(where: str, key: str) -> str:
 
 def _settings(config: RobotConfig) -> Iterable[Setting]:
     yield from config.settings.values()
+    for term in config.actions:
+        yield from (one for one in (term.scale, term.zero, term.clip) if one is not None)
     for group in config.groups:
         yield from group.settings.values()
 

@@ -211,3 +211,87 @@ def test_no_factor_on_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         "kd: {add: [0.5 N*m*s/rad, 2 N*m*s/rad], when: reset, per: joint}" in text
         and "left out: kd" not in said
     )
+
+
+TASK = """from dogo_assets import DOGO_CFG
+from isaaclab.envs import ManagerBasedRLEnvCfg, mdp
+from isaaclab.managers import EventTermCfg, SceneEntityCfg
+from isaaclab.utils import configclass
+
+@configclass
+class ActionsCfg:
+    joint_pos = mdp.JointPositionActionCfg(asset_name="robot", joint_names=["hip"], scale=0.25)
+
+@configclass
+class EventCfg:
+    gains = EventTermCfg(func=mdp.randomize_actuator_gains, mode="reset", params={
+        "asset_cfg": SceneEntityCfg("robot", joint_names="knee"),
+        "stiffness_distribution_params": (0.5, 2.0), "operation": "scale"})
+
+@configclass
+class DogoBaseEnvCfg(ManagerBasedRLEnvCfg):
+    def __post_init__(self):
+        self.decimation = 4
+        self.sim.dt = 0.005
+        self.scene.robot = DOGO_CFG.replace(prim_path="{ENV_REGEX_NS}/Robot")
+
+@configclass
+class DogoEnvCfg(DogoBaseEnvCfg):
+    actions = ActionsCfg()
+    events = EventCfg()
+"""
+
+
+@pytest.mark.parametrize("more", [(), ("--robot", "DOGO_CFG"), ("--robot", "DogoEnvCfg")])
+@pytest.mark.parametrize("first", [True, False])
+def test_an_environment_of_another_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], first: bool, more: tuple[str, ...]
+) -> None:
+    """Its robot is in a package that is not beside it: what it says is of the robot that is named with it."""
+    (tmp_path / "dogo_cfg.py").write_text(ROBOT, encoding="utf-8")
+    (tmp_path / "env_cfg.py").write_text(TASK, encoding="utf-8")
+    files = [str(tmp_path / name) for name in ("env_cfg.py", "dogo_cfg.py")]
+    assert main(["import", *(files if first else files[::-1]), *more]) == 0
+    text, said = capsys.readouterr()
+    names = "DogoEnvCfg" if "DogoEnvCfg" in more else "DogoBaseEnvCfg, DogoEnvCfg"
+    at = "env_cfg.py:8, 14, 19, 20"
+    assert f"time step, decimation, action scale, ranges from {names}, {at}\n" in said
+    assert "\n  physics_dt: {value: 5 ms, source: env_cfg}    # env_cfg.py:20\n  decimation: 4\n" in text
+    # 1 and 3 steps of 5 ms; the term is for the hip, the range for the knee.
+    assert "range: [5 ms, 15 ms]" in text
+    assert text.count("action_scale: {value: 0.25, source: env_cfg}") == 1
+    assert text.count("kp: {scale: [0.5, 2], when: reset, per: joint}") == 1
+    assert "\n  name: dogo\n" in text
+
+
+def test_environments_of_another_file_that_differ(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing of them is taken, the time step neither, and it is told; --robot takes those of one."""
+    (tmp_path / "dogo_cfg.py").write_text(ROBOT, encoding="utf-8")
+    task = (
+        TASK + "    def __post_init__(self):\n        super().__post_init__()\n        self.sim.dt = 0.002\n"
+    )
+    (tmp_path / "env_cfg.py").write_text(task, encoding="utf-8")
+    files = [str(tmp_path / name) for name in ("env_cfg.py", "dogo_cfg.py")]
+    assert main(["import", *files]) == 0
+    text, said = capsys.readouterr()
+    told = "DogoBaseEnvCfg, DogoEnvCfg in env_cfg.py differ in time step"
+    assert f"{told}: --robot NAME takes those of one\n" in said
+    assert "action_scale" not in text and "physics_dt: {value" not in text
+    assert main(["import", *files, "--robot", "DOGO_CFG"]) == 0
+    assert f"{told}: none is taken\n" in capsys.readouterr().err
+    assert main(["import", *files, "--robot", "DogoEnvCfg"]) == 0
+    text, said = capsys.readouterr()
+    assert "physics_dt: {value: 2 ms, source: env_cfg}" in text and "differ" not in said
+
+
+def test_the_environment_of_another_robot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It says which robot it takes, and that is another one of the same file."""
+    (tmp_path / "dogo_cfg.py").write_text(
+        ROBOT + ROBOT[ROBOT.index("DOGO_CFG") :].replace("DOGO_CFG", "CATO_CFG"), encoding="utf-8"
+    )
+    (tmp_path / "env_cfg.py").write_text(TASK, encoding="utf-8")
+    files = [str(tmp_path / name) for name in ("env_cfg.py", "dogo_cfg.py")]
+    assert main(["import", *files, "--robot", "CATO_CFG"]) == 0
+    assert "action_scale" not in capsys.readouterr().out
+    assert main(["import", *files, "--robot", "DOGO_CFG"]) == 0
+    assert "action_scale" in capsys.readouterr().out

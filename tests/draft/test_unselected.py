@@ -128,3 +128,33 @@ def test_the_models_own_actuators(folder: Path, capsys: pytest.CaptureFixture[st
     assert "kp: {value: 30 N*m/rad, source: leg_mjcf}" in capsys.readouterr().out
     (folder / "leg.xml").unlink()
     assert "help: name the robot's MJCF or URDF too\n" in _said(capsys, text, code=2)
+
+
+def test_joints_and_keys_of_an_action_term(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Isaac Lab 2.3.2, `JointAction`: it looks for the term's joints in the robot, for the scale's keys in the term."""
+    term = (
+        'mdp.JointPositionActionCfg(joint_names=["hip", "toe"], scale={"hip": 0.5, "knee": 1.0, "h.*": 2.0})'
+    )
+    text = f"""from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+from isaaclab.envs import ManagerBasedRLEnvCfg, mdp
+
+class SceneCfg:
+    robot = ArticulationCfg(actuators={{"legs": IdealPDActuatorCfg(
+        joint_names_expr=["hip", "knee"], stiffness=25.0, damping=0.5, effort_limit=20.0)}})
+
+class ActionsCfg:
+    pos = {term}
+
+class DogoEnvCfg(ManagerBasedRLEnvCfg):
+    scene = SceneCfg()
+    actions = ActionsCfg()
+    decimation = 4
+"""
+    (tmp_path / "cfg.py").write_text(text, encoding="utf-8")
+    assert main(["import", str(tmp_path / "cfg.py"), "--robot", "DogoEnvCfg", "--joints", "hip,knee"]) == 0
+    out, err = capsys.readouterr()
+    assert "DRF012 [warning]: `toe` of actions.pos selects none of the 2 joints of --joints\n" in err
+    assert "DRF012 [warning]: `knee` of action_scale selects no joint of actions.pos\n" in err
+    assert "DRF014 [warning]: `h.*` of the action scale is for hip, which `hip` is for already\n" in err
+    assert "action_scale: unknown    # the keys 'hip' and 'h.*' both match the joint, which Isaac Lab" in out

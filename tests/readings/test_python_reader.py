@@ -37,6 +37,14 @@ def settings(config: RobotConfig) -> dict[str, object]:
     }
 
 
+def terms(config: RobotConfig) -> list[tuple[object, ...]]:
+    """Action terms: name, joints, what they command and their scale."""
+    return [
+        (one.name, one.joints, one.command, None if one.scale is None else one.scale.value)
+        for one in config.actions
+    ]
+
+
 def ranges(config: RobotConfig) -> list[tuple[object, ...]]:
     """Ranges without places."""
     return [(r.field, r.operation, r.low, r.high, r.joints, r.distribution) for r in config.randomize]
@@ -258,14 +266,16 @@ def test_isaaclab_environment(tmp_path: Path) -> None:
     configs = read(tmp_path, ENVIRONMENT)
     assert list(configs) == ["DogEnvCfg", "DogFlatEnvCfg"]
     base, flat = configs["DogEnvCfg"], configs["DogFlatEnvCfg"]
-    assert settings(base) == {"physics_dt": 0.005, "decimation": 4, "action_scale": 0.5}
+    assert settings(base) == {"physics_dt": 0.005, "decimation": 4}
+    assert terms(base) == [("joint_pos", (".*",), "position", 0.5)]
     assert ranges(base) == [
         ("kp", "scale", 0.75, 1.5, (".*_hip",), "log_uniform"),
         ("kd", "scale", 0.3, 3.0, (".*_hip",), "log_uniform"),
         # Without `operation` Isaac Lab takes the range itself.
         ("armature", "abs", 0.01, 0.02, None, "uniform"),
     ]
-    assert settings(flat) == {"physics_dt": 0.005, "decimation": 4, "action_scale": 0.25}
+    assert settings(flat) == {"physics_dt": 0.005, "decimation": 4}
+    assert terms(flat) == [("joint_pos", (".*",), "position", 0.25)]
     assert [one[:4] for one in ranges(flat)] == [("kp", "scale", 0.9, 1.1), ("kd", "scale", 0.3, 3.0)]
     assert base.groups == ()
     (note,) = base.notes
@@ -538,7 +548,8 @@ def needs_arguments_env_cfg(rough):
     assert (config.name, config.framework) == ("dog_env_cfg", Framework.MJLAB)
     assert [group.name for group in config.groups] == ["LEGS", "actuators[1]"]
     found = settings(config)
-    assert (found["physics_dt"], found["decimation"], found["action_scale"]) == (0.005, 4, 0.2)
+    assert (found["physics_dt"], found["decimation"]) == (0.005, 4)
+    assert terms(config) == [("joint_pos", (".*",), "position", 0.2)]
     assert ranges(config) == [
         ("kp", "scale", 0.8, 1.2, None, "uniform"),
         ("kd", "scale", 1.0, 2.0, None, "uniform"),

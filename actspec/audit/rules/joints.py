@@ -66,6 +66,16 @@ def partner_rows(case: Case, row: LedgerRow, *kinds: FileKind) -> Iterator[Ledge
                 yield from (found for found in case.rows_of(other) if not found.joint)
 
 
+def starts_there_alone(case: Case, row: LedgerRow) -> bool:
+    """Whether a configuration's default position is where the joint starts and no zero of its command.
+
+    A task of the robot says so, whose actions are not added to it.
+    """
+    if case.artifacts[row.artifact].kind is not FileKind.CFG:
+        return False
+    return any("action_zero" in other.places for other in (row, *partner_rows(case, row, FileKind.CFG)))
+
+
 def by_joint(case: Case, *kinds: FileKind) -> Mapping[tuple[int, str], Sequence[LedgerRow]]:
     """Rows of each joint of each artifact, in their order; rows without a joint are left out.
 

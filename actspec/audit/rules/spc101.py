@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.joints import starts_there_alone
 from actspec.audit.rules.source_rule import shown
 from actspec.audit.rules.spec_pairs import (
     NO_SPEC,
@@ -60,6 +61,8 @@ class FigureDeparts(RuleOver[SpecJoint]):
                 continue
             absolute = _ABSOLUTE if field in _COMMAND else 0.0
             if math.isclose(mine.value, wanted.value, rel_tol=tolerance, abs_tol=absolute):
+                continue
+            if field == "default_position" and any(starts_there_alone(case, row) for row in joint.rows):
                 continue
             if not _is_explained(case, joint, field, tolerance):
                 yield self._finding(joint, field, mine, wanted)

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rules.joints import starts_there_alone
 from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_blame import POSE, Disagreement
 from actspec.audit.rules.source_pairs import compared, disagreements
@@ -34,6 +35,10 @@ class ActionOrPose(SourceRule):
         for fields, absolute in zip(self.groups, (0.0, POSE), strict=True):
             robots = case.once(robots_of_one_side)
             for found in disagreements(case, fields, tolerance, absolute, robots):
+                if "default_position" in fields and any(
+                    starts_there_alone(case, row) for row in (*found.rows, *found.others)
+                ):
+                    continue
                 kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
                 if kinds == {FileKind.DEPLOY, FileKind.CFG}:
                     yield self.finding(case, found)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Framework, RobotConfig
+from actspec.readings.python.actions import take_actions
 from actspec.readings.python.settings import (
     Draft,
     Events,
@@ -109,9 +110,10 @@ def environment(name: str, value: Value, span: Span) -> RobotConfig:
     fields = fields_of(value)
     draft.set("physics_dt", fields_of(fields.get("sim")).get("dt"))
     draft.set("decimation", fields.get("decimation"))
-    _actions(draft, fields)
+    # Of a direct task, which has no terms.
+    draft.set("action_scale", fields.get("action_scale"))
     draft.events(fields.get("events"), _EVENTS)
-    _scene(draft, fields)
+    take_actions(draft, fields.get("actions"), _scene(draft, fields))
     return draft.config(Framework.ISAACLAB, name, span)
 
 
@@ -162,8 +164,11 @@ def _group(draft: Draft, name: str, value: Value) -> None:
         draft.group(name, value.data, fields.pop("joint_names_expr", None), fields)
 
 
-def _scene(draft: Draft, fields: dict[str, Value]) -> None:
-    """The robot: `scene.robot`, else the first articulation of the scene or, in a direct task, of the cfg itself."""
+def _scene(draft: Draft, fields: dict[str, Value]) -> str:
+    """The robot: `scene.robot`, else the first articulation of the scene or, in a direct task, of the cfg itself.
+
+    Returns: Its key; "" where it is not known.
+    """
     scene = fields_of(fields.get("scene"))
     places = {**fields, **scene}
     robots = sorted({"robot", "robot_cfg"} & set(places), reverse=True)[:1]
@@ -175,13 +180,14 @@ def _scene(draft: Draft, fields: dict[str, Value]) -> None:
             for other in robots[1:]:
                 if is_robot(places[other]):
                     draft.note(other, "a second robot of the scene, left out", places[other].span)
-            return
+            return name
         if isinstance(value.data, (Unknown, External)):
             draft.note(name, reason_of(value.data) or "", value.span)
         elif isinstance(value.data, Obj) and value.data.open is not None:
             draft.note(name, value.data.open, value.span)
     if not robots and "scene" in fields and (why := _unread_scene(fields["scene"])):
         draft.note("scene", why, fields["scene"].span)
+    return ""
 
 
 def _unread_scene(scene: Value) -> str:
@@ -193,26 +199,3 @@ def _unread_scene(scene: Value) -> str:
     cls = scene.data.cls
     known = [cls] if isinstance(cls, External) else ancestors(cls)
     return next((one.reason for one in known if isinstance(one, External)), "")
-
-
-def _actions(draft: Draft, fields: dict[str, Value]) -> None:
-    actions = fields.get("actions")
-    terms = {
-        name: one
-        for name, one in fields_of(actions).items()
-        if isinstance(one.data, Obj) and (is_named(one.data, "JointPositionActionCfg") or _opened(one.data))
-    }
-    scales = {name: fields_of(one)["scale"] for name, one in terms.items() if "scale" in fields_of(one)}
-    if len(scales) == 1:
-        draft.set("action_scale", next(iter(scales.values())))
-    for name, one in list(scales.items())[1:] and scales.items():
-        draft.note(f"actions.{name}.scale", "one of several position actions", one.span)
-    if "action_scale" in fields and not scales:
-        draft.set("action_scale", fields["action_scale"])
-    if actions is not None and isinstance(actions.data, (Unknown, External)):
-        draft.note("actions", reason_of(actions.data) or "", actions.span)
-
-
-def _opened(obj: Obj) -> bool:
-    """Whether an object stands for a default of a class that is not read."""
-    return isinstance(obj.cls, External) and obj.cls.dotted.startswith("?.")

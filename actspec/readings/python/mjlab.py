@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Framework, RobotConfig
 from actspec.readings.config import VOLTS
+from actspec.readings.python.actions import take_actions
 from actspec.readings.python.isaaclab import is_mjlab
 from actspec.readings.python.settings import (
     UNFOLDED,
@@ -107,16 +108,12 @@ def environment(name: str, value: Value, span: Span, call: Call, names: Mapping[
     mujoco = fields_of(fields_of(fields.get("sim")).get("mujoco"))
     draft.set("physics_dt", mujoco.get("timestep"))
     draft.set("decimation", fields.get("decimation"))
-    for term, one in fields_of(fields.get("actions")).items():
-        if isinstance(one.data, Obj) and is_named(one.data, "JointPositionActionCfg"):
-            scale = fields_of(one).get("scale")
-            if "action_scale" not in draft.settings:
-                draft.set("action_scale", scale)
-            else:
-                draft.note(f"actions.{term}", "another position action, left out", one.span)
     draft.events(fields.get("events"), _EVENTS)
     entities = fields_of(fields_of(fields.get("scene")).get("entities"))
     robots = [one for one in entities.values() if is_entity(one)]
+    take_actions(
+        draft, fields.get("actions"), next((key for key, one in entities.items() if one in robots[:1]), "")
+    )
     for key, one in entities.items():
         if isinstance(one.data, (Unknown, External)):
             draft.note(f"scene.entities.{key}", reason_of(one.data) or "", one.span)

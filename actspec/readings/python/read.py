@@ -173,7 +173,7 @@ class _Reader:
                 found.extend(self._class(name, value.data, span))
         for name, value, span in own:
             found.extend(self._loose(name, value, span))
-        inside = {one for config in found if config.groups or config.settings for one in config.randomize}
+        inside = {one for config in found if not _is_ranges(config) for one in config.randomize}
         constants = {name for name, value, _ in own if self.scope.names.get(name) is value}
         functions = {name for name, _, _ in own} - constants
         constants.difference_update(name for name, value, _ in own if isinstance(value.data, Cls))
@@ -192,7 +192,7 @@ class _Reader:
             if config.name in functions and content in stated:
                 continue
             # A task's variants for playing differ in nothing that is read here; its events are in the task.
-            repeated = not (config.groups or config.settings) and inside.issuperset(config.randomize)
+            repeated = _is_ranges(config) and inside.issuperset(config.randomize)
             if config.name in constants or (content not in seen and not repeated):
                 seen.append(content)
                 kept.append(replace(self._scaled(config), by_call=config.name in functions))
@@ -363,9 +363,14 @@ class _Reader:
         return names
 
 
+def _is_ranges(config: RobotConfig) -> bool:
+    """Whether a configuration has ranges alone, as a class of events."""
+    return not (config.groups or config.settings or config.actions)
+
+
 def _content(config: RobotConfig) -> tuple[object, ...]:
     """What a configuration says, whatever it is called."""
-    return config.framework, config.groups, config.settings, config.randomize
+    return config.framework, config.groups, config.settings, config.randomize, config.actions
 
 
 def _definitions(body: Sequence[ast.stmt]) -> dict[str, ast.AST]:

@@ -9,7 +9,14 @@ from dataclasses import dataclass, field
 
 from actspec.diagnostics import Collector, Span, shortened
 from actspec.patterns import PatternError, compile_pattern
-from actspec.readings.artifact import ActuatorGroup, Framework, RandomizedRange, RobotConfig, Setting
+from actspec.readings.artifact import (
+    ActionTerm,
+    ActuatorGroup,
+    Framework,
+    RandomizedRange,
+    RobotConfig,
+    Setting,
+)
 from actspec.readings.config import IN_FIGURES
 from actspec.readings.python.arithmetic import text_of
 from actspec.readings.python.values import (
@@ -169,13 +176,23 @@ class Draft:
     settings: dict[str, Setting] = field(default_factory=dict)
     groups: list[ActuatorGroup] = field(default_factory=list)
     ranges: list[RandomizedRange] = field(default_factory=list)
+    actions: list[ActionTerm] = field(default_factory=list)
     notes: Collector = field(default_factory=Collector)
     edited: frozenset[str] = frozenset()
 
     def config(self, framework: Framework, name: str, span: Span) -> RobotConfig:
         """All of it as a configuration."""
-        groups, ranges, notes = tuple(self.groups), tuple(self.ranges), tuple(self.notes)
-        return RobotConfig(framework, name, span, groups, self.settings, ranges, notes, edited=self.edited)
+        return RobotConfig(
+            framework,
+            name,
+            span,
+            tuple(self.groups),
+            self.settings,
+            tuple(self.ranges),
+            tuple(self.actions),
+            tuple(self.notes),
+            edited=self.edited,
+        )
 
     def note(self, where: str, reason: str, span: Span) -> None:
         """Say that something could not be folded."""

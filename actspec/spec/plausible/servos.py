@@ -193,7 +193,7 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
 def _by_inertia(
     joint: JointActuator, gains: Gains, inertia: float
 ) -> tuple[str, tuple[str, str, float]] | None:
-    """Which of kp, kd and viscous friction makes a motion that no hinge of that inertia [kg*m^2] has; message, help, size."""
+    """Which of kp, kd and friction makes a motion that no hinge of that inertia [kg*m^2] has; message, help, size."""
     kp, kd = joint.kp, joint.kd
     if kp is None:
         return None
