@@ -174,7 +174,7 @@ class DriveReading:
     def command_range(self) -> tuple[float, float] | None:
         """Clamp of the command at the joint: position or speed of a servo, torque of a motor; None: none known.
 
-        Of a servo whose gain is not its stiffness, as one in degrees, it is where it goes. Source: MuJoCo 4.0, measured.
+        Of a servo whose gain is not its stiffness, as one in degrees, it is where it goes (measured in MuJoCo 4.0).
         """
         view = self.view
         if view.control_range is None or not view.gear or {"gear", "control_range"} & view.unknown:
