@@ -173,7 +173,7 @@ class ActuatorView:
 
     @property
     def is_scaled(self) -> bool | None:
-        """Whether gain or offset makes another position or speed of a servo's control than itself; None: unknown.
+        """Whether a servo makes another position or speed of its control than itself; None: unknown.
 
         So one is commanded in degrees, by a byte or by an action.
         """
@@ -184,7 +184,9 @@ class ActuatorView:
             # These two elements have one number for both.
             return False if self.tag in ("position", "velocity") else None
         feedback: float = getattr(self, name) / self.gear**2
-        return bool(self.offset) or not math.isclose(self.gain, feedback, rel_tol=0.01)
+        # Of a position an offset alone is an encoder's: the servo is commanded in what that reads.
+        moved = self.control == "velocity" and bool(self.offset)
+        return moved or not math.isclose(self.gain, feedback, rel_tol=0.01)
 
 
 @dataclass(frozen=True, slots=True)
