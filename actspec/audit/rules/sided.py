@@ -60,11 +60,17 @@ def robots_of_one_side(case: Case) -> tuple[Robot, ...]:
 
 def are_of_two_sides(case: Case, one: int, other: int) -> bool:
     """Whether of two artifacts one says left and the other right."""
-    return {side_of(case.artifacts[index]) for index in (one, other)} == {"left", "right"}
+    sides = case.once(_sides)
+    return {sides[one], sides[other]} == {"left", "right"}
+
+
+def _sides(case: Case) -> tuple[str, ...]:
+    """The side of each artifact."""
+    return tuple(map(_side_of, case.artifacts))
 
 
 def _of_one_side(case: Case, robot: Robot) -> Iterable[Robot]:
-    sides = {index: side_of(case.artifacts[index]) for index in robot.artifacts}
+    sides = {index: case.once(_sides)[index] for index in robot.artifacts}
     if not {"left", "right"} <= set(sides.values()):
         return (robot,)
     # A file that says neither may be of either: it is held to others that say neither.
@@ -74,7 +80,7 @@ def _of_one_side(case: Case, robot: Robot) -> Iterable[Robot]:
     )
 
 
-def side_of(artifact: Artifact) -> str:
+def _side_of(artifact: Artifact) -> str:
     """`left` or `right`, by the names of its file, of what that includes, of the model and of the folders; else ""."""
     path = os.path.abspath(artifact.path)
     included = () if artifact.robot is None else artifact.robot.files[1:]
