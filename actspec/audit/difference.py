@@ -24,7 +24,7 @@ from actspec.readings.dynamics import (
     dynamics_of,
     levelled,
 )
-from actspec.readings.read import without_fragments
+from actspec.readings.including import without_fragments
 from actspec.readings.versions import Versions
 from actspec.spec.variants import split
 

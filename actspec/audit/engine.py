@@ -37,7 +37,8 @@ from actspec.audit.selection import ALL, DIAGNOSTICS, NOT_JUDGED, is_diagnostic,
 from actspec.audit.settings import Settings, beyond_known, not_read
 from actspec.diagnostics import AuditError, Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileReading
-from actspec.readings.read import PendingFiles, without_fragments
+from actspec.readings.including import without_fragments
+from actspec.readings.read import PendingFiles
 
 
 def audit(

@@ -421,6 +421,7 @@ class FileReading:
             they ask no URDF for it, `urdf_limit` where none is of a trainer that takes a URDF's for the drive's,
             `drive` where they leave a configuration's gains to a simulator of their own.
         idle: Configurations in a folder that no program there imports, where one imports others.
+        record: Whether it is what a training wrote of itself: it says what was, and is not for editing.
     """
 
     path: str
@@ -438,6 +439,7 @@ class FileReading:
     unnamed: bool = False
     written: frozenset[str] = frozenset()
     idle: frozenset[str] = frozenset()
+    record: bool = False
 
     def as_named(self) -> FileReading:
         """The same file as if it was named, whatever its folder says of it."""

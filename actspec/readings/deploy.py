@@ -143,6 +143,11 @@ def read_deploy(path: str, data: bytes) -> FileReading:
         root = compose(data)
     except Unfit as err:
         return FileReading(path, None, str(err), files=(file,), refused=err.span(path))
+    if root is not None and b"scene:" in data:
+        from actspec.readings.runs import is_run, read_run
+
+        if is_run(root):
+            return read_run(file, root)
     name = os.path.splitext(os.path.basename(path))[0]
     reader = _Reader(path)
     try:

@@ -1,4 +1,5 @@
-"""Which model a part belongs to: what includes or attaches it, beside it, below it, above it and in its project."""
+"""Which model a part belongs to: what includes or attaches it, beside it, below it, above it and in its project; and
+what of an audit is a part that is judged in its includer."""
 
 from __future__ import annotations
 
@@ -6,10 +7,11 @@ import itertools
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 from actspec.files import FAULTS, read_regular
-from actspec.readings.artifact import without_comments
+from actspec.readings.artifact import FileReading, without_comments
 
 INCLUDED, ATTACHED = (
     re.compile(rb"""<%s\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""" % tag) for tag in (b"include", b"model")
@@ -161,3 +163,54 @@ def _named(path: str, text: bytes, ways: Sequence[re.Pattern[bytes]]) -> Iterato
     folder = os.path.dirname(os.path.abspath(path))
     for name in (name for way in ways for name in way.findall(text)):
         yield os.path.normpath(os.path.join(folder, os.fsdecode(name)))
+
+
+def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...]:
+    """The readings without parts that another one includes: they are judged there.
+
+    A part is an MJCF that MuJoCo refuses alone, or that has no `<compiler>`: angles, classes and limits may then be its
+    includer's. Any other that MuJoCo takes alone stays, whoever includes it: it is a model. What MuJoCo refuses alone
+    is also left to an includer that cannot be read, of which that is said.
+
+    Args:
+        readings: All of one audit.
+    """
+    included: dict[str, bool] = {}
+    for reading in readings:
+        for part in reading.files:
+            if part.include:
+                path = os.path.realpath(part.path)
+                included[path] = included.get(path, False) or bool(reading.artifacts)
+        if not reading.artifacts:
+            for path in _named_by_includes(reading):
+                included.setdefault(os.path.realpath(path), False)
+    if not included:
+        return tuple(readings)
+    return tuple(
+        replace(reading, included=True) if os.path.realpath(reading.path) in included else reading
+        for reading in readings
+        if not _is_judged_elsewhere(reading, included)
+    )
+
+
+def _named_by_includes(reading: FileReading) -> Iterator[str]:
+    """Files that an MJCF which could not be put together includes, from its text."""
+    for file in reading.files[:1]:
+        if b"<mujoco" in file.data:
+            for name in INCLUDED.findall(without_comments(file.data)):
+                yield os.path.join(os.path.dirname(reading.path), os.fsdecode(name))
+
+
+def _is_judged_elsewhere(reading: FileReading, included: Mapping[str, bool]) -> bool:
+    """Whether a file is a part of others, by the included files' paths to whether one of them could be read."""
+    read_there = included.get(os.path.realpath(reading.path)) if _is_part(reading) else None
+    if read_there is None:
+        return False
+    return read_there or all(one.text_only is not None for one in reading.artifacts)
+
+
+def _is_part(reading: FileReading) -> bool:
+    """Whether MuJoCo takes nothing of a file, or another file has its compiler."""
+    return bool(reading.artifacts) and all(
+        one.text_only is not None or one.may_be_part for one in reading.artifacts
+    )

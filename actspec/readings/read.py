@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, listed, many
 from actspec.files import NotRegular, TooLarge, read_regular, why
 from actspec.processes import FaultError, LostError, Pool
-from actspec.readings.artifact import Artifact, FileKind, FileReading, without_comments
+from actspec.readings.artifact import Artifact, FileKind, FileReading
 from actspec.readings.including import INCLUDED, MOST_WHOLES, Around
 from actspec.readings.programs import ASIDE, Idle, files_in, idle, programs_in
 from actspec.robot.sizes import TOO_LARGE
@@ -31,6 +31,8 @@ PYTHON = (".py",)
 YAML = (".yaml", ".yml")
 
 XACRO = ".xacro"
+RECORD = "past run"
+"""What else of a folder is not read: a training's own `params/env.yaml`."""
 NOT_READ = {
     XACRO: "xacro",
     ".sdf": "SDF",
@@ -55,8 +57,6 @@ _OTHER_ROBOT = re.compile(
 
 _ROBOT_CODE = re.compile(rb"\b(?:ArticulationCfg|LeggedRobotCfg|isaaclab|omni\.isaac\.lab|mjlab|legged_gym)")
 """What a configuration imports, or derives from, that cannot be parsed."""
-
-_INCLUDE = re.compile(rb"""<include\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""")
 
 KINDS = {"mujoco": FileKind.MJCF, "mujocoinclude": FileKind.MJCF, "robot": FileKind.URDF}
 """Root element to the kind of file; a `mujocoinclude` is a part of a model."""
@@ -437,11 +437,13 @@ def _chosen(
     found: dict[int, FileReading],
     skip_other: bool,
     exclude: Callable[[str, bool], bool] | None,
-    not_read: Mapping[str, str],
+    not_read: dict[str, str],
 ) -> list[FileReading]:
     """The readings without files that have nothing to do with actuators and that nobody named."""
     chosen = []
-    concerned = {index for index in range(len(files)) if _concerns(found[index])}
+    past = {index for index, file in enumerate(files) if found[index].record and _is_past(file, skip_other)}
+    not_read.update((files[index].path, RECORD) for index in sorted(past))
+    concerned = {index for index in range(len(files)) if index not in past and _concerns(found[index])}
     shut = {file.folder for file in files if file.folder and os.path.isdir(file.path)}
     empty = {path for path in paths if os.path.isdir(path)}
     empty -= shut | {files[index].folder for index in concerned}
@@ -479,6 +481,14 @@ def _chosen(
     return chosen
 
 
+def _is_past(file: NamedFile, skip_other: bool) -> bool:
+    """Whether a run's record says what once was: a folder may have hundreds of runs. That of the folder is of today."""
+    if file.named:
+        return skip_other
+    inside = os.path.relpath(file.path, file.folder).replace(os.sep, "/")
+    return inside not in ("env.yaml", "params/env.yaml")
+
+
 def _nothing_at(path: str) -> FileReading:
     """A name without a file."""
     fault = Diagnostic("AUD016", Severity.ERROR, "there is no such file or folder", "", Span(path))
@@ -507,6 +517,7 @@ def _nothing_in(folder: str, count: int | None, not_read: Sequence[str] = ()) ->
         help = "take a glob out of exclude, or the folder out of the command"
     elif not_read:
         reason += f"; {counted_not_read(not_read)}"
+        help = "name the env.yaml of one" if RECORD in not_read else help
         if NOT_READ[XACRO] in not_read:
             from actspec.robot.read_urdf import EXPAND as help
     return _nothing(folder, reason, help, " in this folder")
@@ -514,8 +525,10 @@ def _nothing_in(folder: str, count: int | None, not_read: Sequence[str] = ()) ->
 
 def counted_not_read(kinds: Sequence[str]) -> str:
     """How many files are not read, by what each of them is: `1 xacro file, 3 USD files not read`."""
-    found = (kind for kind in dict.fromkeys(NOT_READ.values()) if kind in kinds)
-    return f"{listed(many(kinds.count(kind), f'{kind} file') for kind in found)} not read"
+    known = {**{kind: f"{kind} file" for kind in NOT_READ.values()}, RECORD: RECORD}
+    return (
+        f"{listed(many(kinds.count(kind), word) for kind, word in known.items() if kind in kinds)} not read"
+    )
 
 
 def _nothing(path: str, reason: str, help: str, where: str = "") -> FileReading:
@@ -546,55 +559,4 @@ def _concerns(reading: FileReading) -> bool:
     own = lower.endswith(ROBOT_ALONE)
     return reading.kind is None and any(
         (own or _ROBOT_ROOT.search(text)) and not _OTHER_ROBOT.search(text) for text in texts
-    )
-
-
-def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...]:
-    """The readings without parts that another one includes: they are judged there.
-
-    A part is an MJCF that MuJoCo refuses alone, or that has no `<compiler>`: angles, classes and limits may then be its
-    includer's. Any other that MuJoCo takes alone stays, whoever includes it: it is a model. What MuJoCo refuses alone
-    is also left to an includer that cannot be read, of which that is said.
-
-    Args:
-        readings: All of one audit.
-    """
-    included: dict[str, bool] = {}
-    for reading in readings:
-        for part in reading.files:
-            if part.include:
-                path = os.path.realpath(part.path)
-                included[path] = included.get(path, False) or bool(reading.artifacts)
-        if not reading.artifacts:
-            for path in _named_by_includes(reading):
-                included.setdefault(os.path.realpath(path), False)
-    if not included:
-        return tuple(readings)
-    return tuple(
-        replace(reading, included=True) if os.path.realpath(reading.path) in included else reading
-        for reading in readings
-        if not _is_judged_elsewhere(reading, included)
-    )
-
-
-def _named_by_includes(reading: FileReading) -> Iterator[str]:
-    """Files that an MJCF which could not be put together includes, from its text."""
-    for file in reading.files[:1]:
-        if b"<mujoco" in file.data:
-            for name in _INCLUDE.findall(without_comments(file.data)):
-                yield os.path.join(os.path.dirname(reading.path), os.fsdecode(name))
-
-
-def _is_judged_elsewhere(reading: FileReading, included: Mapping[str, bool]) -> bool:
-    """Whether a file is a part of others, by the included files' paths to whether one of them could be read."""
-    read_there = included.get(os.path.realpath(reading.path)) if _is_part(reading) else None
-    if read_there is None:
-        return False
-    return read_there or all(one.text_only is not None for one in reading.artifacts)
-
-
-def _is_part(reading: FileReading) -> bool:
-    """Whether MuJoCo takes nothing of a file, or another file has its compiler."""
-    return bool(reading.artifacts) and all(
-        one.text_only is not None or one.may_be_part for one in reading.artifacts
     )

@@ -13,7 +13,7 @@ from actspec.audit.read import read_files
 from actspec.audit.rules import all_rules
 from actspec.audit.settings import Settings
 from actspec.readings.artifact import FileKind
-from actspec.readings.read import without_fragments
+from actspec.readings.including import without_fragments
 from actspec.readings.versions import Versions
 from tests.audit.rules.test_cases import CASES, load, text_of
 

@@ -4,9 +4,11 @@ Job:
     framework: isaaclab or mjlab.
     root: folder with `isaaclab` and `isaaclab_assets` (Isaac Lab alone).
     modules: names of modules to import, or of files in the folder `robots` (Isaac Lab).
+    yaml: folder of PyYAML, which both frameworks write with.
 
 Answers: module to name of the constant to its robot: `groups`, by key or index, each with its class, joints and
-`fields` (name to [value, the class's default]); `default_position`; `soft_joint_pos_limit_factor`.
+`fields` (name to [value, the class's default]); `default_position`; `soft_joint_pos_limit_factor`; `run`, the YAML that
+the framework writes of an environment with the robot.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import importlib
 import importlib.util
 import json
 import sys
+import tempfile
 import types
 from pathlib import Path
 from typing import Any
@@ -113,7 +116,17 @@ def group(cfg: Any, joints: str) -> dict[str, Any]:
     return {"class": type(cfg).__name__, "joints": plain(fields.pop(joints)[0]), "fields": fields}
 
 
+def run(write: Any, environment: dict[str, Any]) -> str:
+    """What the framework's own `dump_yaml` writes beside a run."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "env.yaml"
+        write(path if write.__module__.startswith("mjlab") else str(path), environment)
+        return path.read_text(encoding="utf-8")
+
+
 def isaaclab(module: types.ModuleType) -> dict[str, Any]:
+    of_dict = importlib.import_module("isaaclab.utils.dict").class_to_dict
+    write = importlib.import_module("isaaclab.utils.io.yaml").dump_yaml
     found = {}
     for name, value in vars(module).items():
         if type(value).__name__ == "ArticulationCfg" and value.spawn is not None:
@@ -122,11 +135,16 @@ def isaaclab(module: types.ModuleType) -> dict[str, Any]:
                 "groups": {key: group(cfg, "joint_names_expr") for key, cfg in actuators},
                 "default_position": plain(value.init_state.joint_pos),
                 "soft_joint_pos_limit_factor": value.soft_joint_pos_limit_factor,
+                "run": run(
+                    write, {"scene": {"robot": of_dict(value)}, "sim": {"dt": 0.005}, "decimation": 4}
+                ),
             }
     return found
 
 
 def mjlab(module: types.ModuleType) -> dict[str, Any]:
+    from mjlab.utils.os import dump_yaml
+
     (maker,) = (value for name, value in vars(module).items() if name.endswith("_robot_cfg"))
     entity = maker()
     found = {}
@@ -137,12 +155,26 @@ def mjlab(module: types.ModuleType) -> dict[str, Any]:
                 "groups": dict(enumerate(groups)),
                 "default_position": plain(entity.init_state.joint_pos),
                 "soft_joint_pos_limit_factor": value.soft_joint_pos_limit_factor,
+                "run": run(
+                    dump_yaml,
+                    {
+                        "scene": {"entities": {"robot": dataclasses.asdict(entity)}},
+                        "sim": {"mujoco": {"timestep": 0.005}},
+                        "decimation": 4,
+                    },
+                ),
             }
     return found
 
 
 def main() -> None:
     job = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    spec = importlib.util.spec_from_file_location(
+        "yaml", f"{job['yaml']}/__init__.py", submodule_search_locations=[job["yaml"]]
+    )
+    assert spec is not None and spec.loader is not None
+    sys.modules["yaml"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(sys.modules["yaml"])
     if job["framework"] == "isaaclab":
         enable(Path(job["root"]))
     read = {"isaaclab": isaaclab, "mjlab": mjlab}[job["framework"]]

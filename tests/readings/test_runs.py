@@ -1,0 +1,216 @@
+"""What a training wrote of itself, `params/env.yaml`: read as a configuration, where somebody names it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.engine import audit
+from actspec.audit.settings import Settings
+from actspec.readings.artifact import FileKind, Framework, RobotConfig
+from actspec.readings.deploy import read_deploy
+
+ISAACLAB = """\
+sim: {{dt: 0.005, physics_material: {{func: isaaclab.sim:spawn_rigid_body_material}}}}
+decimation: 4
+scene:
+  num_envs: 4096
+  robot:
+    class_type: isaaclab.assets.articulation.articulation:Articulation
+    spawn: {{usd_path: /somewhere/leggy.usd}}
+    init_state:
+      joint_pos: &pose
+        hip: 0.25
+        knee: -0.5
+    actuators:
+      legs:
+        class_type: isaaclab.actuators.actuator_pd:{cls}
+        joint_names_expr: !!python/tuple
+        - hip
+        - knee
+        effort_limit: 23.5
+        stiffness: {{hip: 40.0, knee: 60.0}}
+        damping: 1.5
+        armature: null
+        friction: 0.0
+  light:
+    class_type: null
+actions:
+  joint_pos:
+    class_type: isaaclab.envs.mdp.actions.joint_actions:JointPositionAction
+    asset_name: robot
+    clip: null
+    joint_names: [.*]
+    scale: {{hip: 0.25, knee: 0.5}}
+    offset: 0.0
+    use_default_offset: true
+events:
+  gains:
+    func: isaaclab.envs.mdp.events:randomize_actuator_gains
+    params:
+      asset_cfg:
+        name: robot
+        joint_names: [hip]
+        joint_ids: !!python/object/apply:builtins.slice [null, null, null]
+      stiffness_distribution_params: !!python/tuple [0.75, 1.25]
+      damping_distribution_params: null
+      operation: scale
+      distribution: log_uniform
+    mode: startup
+"""
+
+MJLAB = """\
+decimation: 4
+sim: {{mujoco: {{timestep: 0.002}}}}
+scene:
+  terrain: {{articulation: null}}
+  entities:
+    robot:
+      init_state: {{joint_pos: {{hip: 0.25, knee: -0.5}}}}
+      spec_fn: !!python/name:somebody.get_spec ''
+      articulation:
+        soft_joint_pos_limit_factor: 0.9
+        actuators: !!python/tuple
+        - target_names_expr: !!python/tuple [hip, knee]
+          transmission_type: !!python/object/apply:mjlab.actuator.actuator.TransmissionType [joint]
+          armature: 0.01
+          {fields}
+actions:
+  joint_pos: {{entity_name: robot, actuator_names: [.*], scale: 0.5, offset: 0.0, use_default_offset: true}}
+events:
+  friction:
+    func: !!python/name:mjlab.envs.mdp.dr.joint_friction ''
+    params: {{ranges: !!python/tuple [0.1, 0.3], asset_cfg: {{name: robot, joint_names: [knee]}}}}
+    mode: reset
+"""
+
+
+def read(text: str) -> RobotConfig:
+    reading = read_deploy("env.yaml", text.encode())
+    (artifact,) = reading.artifacts
+    assert reading.record and artifact.kind is FileKind.CFG and artifact.config is not None
+    return artifact.config
+
+
+def test_isaaclab() -> None:
+    """Classes, figures by joint, pose, steps, actions and ranges, of a text in the writer's own forms."""
+    config = read(ISAACLAB.format(cls="DCMotor"))
+    assert (config.framework, config.name, config.model) == (
+        Framework.ISAACLAB,
+        "leggy",
+        "/somewhere/leggy.usd",
+    )
+    assert config.physics_dt == 0.005 and config.settings["decimation"].number == 4.0
+    assert config.settings["default_position"].value == {"hip": 0.25, "knee": -0.5}
+    (legs,) = config.groups
+    assert (legs.name, legs.cls, legs.joints) == ("legs", "DCMotorCfg", ("hip", "knee"))
+    assert legs.settings["stiffness"].value == {"hip": 40.0, "knee": 60.0}
+    assert legs.settings["damping"].value == 1.5 and legs.settings["friction"].value == 0.0
+    # null: nobody states it.
+    assert legs.settings["armature"].value is None and legs.settings["armature"].unknown is None
+    assert str(legs.settings["damping"].span) == "env.yaml:20:18"
+    (term,) = config.actions
+    assert (term.cls, term.command, term.joints) == ("JointPositionActionCfg", "position", (".*",))
+    assert term.scale is not None and term.scale.value == {"hip": 0.25, "knee": 0.5} and term.clip is None
+    (drawn,) = config.randomize
+    assert (drawn.field, drawn.operation, drawn.low, drawn.high) == ("kp", "scale", 0.75, 1.25)
+    assert (drawn.joints, drawn.distribution, drawn.when) == (("hip",), "log_uniform", "startup")
+    assert not config.notes
+
+
+@pytest.mark.parametrize(
+    ("fields", "cls"),
+    [
+        (
+            "stiffness: 40.0\n          damping: 1.5\n          effort_limit: 23.5",
+            "BuiltinPositionActuatorCfg",
+        ),
+        (
+            "stiffness: 40.0\n          damping: 1.5\n          effort_limit: 23.5\n"
+            "          saturation_effort: 30.0\n          velocity_limit: 21.0",
+            "DcMotorActuatorCfg",
+        ),
+        ("damping: 1.5\n          effort_limit: 23.5", "BuiltinVelocityActuatorCfg"),
+        ("effort_limit: 23.5\n          gear: 1.0", "BuiltinMotorActuatorCfg"),
+        ("frictionloss: 0.1", "ActuatorCfg"),
+    ],
+)
+def test_mjlab(fields: str, cls: str) -> None:
+    """mjlab leaves classes out: the fields tell, and of the three that share them it is said."""
+    config = read(MJLAB.format(fields=fields))
+    assert config.framework is Framework.MJLAB and config.physics_dt == 0.002
+    (group,) = config.groups
+    assert (group.cls, group.joints) == (cls, ("hip", "knee"))
+    assert group.settings["armature"].value == 0.01
+    assert group.settings["transmission_type"].value == "JOINT"
+    (term,) = config.actions
+    assert term.command == "position" and term.scale is not None and term.scale.number == 0.5
+    (drawn,) = config.randomize
+    assert (drawn.field, drawn.low, drawn.high, drawn.joints) == ("friction", 0.1, 0.3, ("knee",))
+    said = [note.message for note in config.notes if "not their class" in note.message]
+    assert len(said) == (cls == "BuiltinPositionActuatorCfg")
+
+
+def test_nothing_is_executed(tmp_path: Path) -> None:
+    """A tag that names a function is a name; one that would call it is no value, and says so where it stands."""
+    made = tmp_path / "made"
+    call = f"!!python/object/apply:os.mkdir ['{made}']"
+    text = ISAACLAB.format(cls="DCMotor").replace("effort_limit: 23.5", f"effort_limit: {call}")
+    (legs,) = read(text).groups
+    assert legs.settings["effort_limit"].unknown is not None
+    assert not made.exists()
+    config = read(text.replace("DCMotor", "DCMotor'); import os; os.system('x"))
+    # No name of Python's: no class is made of it.
+    assert [group.cls for group in config.groups] != ["DCMotor'); import os; os.system('xCfg"]
+
+
+def test_aliases_may_form_a_circle() -> None:
+    """What refers to itself ends."""
+    text = ISAACLAB.format(cls="DCMotor").replace("  light:\n    class_type: null", "  self: &a {self: *a}")
+    assert [group.name for group in read(text).groups] == ["legs"]
+    text = ISAACLAB.format(cls="DCMotor").replace("stiffness: {", "stiffness: &b {more: *b, ")
+    (legs,) = read(text).groups
+    assert legs.settings["stiffness"].unknown is not None
+
+
+@pytest.fixture
+def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A configuration's folder with two runs in it, and what is deployed."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("one", "two"):
+        run = tmp_path / "logs" / name / "params"
+        run.mkdir(parents=True)
+        (run / "env.yaml").write_text(ISAACLAB.format(cls="IdealPDActuator"), encoding="utf-8")
+    (tmp_path / "deploy.yaml").write_text(
+        "joint_names: [hip, knee]\nkps: [40, 120]\nkds: [1.5, 1.5]\n", encoding="utf-8"
+    )
+    return tmp_path
+
+
+def told(*paths: str) -> list[str]:
+    report = audit(list(paths), Settings())
+    return [f"{one.finding.code} {one.finding.span}" for one in report.findings]
+
+
+def test_a_run_that_is_named_is_compared(workspace: Path) -> None:
+    """kp 120 is deployed where 60 was trained with."""
+    assert "SRC103 deploy.yaml:2:11" in told("logs/one/params/env.yaml", "deploy.yaml")
+
+
+@pytest.mark.parametrize("folder", ["logs/one", "logs/one/params"])
+def test_the_folder_of_a_run_has_it(workspace: Path, folder: str) -> None:
+    """Whoever names the run means it."""
+    assert "SRC103 deploy.yaml:2:11" in told(folder, "deploy.yaml")
+
+
+@pytest.mark.parametrize("folder", [".", "logs"])
+def test_runs_of_the_past_are_counted_alone(workspace: Path, folder: str) -> None:
+    """A folder of them says what was, once: it is no mistake that a gain has changed since."""
+    report = audit([folder, "deploy.yaml"], Settings())
+    assert report.not_read == ("past run", "past run")
+    assert [file.path for file in report.case.files if file.readable] == ["deploy.yaml"]
+    refused = [file for file in report.case.files if not file.readable]
+    # Of a folder without anything else that is no green check.
+    assert [file.path for file in refused] == ["logs"] * (folder == "logs")
+    assert all("2 past runs not read" in (file.reason or "") for file in refused)
