@@ -87,12 +87,10 @@ def value_of(
         rest = {} if list(keys) == [own] else keys
         if own is None:
             return Found(None, setting.span, keys=rest)
-        # As of a joint that is known: `settled` leaves Isaac Lab's dict whole.
-        place = setting.span if framework is Framework.ISAACLAB else setting.place(own)
-        return Found(numbers[own], place, keys=rest)
+        return Found(numbers[own], setting.place(own), keys=rest)
     chosen = next((key for key in numbers if matching(framework, key, (joint,))), None)
     if chosen is not None:
-        return Found(numbers[chosen], setting.span)
+        return Found(numbers[chosen], setting.place(chosen))
     if framework in (Framework.ISAACLAB, Framework.LEGGED_GYM) and len(numbers) == len(value):
         return Found(0.0, setting.span, stated=False)
     return None

@@ -218,8 +218,8 @@ def _is_contradicted(case: Case, row: LedgerRow, twin: LedgerRow, field: str, re
 
 
 def _is_a_line_of_each(left: LedgerRow, right: LedgerRow, field: str) -> bool:
-    """Whether one setting gives each side its own end of a torque-speed line: somebody measured them."""
-    return field == "no_load_speed" and left.place(field) == right.place(field)
+    """Whether one group gives each side its own end of a torque-speed line: somebody measured them."""
+    return field == "no_load_speed" and left.actuator == right.actuator
 
 
 def _is_chosen(case: Case, left: LedgerRow, right: LedgerRow, fields: Set[str]) -> bool:
