@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.engine import audit
+from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.deploy import read_deploy
@@ -214,3 +215,10 @@ def test_runs_of_the_past_are_counted_alone(workspace: Path, folder: str) -> Non
     # Of a folder without anything else that is no green check.
     assert [file.path for file in refused] == ["logs"] * (folder == "logs")
     assert all("2 past runs not read" in (file.reason or "") for file in refused)
+
+
+def test_a_hook_passes_over_runs(workspace: Path) -> None:
+    """A commit of logs is no change of a robot: pre-commit names every file of it."""
+    with pending_files(["logs/one/params/env.yaml", "deploy.yaml"], skip_other=True) as pending:
+        report = audit(pending, Settings())
+    assert report.not_read == ("past run",) and not report.findings
