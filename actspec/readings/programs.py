@@ -93,7 +93,9 @@ _IMPORTED = re.compile(
     rb"^([ \t]*from[ \t]+[.\w]+[ \t]+import)[ \t]+(?:\((?![^)]*\bas\b)[^)*]*\)|(?!.*\bas\b)[^*(\n]+)",
     re.MULTILINE,
 )
-"""Names that a program imports, of which it need not use one; those that it calls by another name count as used."""
+"""Names that a program imports; those that it calls by another name count as used."""
+
+_WORD = re.compile(rb"\w+")
 
 _HANDED_ON = re.compile(
     rb"^[ \t]*from[ \t]+[.\w]+[ \t]+import[ \t]+(?:\([^)*]*\)|[^*(\n]+)|__all__\s*\+?=\s*[\[(][^\])]*[\])]",
@@ -424,7 +426,7 @@ def _idle_configs(
             pattern.findall(
                 _HANDED_ON.sub(b"", text)
                 if os.path.basename(path) == "__init__.py"
-                else _IMPORTED.sub(rb"\1", _MADE_UP.sub(b"", text) if path in configs else text)
+                else _used_imports(_MADE_UP.sub(b"", text) if path in configs else text)
             )
         )
         for path, text in programs.items()
@@ -453,6 +455,20 @@ def _idle_configs(
         if alone:
             result[path] = frozenset(alone)
     return result
+
+
+def _used_imports(text: bytes) -> bytes:
+    """A program without the names that it imports, and without what it imports to use none of them.
+
+    The module stays of what is used: `from robots.leg import`.
+    """
+    others = frozenset(_WORD.findall(_IMPORTED.sub(b"", text)))
+
+    def kept(statement: re.Match[bytes]) -> bytes:
+        names = _WORD.findall(statement[0][len(statement[1]) :])
+        return statement[1] if others.intersection(names) else b""
+
+    return _IMPORTED.sub(kept, text)
 
 
 def _copied_aside(configs: Collection[str], programs: Mapping[str, bytes]) -> Iterator[str]:

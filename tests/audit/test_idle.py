@@ -393,6 +393,17 @@ def test_however_the_folder_is_named(named: str) -> None:
         ("", "", Severity.WARNING),
         # What a module sets of a configuration, or makes a table of its drives, is no use of it.
         ("from robots import DOG_CFG\nrun(DOG_CFG)\n", "MOUSE_CFG.spawn.x = 2\n", Severity.INFO),
+        # What is imported and not used, the use being a comment.
+        (
+            "from robots import DOG_CFG\nfrom strays import MOUSE_CFG\nrun(DOG_CFG)\n# run(MOUSE_CFG)\n",
+            "",
+            Severity.INFO,
+        ),
+        (
+            "from robots import DOG_CFG\nfrom strays import MOUSE_CFG\nrun(DOG_CFG, MOUSE_CFG)\n",
+            "",
+            Severity.WARNING,
+        ),
         (
             "from robots import DOG_CFG\nrun(DOG_CFG)\n",
             "for a in MOUSE_CFG.actuators.values():\n    a\n",
@@ -538,7 +549,7 @@ def test_what_only_an_idle_configuration_names(used: bool) -> None:
     """Nobody runs it either."""
     text = one_config("DOG_CFG")
     Path("r/dog.py").write_text(text.replace("ArticulationCfg(act", "ArticulationCfg(spawn='two.urdf', act"))
-    Path("r/run.py").write_text("FILE = 'one.urdf'\n" + "from dog import DOG_CFG\n" * used)
+    Path("r/run.py").write_text("FILE = 'one.urdf'\n" + "from dog import DOG_CFG\nrun(DOG_CFG)\n" * used)
     two = Severity.WARNING if used else Severity.INFO
     assert severities("r") == {"one": Severity.WARNING, "two": two, "dog": two}
 
