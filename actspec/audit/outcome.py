@@ -12,6 +12,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
+from actspec.patterns import recased
 from actspec.readings.artifact import STEP_OF_WHAT, Artifact, FileKind, FileReading, Robot
 from actspec.readings.pair import (
     SHARE,
@@ -19,6 +20,7 @@ from actspec.readings.pair import (
     figures_of,
     fits,
     joint_names,
+    matching,
     says_something,
     share_a_body,
     telling,
@@ -266,6 +268,31 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
                 "add joint_names: [...] in the order of its lists"
                 if by_number
                 else f"write the robot's name into {'the file' if deploy else 'this configuration'}'s name",
+            )
+        elif member.config is not None and not case.is_met(its):
+            yield from _in_other_letters(case, member, models)
+
+
+def _in_other_letters(
+    case: Case, member: Artifact, models: Mapping[int, frozenset[str]]
+) -> Iterator[Diagnostic]:
+    """A configuration or deploy file that somebody named, whose names are a model's but for capital letters."""
+    config = member.config
+    assert config is not None
+    written = joint_names(member) or [pattern for group in config.groups for pattern in group.joints or ()]
+    for index, joints in models.items():
+        names = sorted(joints)
+        same = any(matching(config.framework, name, names) for name in written)
+        right = {} if same else {name: recased(name, names) for name in written}
+        known = {name: other for name, other in right.items() if other is not None}
+        if known and len(known) >= SHARE * len(right):
+            yield _not_compared(
+                case,
+                "this" if member.kind is FileKind.DEPLOY else f"`{member.name}`",
+                [case.artifacts[index].path],
+                "its names have other capital letters",
+                Span(member.path) if member.kind is FileKind.DEPLOY else config.span,
+                f"if it is the same robot, write {listed([f'{name!r}' for name in known.values()], 4)}",
             )
 
 
