@@ -34,7 +34,13 @@ UNKNOWN = frozenset({"AUD015", "CFG001", "CFG003", "DEPLOY002", STEP_OF_WHAT})
 
 
 LOST_FILE = "AUD021"
-"""Code of a file that the baseline has findings of and that is not there: the one remark that an exit code counts."""
+"""Code of a file that the baseline has findings of and that is not there."""
+
+LOST_DRIVE = "AUD023"
+"""Code of joints that had an actuator when the baseline was written."""
+
+_COUNTED = frozenset({LOST_FILE, LOST_DRIVE})
+"""The remarks that an exit code counts."""
 
 NO_BASELINE = "AUD005"
 """Code of a baseline that is not there, or cannot be read."""
@@ -149,10 +155,10 @@ class Report:
         return tuple(found for found in self.findings if SEVERITIES.index(found.severity) >= least)
 
     def fails(self, severity: Severity | None) -> bool:
-        """Whether there is a finding of at least this severity, or a file lost of which the baseline has some."""
+        """Whether there is a finding of at least this severity, or a file or a drive lost that the baseline has."""
         lost = severity is not None and SEVERITIES.index(severity) <= SEVERITIES.index(Severity.WARNING)
         return bool(self.at_or_above(severity)) or (
-            lost and any(item.code == LOST_FILE for item in self.problems)
+            lost and any(item.code in _COUNTED for item in self.problems)
         )
 
     @property
