@@ -31,6 +31,19 @@ def driven(case: Case, folder: str) -> dict[str, frozenset[str]]:
     return found
 
 
+def vanished(case: Case, before: Mapping[str, frozenset[str]], folder: str) -> frozenset[tuple[str, str]]:
+    """Joints that were driven and that their file does not have any more, by file and name; arguments as of
+    `lost_drives`.
+    """
+    return frozenset(
+        (name, joint)
+        for index, artifact in case.of_kind(FileKind.MJCF)
+        if artifact.robot is not None
+        for name in (_name(case, index, folder),)
+        for joint in before.get(name, frozenset()) - {one.name for one in artifact.robot.joints}
+    )
+
+
 def _name(case: Case, index: int, folder: str) -> str:
     return name_in_file(relative_path(case.artifacts[index].path, folder))
 

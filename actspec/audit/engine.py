@@ -15,7 +15,7 @@ from actspec.audit.baseline import Baseline, Entry, apply_baseline, entry_about,
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.causes import by_cause
-from actspec.audit.drives import Lost, lost_drives
+from actspec.audit.drives import Lost, lost_drives, vanished
 from actspec.audit.exclude import Exclude, glob_matches, unfit
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.fix import without_doubtful
@@ -151,6 +151,7 @@ def judge(
             reach_of(baseline.entries, case, by_code, ran, folder, own_exclude(settings)),
             settings.baseline or "",
             lost,
+            vanished(case, baseline.driven, folder),
         )
     kept = _split(kept, suppressed, Means.CONFIDENCE, lambda item: _unsure(item.confidence, settings))
     report = Report(case, asked, kept, tuple(suppressed), skipped, tuple(problems))
@@ -376,10 +377,12 @@ def _unsure(confidence: Confidence, settings: Settings) -> bool:
     return CONFIDENCES.index(confidence) < CONFIDENCES.index(settings.min_confidence)
 
 
-def _stale(stale: Counter[Entry], reach: Reach, path: str, lost: Sequence[Lost]) -> Iterator[Diagnostic]:
+def _stale(
+    stale: Counter[Entry], reach: Reach, path: str, lost: Sequence[Lost], away: Collection[tuple[str, str]]
+) -> Iterator[Diagnostic]:
     """Entries of the baseline no longer found, of files and rules that were looked at, or of deleted files.
 
-    What is no longer found of a joint that has lost its actuator is not mended.
+    What is no longer found of a joint that has lost its actuator is not mended; of one that is not there it is said.
     """
     undriven = {(one.file, joint) for one in lost for joint in one.joints}
     help = f"write the baseline again with --write-baseline {path}"
@@ -397,6 +400,9 @@ def _stale(stale: Counter[Entry], reach: Reach, path: str, lost: Sequence[Lost])
     for code, file in sorted({(entry.code, entry.file) for entry in gone}):
         joints = sorted(item.joint for item in gone if (item.code, item.file) == (code, file) and item.joint)
         where = f" ({listed(joints)})" if joints else ""
+        absent = [joint for joint in dict.fromkeys(joints) if (file, joint) in away]
+        if absent:
+            where += f": {listed(absent)} {'are no joints' if absent[1:] else 'is no joint'} of it any more"
         yield Diagnostic(
             "AUD007",
             Severity.WARNING,

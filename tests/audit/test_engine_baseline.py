@@ -341,6 +341,21 @@ def test_a_joint_that_has_lost_its_actuator(now: list[str], names: str | None, f
     assert not quiet.fails(Severity.WARNING)
 
 
+def test_a_joint_that_is_not_there_any_more(folder: Path) -> None:
+    """Its findings have gone with it, which is said in place of letting them pass for mended."""
+    Path("leg.xml").write_text(_leg(*MOTORS.values()))
+    known = audit(["leg.xml"], Settings())
+    write_baseline(known.findings, "base.json", driven=driven(known.case, ""))
+    Path("leg.xml").write_text(_leg(MOTORS["hip"], MOTORS["toe"]).replace('"knee"', '"shank"'))
+    told = [one.message for one in audit(["leg.xml"], Settings(baseline="base.json")).problems]
+    assert told and all(
+        message.endswith(
+            " is in the baseline and is no longer found in leg.xml (knee): knee is no joint of it any more"
+        )
+        for message in told
+    )
+
+
 def test_a_model_without_any_actuator(folder: Path) -> None:
     """All of them at once, at the file; not where a configuration drives the robot that was stripped for it."""
     Path("leg.xml").write_text(_leg(*MOTORS.values()))
