@@ -151,8 +151,8 @@ at its top speed, and few joints come near the one that is published; damping th
 _STUCK = {JointKind.HINGE: 0.1, JointKind.SLIDE: 0.002}
 """Speed below which a joint whose whole torque goes into its damping cannot do its task [rad/s or m/s]. Chosen: 16 s
 for a quarter of a turn, 50 s for 10 cm (the slowest linear servos have 4 mm/s); of 77 strangers' repositories whose
-models have 1 N*m*s/rad or more, none has a driven hinge below 0.5 that is no finger, and of 321 none a robot's slide
-below 0.5 (lift of a PR2; a gripper has 0.01)."""
+models have 1 N*m*s/rad or more, none has a driven hinge below 0.5 that is no finger, and of 484 none a robot's slide
+below 0.2 (lift of an HSR; grippers have 0.01)."""
 
 _HELP = (
     "leave only friction in the joint's damping; a D gain belongs to the drive (kv), a torque-speed line to a "
