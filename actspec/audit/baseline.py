@@ -23,7 +23,7 @@ FORMAT = "actspec-baseline/1"
 MOST_BYTES = 64 << 20
 """Chosen: about 300 000 entries."""
 
-_OF_RUNS = ("AUD007", "AUD011", "AUD021")
+_OF_RUNS = ("AUD007", "AUD011", "AUD021", "AUD023")
 """What is said of a run, and not of a file."""
 
 _MOST = 1e300
@@ -76,6 +76,19 @@ class Entry:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """A baseline, read.
+
+    Attributes:
+        entries: With their counts.
+        driven: MJCF, as an entry's file, to the joints that its actuators drove.
+    """
+
+    entries: Counter[Entry]
+    driven: Mapping[str, frozenset[str]]
+
+
 def entry_of(finding: Finding, folder: str) -> Entry:
     """The entry that a finding belongs to; its file relative to a folder."""
     value = _figure(finding.value)
@@ -117,6 +130,7 @@ def baseline_text(
     path: str,
     said: Iterable[Diagnostic] = (),
     kept: Mapping[Entry, int] | None = None,
+    driven: Mapping[str, Iterable[str]] | None = None,
 ) -> str:
     """The baseline that hides these findings.
 
@@ -125,6 +139,7 @@ def baseline_text(
         path: Where it will stand.
         said: What is said of files beside them; of it the warnings are hidden.
         kept: Entries of the one before it that stay, none of which is about these findings, with their counts.
+        driven: As `Baseline.driven`.
     """
     folder = os.path.dirname(path)
     counts = Counter(
@@ -135,7 +150,10 @@ def baseline_text(
     records = [_record(entry, counts[entry]) for entry in sorted(counts, key=_place)]
     lines = ",\n".join("    " + json_of(record, indent=None) for record in records)
     body = f"[\n{lines}\n  ]" if records else "[]"
-    return f'{{\n  "format": "{FORMAT}",\n  "findings": {body}\n}}\n'
+    drives = [{"file": file, "joints": sorted(joints)} for file, joints in sorted((driven or {}).items())]
+    lines = ",\n".join("    " + json_of(drive, indent=None) for drive in drives)
+    more = f',\n  "driven": [\n{lines}\n  ]' if drives else ""
+    return f'{{\n  "format": "{FORMAT}",\n  "findings": {body}{more}\n}}\n'
 
 
 def _record(entry: Entry, count: int) -> dict[str, Any]:
@@ -159,6 +177,7 @@ def write_baseline(
     said: Iterable[Diagnostic] = (),
     *,
     kept: Mapping[Entry, int] | None = None,
+    driven: Mapping[str, Iterable[str]] | None = None,
     force: bool = False,
 ) -> None:
     """Write the baseline that hides these findings; see `baseline_text`.
@@ -168,15 +187,15 @@ def write_baseline(
         EmitError: there is another file, and not `force`.
     """
     try:
-        data = baseline_text(findings, path, said, kept).encode()
+        data = baseline_text(findings, path, said, kept, driven).encode()
         put_file(path, data, force=force)
     except (OSError, ValueError) as err:
         reason = (getattr(err, "strerror", None) or str(err)).lower()
         raise _error("AUD006", f"the baseline cannot be written: {reason}", path) from err
 
 
-def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
-    """Entries of a baseline with their counts.
+def read_baseline(path: str, former: Mapping[str, str]) -> Baseline:
+    """Read a baseline.
 
     Args:
         path: The file.
@@ -234,7 +253,23 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
         was = None if severity is None else Severity(severity)
         entry = Entry(former.get(code, code), file, joint, value, unit or None, expected, about or None, was)
         entries[entry] += count
-    return entries
+    driven: dict[str, frozenset[str]] = {}
+    drives = data.get("driven", [])
+    for index, drive in enumerate(drives if isinstance(drives, list) else [None]):
+        file, joints = (
+            (drive.get(key) for key in ("file", "joints")) if isinstance(drive, dict) else (None, None)
+        )
+        if (
+            not isinstance(file, str)
+            or not isinstance(joints, list)
+            or not all(isinstance(one, str) for one in joints)
+        ):
+            message = "the driven joints of a file are not as actspec writes them"
+            places = json_places(text, [("driven",), ("driven", index)])
+            at = places.get(("driven", index), places.get(("driven",), (1, 1)))
+            raise _error("AUD005", message, path, f"write it again with --write-baseline {path}", at)
+        driven[file] = driven.get(file, frozenset()) | frozenset(joints)
+    return Baseline(entries, driven)
 
 
 def apply_baseline(

@@ -11,10 +11,11 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import replace
 from functools import cache
 
-from actspec.audit.baseline import Entry, apply_baseline, entry_about, read_baseline, relative_path
+from actspec.audit.baseline import Baseline, Entry, apply_baseline, entry_about, read_baseline, relative_path
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.causes import by_cause
+from actspec.audit.drives import Lost, lost_drives, vanished
 from actspec.audit.exclude import Exclude, glob_matches, unfit
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.fix import without_doubtful
@@ -142,19 +143,23 @@ def judge(
     )
     if baseline is not None:
         folder = os.path.dirname(settings.baseline or "")
-        kept, known, stale = apply_baseline(kept, baseline, folder)
+        kept, known, stale = apply_baseline(kept, baseline.entries, folder)
         suppressed += known
+        lost = tuple(lost_drives(case, baseline.driven, folder))
+        problems += dict.fromkeys(one.told(settings.baseline or "") for one in lost)
         problems += _stale(
             stale,
-            reach_of(baseline, case, by_code, ran, folder, own_exclude(settings)),
+            reach_of(baseline.entries, case, by_code, ran, folder, own_exclude(settings)),
             settings.baseline or "",
+            lost,
+            vanished(case, baseline.driven, folder),
         )
     kept = _split(kept, suppressed, Means.CONFIDENCE, lambda item: _unsure(item.confidence, settings))
     report = Report(case, asked, kept, tuple(suppressed), skipped, tuple(problems))
     quiet = frozenset(item for item in report.diagnostics() if not _is_wanted(item, settings))
     if baseline is not None:
         folder = os.path.dirname(settings.baseline or "")
-        quiet |= {item for item in report.diagnostics() if entry_about(item, folder) in baseline}
+        quiet |= {item for item in report.diagnostics() if entry_about(item, folder) in baseline.entries}
     return replace(report, problems=tuple(item for item in problems if item not in quiet), quiet=quiet)
 
 
@@ -186,7 +191,7 @@ def _is_of_ignored(names: Sequence[str], settings: Settings) -> bool:
 
 def _baseline(
     settings: Settings, former: Mapping[str, str]
-) -> tuple[Counter[Entry] | None, tuple[Diagnostic, ...]]:
+) -> tuple[Baseline | None, tuple[Diagnostic, ...]]:
     """The baseline; one that is not there hides nothing, and the run fails after what it finds is told.
 
     Raises: AuditError: it cannot be read.
@@ -373,17 +378,32 @@ def _unsure(confidence: Confidence, settings: Settings) -> bool:
     return CONFIDENCES.index(confidence) < CONFIDENCES.index(settings.min_confidence)
 
 
-def _stale(stale: Counter[Entry], reach: Reach, path: str) -> Iterator[Diagnostic]:
-    """Entries of the baseline no longer found, of files and rules that were looked at, or of deleted files."""
+def _stale(
+    stale: Counter[Entry], reach: Reach, path: str, lost: Sequence[Lost], away: Collection[tuple[str, str]]
+) -> Iterator[Diagnostic]:
+    """Entries of the baseline no longer found, of files and rules that were looked at, or of deleted files.
+
+    What is no longer found of a joint that has lost its actuator is not mended; of one that is not there it is said.
+    """
+    undriven = {(one.file, joint) for one in lost for joint in one.joints}
     help = f"write the baseline again with --write-baseline {path}"
     for file in sorted({entry.file for entry in reach.gone}):
         codes = sorted({entry.code for entry in reach.gone if entry.file == file})
         message = f"the baseline has findings of {file}, which is not there: {listed(codes)}"
         yield Diagnostic(LOST_FILE, Severity.WARNING, message, "", Span(path), help)
-    gone = [entry for entry in stale if entry in reach.within and not is_diagnostic(entry.code)]
+    gone = [
+        entry
+        for entry in stale
+        if entry in reach.within
+        and not is_diagnostic(entry.code)
+        and (entry.file, entry.joint) not in undriven
+    ]
     for code, file in sorted({(entry.code, entry.file) for entry in gone}):
         joints = sorted(item.joint for item in gone if (item.code, item.file) == (code, file) and item.joint)
         where = f" ({listed(joints)})" if joints else ""
+        absent = [joint for joint in dict.fromkeys(joints) if (file, joint) in away]
+        if absent:
+            where += f": {listed(absent)} {'are no joints' if absent[1:] else 'is no joint'} of it any more"
         yield Diagnostic(
             "AUD007",
             Severity.WARNING,

@@ -12,6 +12,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
+from actspec.patterns import recased
 from actspec.readings.artifact import STEP_OF_WHAT, Artifact, FileKind, FileReading, Robot
 from actspec.readings.pair import (
     SHARE,
@@ -19,6 +20,7 @@ from actspec.readings.pair import (
     figures_of,
     fits,
     joint_names,
+    matching,
     says_something,
     share_a_body,
     telling,
@@ -32,7 +34,13 @@ UNKNOWN = frozenset({"AUD015", "CFG001", "CFG003", "DEPLOY002", STEP_OF_WHAT})
 
 
 LOST_FILE = "AUD021"
-"""Code of a file that the baseline has findings of and that is not there: the one remark that an exit code counts."""
+"""Code of a file that the baseline has findings of and that is not there."""
+
+LOST_DRIVE = "AUD023"
+"""Code of joints that had an actuator when the baseline was written."""
+
+_COUNTED = frozenset({LOST_FILE, LOST_DRIVE})
+"""The remarks that an exit code counts."""
 
 NO_BASELINE = "AUD005"
 """Code of a baseline that is not there, or cannot be read."""
@@ -147,10 +155,10 @@ class Report:
         return tuple(found for found in self.findings if SEVERITIES.index(found.severity) >= least)
 
     def fails(self, severity: Severity | None) -> bool:
-        """Whether there is a finding of at least this severity, or a file lost of which the baseline has some."""
+        """Whether there is a finding of at least this severity, or a file or a drive lost that the baseline has."""
         lost = severity is not None and SEVERITIES.index(severity) <= SEVERITIES.index(Severity.WARNING)
         return bool(self.at_or_above(severity)) or (
-            lost and any(item.code == LOST_FILE for item in self.problems)
+            lost and any(item.code in _COUNTED for item in self.problems)
         )
 
     @property
@@ -266,6 +274,31 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
                 "add joint_names: [...] in the order of its lists"
                 if by_number
                 else f"write the robot's name into {'the file' if deploy else 'this configuration'}'s name",
+            )
+        elif member.config is not None and not case.is_met(its):
+            yield from _in_other_letters(case, member, models)
+
+
+def _in_other_letters(
+    case: Case, member: Artifact, models: Mapping[int, frozenset[str]]
+) -> Iterator[Diagnostic]:
+    """A configuration or deploy file that somebody named, whose names are a model's but for capital letters."""
+    config = member.config
+    assert config is not None
+    written = joint_names(member) or [pattern for group in config.groups for pattern in group.joints or ()]
+    for index, joints in models.items():
+        names = sorted(joints)
+        same = any(matching(config.framework, name, names) for name in written)
+        right = {} if same else {name: recased(name, names) for name in written}
+        known = {name: other for name, other in right.items() if other is not None}
+        if known and len(known) >= SHARE * len(right):
+            yield _not_compared(
+                case,
+                "this" if member.kind is FileKind.DEPLOY else f"`{member.name}`",
+                [case.artifacts[index].path],
+                "its names have other capital letters",
+                Span(member.path) if member.kind is FileKind.DEPLOY else config.span,
+                f"if it is the same robot, write {listed([f'{name!r}' for name in known.values()], 4)}",
             )
 
 

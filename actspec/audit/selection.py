@@ -19,6 +19,7 @@ DIAGNOSTICS = {
     "AUD013": "judged-from-text-alone",
     "AUD015": "not-compared",
     "AUD021": "lost-file",
+    "AUD023": "lost-drive",
     "CFG001": "unknown-without-running",
     "CFG003": "no-number-in-a-configuration",
     "DEPLOY001": "list-length",

@@ -29,7 +29,7 @@ from actspec.diagnostics import (
     many,
     one_line,
 )
-from actspec.files import FAULTS, noting, why
+from actspec.files import FAULTS, name_in_file, noting, path_of_name, why
 from actspec.owned import check_kept, head_of, put_file
 from actspec.placing import is_stream
 from actspec.readings.artifact import FileKind
@@ -254,14 +254,16 @@ def _is_unread(report: Report, spec: str | None) -> bool:
 
 def _write_baseline(report: Report, path: str, settings: Settings, force: bool) -> int:
     from actspec.audit.baseline import entry_about, write_baseline
+    from actspec.audit.drives import driven
 
     print_diagnostics(remarks(report, Severity.WARNING))
     if not report.complete:
         print(f"{one_line(path)}: not written: {_UNREAD}", file=sys.stderr)
         return EXIT_FAILED
     said = report.diagnostics()
-    kept, told = _before(report, path, settings)
-    write_baseline(report.findings, path, said, kept=kept, force=force)
+    kept, drives, told = _before(report, path, settings)
+    drives = {**drives, **driven(report.case, os.path.dirname(path))}
+    write_baseline(report.findings, path, said, kept=kept, driven=drives, force=force)
     about = sum(entry_about(item, "") is not None for item in said)
     more = f" and {many(about, 'warning')} about files" if about else ""
     groups = for_people(report.findings)
@@ -272,19 +274,21 @@ def _write_baseline(report: Report, path: str, settings: Settings, force: bool) 
     return EXIT_CLEAN
 
 
-def _before(report: Report, path: str, settings: Settings) -> tuple[Mapping[Entry, int], list[str]]:
+def _before(
+    report: Report, path: str, settings: Settings
+) -> tuple[Mapping[Entry, int], Mapping[str, frozenset[str]], list[str]]:
     """What stays of a baseline that is written again, and what becomes of the rest, in lines for people."""
-    from actspec.audit.baseline import apply_baseline, read_baseline
+    from actspec.audit.baseline import apply_baseline, read_baseline, relative_path
     from actspec.audit.reach import reach_of
 
     rules = {rule.code: rule for rule in all_rules()}
     try:
         with noting():  # what it says is written again
-            old = read_baseline(path, {old: rule.code for rule in rules.values() for old in rule.aliases})
+            before = read_baseline(path, {old: rule.code for rule in rules.values() for old in rule.aliases})
     except AuditError:
         # None yet, or none that anybody can read.
-        return {}, []
-    folder = os.path.dirname(path)
+        return {}, {}, []
+    old, folder = before.entries, os.path.dirname(path)
     reach = reach_of(old, report.case, rules, report.ran, folder, own_exclude(settings))
     left, _, stale = apply_baseline(report.findings, reach.other_rules, folder)
     # Of those that are found again, the new entry stands for the old one.
@@ -300,7 +304,13 @@ def _before(report: Report, path: str, settings: Settings) -> tuple[Mapping[Entr
         if entries:
             files = many(len({entry.file for entry in entries}), "file")
             told.append(f"{what}: {many(sum(entries.values()), 'finding')} of {files}{which}")
-    return reach.other_files + stale, told
+    audited = {name_in_file(relative_path(file.path, folder)) for file in report.case.files}
+    there = {
+        file: joints
+        for file, joints in before.driven.items()
+        if file not in audited and os.path.lexists(os.path.join(folder, path_of_name(file)))
+    }
+    return reach.other_files + stale, there, told
 
 
 def _write(fixed: Sequence[FixedFile], path: str | None, text: str, force: bool) -> None:

@@ -23,6 +23,7 @@ from actspec.report.doubts import doubts, refused_losses
 from actspec.report.terminal import Progress, diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.report.verify import github, markdown, text
 from actspec.spec.variants import named
+from actspec.targets.base import NOT_LOADED
 from actspec.verify.agreement import FORMAT, Agreement, row_record, skip_record
 
 Done = list[tuple[api.Compilation, Agreement]]
@@ -81,9 +82,13 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(_record(done))
     else:
         for compilation, agreement in done:
-            print_diagnostics((*doubts(compilation.diagnostics), *_failed(compilation)))
+            print_diagnostics(
+                (*doubts(compilation.diagnostics), *_unloaded(compilation), *_failed(compilation))
+            )
             print_lines(_lines(compilation, agreement, arguments))
             print_diagnostics(_asked_for(agreement, arguments))
+            if _unloaded(compilation):
+                print(f"MuJoCo does not load what is written ({NOT_LOADED})", file=sys.stderr)
         refused = [loss for compilation, _ in done for loss in compilation.unaccepted]
         print_lines(refused_losses(refused if arguments.strict else ()), sys.stderr)
     return max(_code(compilation, agreement, arguments) for compilation, agreement in done)
@@ -146,10 +151,15 @@ def _failed(compilation: api.Compilation) -> Iterator[Diagnostic]:
     return (item for _, item in compilation.failures)
 
 
+def _unloaded(compilation: api.Compilation) -> tuple[Diagnostic, ...]:
+    """Why the simulator does not load what is written: what ran here was the model without its meshes."""
+    return tuple(item for item in compilation.diagnostics if item.code == NOT_LOADED)
+
+
 def _code(compilation: api.Compilation, agreement: Agreement, arguments: argparse.Namespace) -> int:
     if compilation.failures or _asked_for(agreement, arguments).failed:
         return EXIT_FAILED
-    refused = arguments.strict and compilation.unaccepted
+    refused = (arguments.strict and compilation.unaccepted) or _unloaded(compilation)
     return EXIT_FINDINGS if refused or not agreement.ok else EXIT_CLEAN
 
 

@@ -24,6 +24,7 @@ from actspec.patterns.selection import (
     PatternProblem,
     apart,
     is_slip,
+    recased,
     resolve_patterns,
     suggest_pattern,
 )
@@ -42,6 +43,7 @@ __all__ = [
     "covering_pattern",
     "is_slip",
     "match_names",
+    "recased",
     "resolve_patterns",
     "suggest_pattern",
 ]

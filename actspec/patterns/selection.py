@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -136,11 +136,34 @@ def is_slip(pattern: str, names: Sequence[str]) -> bool:
     return False
 
 
+def recased(pattern: str, names: Sequence[str]) -> str | None:
+    """The pattern with other capital and small letters that matches a name, for one that matches none."""
+    few = [name for name in names[:_SUGGESTED_NAMES] if len(name) <= MAX_NAME]
+    plain = next((name for name in few if name.lower() == pattern.lower()), None)
+    if plain is not None:
+        return plain
+    one = (text for text, distance in _respelt(pattern, few) if distance == 0)
+    for candidate in (_each_part(pattern, str.lower), _each_part(pattern, str.upper), *one):
+        with suppress(PatternError):
+            if match_names(candidate, few):
+                return candidate
+    return None
+
+
+def _each_part(pattern: str, change: Callable[[str], str]) -> str:
+    """A pattern with its literal parts changed: neither escapes nor classes."""
+    return _TOKEN.sub(lambda token: change(token[0]) if _is_literal(token[0]) else token[0], pattern)
+
+
+def _is_literal(token: str) -> bool:
+    return token[0] in "_/-" or token[0].isalnum()
+
+
 def _respelt(pattern: str, names: Sequence[str]) -> list[tuple[str, int]]:
     """The pattern with one literal part respelt from a name, and the change; the smallest first."""
     if len(pattern) > MAX_PATTERN:
         return []
-    runs = [m for m in _TOKEN.finditer(pattern) if m[0][0] in "_/-" or m[0][0].isalnum()]
+    runs = [m for m in _TOKEN.finditer(pattern) if _is_literal(m[0])]
     runs = sorted(runs, key=lambda m: -len(m[0]))[:_SUGGESTED_RUNS]
     found: dict[str, int] = {}
     cells = 0

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 
 from actspec.diagnostics import Span, shortened
-from actspec.patterns import PatternError, compile_pattern, match_names, suggest_pattern
+from actspec.patterns import PatternError, compile_pattern, match_names, recased, suggest_pattern
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.pair import matching
 
@@ -124,6 +124,9 @@ def meant_for(pattern: str, names: Sequence[str], free: Sequence[str] = ()) -> s
         free: Those without a key of their own, one of which was meant rather.
     """
     for few, least in ((free, _ALIKE_FREE), (names, _ALIKE)):
+        cased = recased(pattern, few)
+        if cased is not None:
+            return cased
         near = suggest_pattern(pattern, few)
         if near and SequenceMatcher(None, pattern, near).ratio() >= least:
             return near

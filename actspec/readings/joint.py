@@ -33,7 +33,7 @@ _STATED_BY = {
     "actuator_damping": ("damping",),
     "armature": ("armature",),
     "delay": ("delay",),
-    "command_range": ("ctrlrange", "inheritrange", "posrange"),
+    "command_range": ("ctrlrange", "inheritrange", "posrange", "actrange"),
     "effort_limit": ("forcerange", "forcelimited", "saturation"),
 }
 """Figure to the attributes of an actuator that state it."""
@@ -132,12 +132,13 @@ class DriveReading:
 
     @property
     def control_bound(self) -> Quantity:
-        """Largest torque that the clamp of its control allows; infinite unless the control alone is the torque."""
+        """Largest torque that the clamp of its control or activation allows; infinite unless that is the torque."""
         view, unit = self.view, self.units.torque
-        place = self.place("ctrlrange", "posrange", "inheritrange", "ctrllimited")
-        if not self.is_torque:
+        words = ("ctrlrange", "posrange", "inheritrange", "ctrllimited")
+        place = self.place(*(("actrange", "actlimited") if view.input == "activation" else words))
+        if not (self.is_torque or view.is_filled):
             return assumed(math.inf, unit, "the control is no torque")
-        if view.unknown and {"control_range", "gear"} & view.unknown:
+        if view.unknown and {"input_range", "gear"} & view.unknown:
             return unknown(unit, NOT_IN_FILE, place)
         torques = self.control_torques
         if torques is None:
@@ -150,7 +151,7 @@ class DriveReading:
             tidy(largest(torques)) if formula else largest(torques),
             unit,
             place,
-            note="the range of the motor's control",
+            note=f"the range of the motor's {view.input}",
             formula=formula,
         )
 
@@ -158,11 +159,11 @@ class DriveReading:
     def control_torques(self) -> tuple[float, float] | None:
         """Least and largest torque that a clamped torque command makes; None without a clamp."""
         view = self.view
-        if view.control_range is None:
+        if view.input_range is None:
             return None
         # The input of a dcmotor without gains is the torque itself.
         gain = 1.0 if view.control == "dcmotor" else view.gain
-        low, high = sorted(view.gear * (gain * end + view.offset) for end in view.control_range)
+        low, high = sorted(view.gear * (gain * end + view.offset) for end in view.input_range)
         return low, high
 
     @property
@@ -177,16 +178,16 @@ class DriveReading:
         Of a servo whose gain is not its stiffness, as one in degrees, it is where it goes (measured in MuJoCo 4.0).
         """
         view = self.view
-        if view.control_range is None or not view.gear or {"gear", "control_range"} & view.unknown:
+        if view.input_range is None or not view.gear or {"gear", "input_range"} & view.unknown:
             return None
         if view.control == "motor":
             return None if "gain" in view.unknown else self.control_torques
         if view.is_scaled is None:
             return None
-        ends = [end / view.gear for end in view.control_range]
+        ends = [end / view.gear for end in view.input_range]
         if view.is_scaled:
             feedback = view.kp if view.control == "position" else view.kd
-            ends = [view.gear * (view.gain * end + view.offset) / feedback for end in view.control_range]
+            ends = [view.gear * (view.gain * end + view.offset) / feedback for end in view.input_range]
         return min(ends), max(ends)
 
     @property
@@ -213,14 +214,20 @@ class DriveReading:
     @property
     def places(self) -> dict[str, Span]:
         """Figure that it states to where."""
-        said = _said_of_actuator(self.view.stated, self.is_torque)
+        said = _said_of_actuator(self.view.stated, self._ranges_of_torque)
         found = {figure: self.view.places.get(name, self.view.span) for figure, name in said}
-        if "effort_limit" in found and self.view.control_range and self.view.force_range:
+        if "effort_limit" in found and self.view.input_range and self.view.force_range:
             force, control = self.force_bound.value, self.control_bound.value
             if force is not None and control is not None and control < force:
                 # Of two clamps the one that binds.
-                found["effort_limit"] = self.view.places.get("ctrlrange", self.view.span)
+                name = "actrange" if self.view.input == "activation" else "ctrlrange"
+                found["effort_limit"] = self.view.places.get(name, self.view.span)
         return found | {figure: self._place_of_gain(figure) for figure in ("kp", "kd") if figure in found}
+
+    @property
+    def _ranges_of_torque(self) -> tuple[str, ...]:
+        """Attributes of the ranges that clamp its torque beside those of the force."""
+        return ("ctrlrange", "actrange") if self.is_torque else ("actrange",) if self.view.is_filled else ()
 
     def _place_of_gain(self, name: str) -> Span:
         """Where a gain is written: in the element, whichever attribute has it there, before its class."""
@@ -584,16 +591,16 @@ def _said_of_joint(stated: frozenset[str]) -> tuple[tuple[str, str], ...]:
 
 
 @lru_cache(maxsize=256)
-def _said_of_actuator(stated: frozenset[str], torque: bool) -> tuple[tuple[str, str], ...]:
+def _said_of_actuator(stated: frozenset[str], torque: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """Figures that an actuator states, each with the attribute that does.
 
     Args:
         stated: Its attributes.
-        torque: Whether its control range is one of the torque.
+        torque: Those of a range of its torque.
     """
     found = []
     for figure, names in _STATED_BY.items():
-        last = ("ctrlrange",) if figure == "effort_limit" and torque else ()
+        last = torque if figure == "effort_limit" else ()
         said = next((name for name in (*names, *last) if name in stated), None)
         if said is not None:
             found.append((figure, said))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from typing import NamedTuple
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, listed, nearest
 from actspec.ir import JointKind
-from actspec.patterns import PatternError, apart, is_slip, match_names, suggest_pattern
+from actspec.patterns import PatternError, apart, is_slip, match_names, recased, suggest_pattern
 from actspec.robot.view import JointView, RobotView
 from actspec.spec.document import Breaches
 from actspec.spec.validate import Spec
@@ -248,7 +249,7 @@ MOST_SUGGESTIONS = 20
 """Patterns for which the nearest right one is looked for, which may take 50 ms each."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Miss:
     """A pattern that matches nothing.
 
@@ -279,7 +280,7 @@ class _Matcher:
         self._matched: set[str] = set()
         self._missed: list[_Miss] = []
         self._suggestions = MOST_SUGGESTIONS
-        self._by_letters = {name.lower(): name for name in names}
+        self._keys: Counter[Path] = Counter()
 
     def match(
         self,
@@ -291,6 +292,7 @@ class _Matcher:
         key: bool = False,
     ) -> tuple[str, ...]:
         names = self.names if names is None else names
+        self._keys[path[:-1]] += key
         try:
             found = match_names(pattern, names)
         except PatternError as err:
@@ -326,11 +328,18 @@ class _Matcher:
             )
             have = f"it has the joints {listed(self.names, 4)}"
         else:
-            together = [misses for misses in self._recased() if len(misses) > 1]
-            for misses in together:
-                self._report_case(misses)
-            for miss in self._missed:
-                if not any(miss in misses for misses in together):
+            cased = self._recased()
+            if len(cased) > 1:
+                self._report_case(cased)
+            else:
+                cased = {}
+            others = [miss for miss in self._missed if miss not in cased]
+            strange = [misses for misses in self._mappings(others) if self._is_strange(misses)]
+            for misses in strange:
+                self._report_mapping(misses)
+            told = {miss for misses in strange for miss in misses}
+            for miss in others:
+                if miss not in told:
                     self._report_one(miss, placed)
             return
         without = listed([f"'{pattern}'" for pattern in missed], 4)
@@ -350,22 +359,60 @@ class _Matcher:
                     strange += number >= MOST_SUGGESTIONS or not is_slip(pattern, joints)
         return 3 * strange > len(groups)
 
-    def _recased(self) -> Iterable[list[_Miss]]:
-        """Names in lists that are a joint's but for capital and small letters, those of each list together."""
-        lists: dict[Path, list[_Miss]] = {}
-        for miss in self._missed:
-            if not miss.key and not miss.scope and miss.pattern.lower() in self._by_letters:
-                lists.setdefault(miss.path[:-1], []).append(miss)
-        return lists.values()
+    def _mappings(self, missed: Sequence[_Miss]) -> Iterable[list[_Miss]]:
+        """Keys without a match, those of each mapping that has no other together."""
+        found: dict[Path, list[_Miss]] = {}
+        for miss in missed:
+            if miss.key:
+                found.setdefault(miss.path[:-1], []).append(miss)
+        return [misses for path, misses in found.items() if len(misses) == self._keys[path]]
 
-    def _report_case(self, misses: Sequence[_Miss]) -> None:
-        written = listed([f"'{miss.pattern}'" for miss in misses], 4)
-        right = ", ".join(self._by_letters[miss.pattern.lower()] for miss in misses)
+    def _is_strange(self, misses: Sequence[_Miss]) -> bool:
+        """Whether keys, too many to be slips, are names of no joint of the robot, nor nearly."""
+        joints = [joint.name for joint in self.robot.joints]
+        strange = 0
+        for number, miss in enumerate(misses):
+            with suppress(PatternError):
+                known = match_names(miss.pattern, joints)
+                near = number < MOST_SUGGESTIONS and is_slip(miss.pattern, joints)
+                strange += not known and not near
+        return strange >= MANY and strange == len(misses)
+
+    def _report_mapping(self, misses: Sequence[_Miss]) -> None:
+        path = misses[0].path[:-1]
         self.breaches.error(
             "BIND001",
-            f"the patterns {written} match no joint of {self.robot.name!r}, whose names have other capital letters",
-            misses[0].path,
-            f"write [{right}]",
+            f"none of the {len(misses)} patterns matches a joint of {self.robot.name!r}: its joints have other names",
+            path,
+            f"it has the joints {listed(self.names, 4)}; the patterns without a match: "
+            + listed([f"'{miss.pattern}'" for miss in misses], 4),
+            key=True,
+        )
+
+    def _recased(self) -> dict[_Miss, str]:
+        """Patterns that match joints but for capital and small letters, each with the one that does."""
+        found = {miss: recased(miss.pattern, miss.names) for miss in self._missed[:MOST_SUGGESTIONS]}
+        return {miss: right for miss, right in found.items() if right is not None}
+
+    def _report_case(self, cased: Mapping[_Miss, str]) -> None:
+        """Say once that the names have other letters, with the whole list as it is to be, where all stand in one."""
+        first = next(iter(cased))
+        written = listed(dict.fromkeys(f"'{miss.pattern}'" for miss in cased), 4)
+        right = list(dict.fromkeys(cased.values()))
+        if len({miss.path[:-1] for miss in cased}) == 1 and not first.key:
+            help = f"write [{', '.join(right)}]"
+        else:
+            lines = listed(map(str, sorted({self.spec.span(*miss.path).line for miss in cased})))
+            quoted = listed(f"'{pattern}'" for pattern in right)
+            help = f"write {quoted} (line{'s' * (',' in lines)} {lines})"
+        both = f"s {written} match" if right[1:] else f" {written} matches"
+        self.breaches.error(
+            "BIND001",
+            f"the pattern{both} no joint of {self.robot.name!r}, whose names have other capital letters: "
+            f"{listed(self.names, 4)}",
+            first.path,
+            help,
+            key=first.key,
         )
 
     def _report_one(self, miss: _Miss, placed: Collection[str]) -> None:

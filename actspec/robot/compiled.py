@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 NAN = math.nan
 
+_Range = tuple[float, float] | None
+
 _TRANSMISSIONS = {
     "mjTRN_JOINT": "joint",
     "mjTRN_JOINTINPARENT": "jointinparent",
@@ -55,6 +57,7 @@ class Control:
         offset: Constant force beside gain and feedback [N*m or N].
         line: As `ActuatorView.line`, before the gear.
         back_emf: As `ActuatorView.back_emf`, before the gear.
+        dynamics: How the activation follows the control: `ActuatorLaw.dynamics_type`.
     """
 
     kind: str
@@ -65,9 +68,16 @@ class Control:
     offset: float = 0.0
     line: tuple[float, float] | None = None
     back_emf: float = 0.0
+    dynamics: str = "none"
 
-    def at_joint(self, gear: float) -> dict[str, Any]:
-        """The fields of an `ActuatorView` that it tells, at the joint where they are there."""
+    def at_joint(self, gear: float, control: _Range, activation: _Range) -> dict[str, Any]:
+        """The fields of an `ActuatorView` that it tells, at the joint where they are there.
+
+        Args:
+            gear: First gear number.
+            control: `ctrlrange` in force.
+            activation: `actrange` in force.
+        """
         line = None if self.line is None or not gear else (abs(gear) * self.line[0], self.line[1] / abs(gear))
         return {
             "control": self.kind,
@@ -79,8 +89,21 @@ class Control:
             "offset": self.offset,
             "line": line,
             "back_emf": gear**2 * self.back_emf,
+            "control_range": control,
+            "input_range": self._input_range(control, activation),
         }
 
+    def _input_range(self, control: _Range, activation: _Range) -> _Range:
+        """Range of what the gain multiplies. Source: MuJoCo 4.0, measured."""
+        if self.dynamics in ("integrator", "user"):
+            return activation
+        if self.dynamics not in _FOLLOWING or control is None or activation is None:
+            return activation if control is None and self.dynamics in _FOLLOWING else control
+        return max(control[0], activation[0]), min(control[1], activation[1])
+
+
+_FOLLOWING = frozenset({"filter", "filterexact", "muscle"})
+"""Dynamics whose activation does not leave the range of the control."""
 
 _CLOSED = frozenset({"pos", "vel", "ff"})
 
@@ -123,7 +146,7 @@ class ActuatorLaw:
 
         def is_(kind: str, kp: float = 0.0, kd: float = 0.0) -> Control:
             # `+ 0.0` turns the -0.0 of a negated zero into 0.0.
-            return Control(kind, kp + 0.0, kd + 0.0, gain[0], tau, offset)
+            return Control(kind, kp + 0.0, kd + 0.0, gain[0], tau, offset, dynamics=self.dynamics_type)
 
         if tag == "plugin":
             return is_("plugin", NAN, NAN)

@@ -49,8 +49,8 @@ class ActuatorText(ActuatorLaw):
 
     Attributes:
         tag: The shortcut that the gains belong to; `general` for none.
-        ranges: `ctrlrange` and `forcerange`.
-        limited: `ctrllimited` and `forcelimited`; None: automatic.
+        ranges: `ctrlrange`, `forcerange` and `actrange`.
+        limited: `ctrllimited`, `forcelimited` and `actlimited`; None: automatic.
         gear, damping, armature, delay, group: As in the file.
         inherits: `inheritrange`.
         transmission, target: As in `ActuatorView`.
@@ -105,11 +105,11 @@ class ActuatorText(ActuatorLaw):
             setattr(self, name, list(value) if isinstance(value, list) else value)
 
     def _common(self, element: Element) -> None:
-        for name in ("ctrlrange", "forcerange"):
+        for name in ("ctrlrange", "forcerange", "actrange"):
             found = numbers(element.get(name), 2)
             if found:
                 self.ranges[name] = found if len(found) == 2 else (NAN, NAN)
-        for name in ("ctrllimited", "forcelimited"):
+        for name in ("ctrllimited", "forcelimited", "actlimited"):
             flag = element.get(name)
             if flag is not None:
                 self.limited[name] = {"true": True, "false": False}.get(flag)

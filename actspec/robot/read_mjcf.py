@@ -46,8 +46,8 @@ _STATED = {
 _NUMBERS = (
     "jnt_range", "jnt_actfrcrange", "jnt_stiffness", "dof_damping", "dof_dampingpoly", "dof_armature",
     "dof_frictionloss", "qpos0", "key_qpos", "actuator_gear", "actuator_gainprm", "actuator_biasprm",
-    "actuator_dynprm", "actuator_forcerange", "actuator_ctrlrange", "actuator_damping",
-    "actuator_dampingpoly", "actuator_armature", "actuator_delay",
+    "actuator_dynprm", "actuator_forcerange", "actuator_ctrlrange", "actuator_actrange",
+    "actuator_damping", "actuator_dampingpoly", "actuator_armature", "actuator_delay",
 )  # fmt: skip
 """Fields of a compiled model that a view is made from."""
 
@@ -320,15 +320,19 @@ def _actuator(
     invented: bool,
 ) -> ActuatorView:
     tag = found[0].tag if found is not None else ""
-    seen = control(model, index, tag).at_joint(model.actuator_gear[index][0])
+    # From 3.11 on an actuator may have several controls, and its own are found by address.
+    address = model.actuator_ctrladr[index] if hasattr(model.model, "actuator_ctrladr") else index
+    limited = 0 <= address < len(model.actuator_ctrllimited) and bool(model.actuator_ctrllimited[address])
+    limited = limited and "CLAMPCTRL" not in switched_off
+    seen = control(model, index, tag).at_joint(
+        model.actuator_gear[index][0],
+        _pair(model.actuator_ctrlrange[address]) if limited else None,
+        _pair(model.actuator_actrange[index]) if model.actuator_actlimited[index] else None,
+    )
     unknown = frozenset(name for name in ("kp", "kd") if isnan(seen[name]) or (invented and name == "kd"))
     seen.update(dict.fromkeys(unknown, 0.0))
     transmitted, target = transmission(model, index)
-    # From 3.11 on an actuator may have several controls, and its own are found by address.
-    address = model.actuator_ctrladr[index] if hasattr(model.model, "actuator_ctrladr") else index
     stated, places = stated_attributes(*found) if found is not None else (set(), {})
-    limited = 0 <= address < len(model.actuator_ctrllimited) and bool(model.actuator_ctrllimited[address])
-    limited = limited and "CLAMPCTRL" not in switched_off
     group = model.actuator_group[index]
     reached = (model.name("mjOBJ_JOINT", joint) for joint in reached_joints(model, index, transmitted))
     name = model.name("mjOBJ_ACTUATOR", index)
@@ -343,7 +347,6 @@ def _actuator(
         target=target,
         **seen,
         force_range=_pair(model.actuator_forcerange[index]) if model.actuator_forcelimited[index] else None,
-        control_range=_pair(model.actuator_ctrlrange[address]) if limited else None,
         damping=(model.actuator_damping[index], *_pair(model.actuator_dampingpoly[index])),
         armature=model.actuator_armature[index],
         delay=model.actuator_delay[index],

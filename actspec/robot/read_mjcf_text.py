@@ -31,6 +31,7 @@ _BLANK = {
     "effort_range": None,
     "force_range": None,
     "control_range": None,
+    "input_range": None,
     "line": None,
     "damping_polynomial": (0.0, 0.0),
 }
@@ -234,9 +235,9 @@ def _actuator(
         written_flag = None if flag is None else "true" if flag else "false"
         return _limits(text.ranges.get(f"{name}range", ()), written_flag, automatic)
 
-    unknown = set()
+    unknown: set[str] = set()
     if text.inherits > 0.0 or (text.gain_type == "pid" and "pos" not in text.inputs):
-        unknown.add("control_range")
+        unknown.update(("control_range", "input_range"))
     if text.delay and element.get("nsample") is None and "nsample" not in stated:
         unknown.add("delay")
     if text.gain_type == "dcmotor" and text.inputs == {"none"}:
@@ -248,9 +249,8 @@ def _actuator(
         tag=element.tag,
         transmission=text.transmission,
         target=text.target,
-        **kind.at_joint(text.gear),
+        **kind.at_joint(text.gear, limits("ctrl") if switches.clamp else None, limits("act")),
         force_range=limits("force"),
-        control_range=limits("ctrl") if switches.clamp else None,
         damping=(text.damping[0], text.damping[1], text.damping[2]),
         armature=text.armature,
         delay=text.delay,

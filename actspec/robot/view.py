@@ -125,6 +125,8 @@ class ActuatorView:
         gain: gainprm[0] as compiled; for a motor, force per control.
         force_range: `forcerange` as in the file, actuator side; None: unlimited.
         control_range: `ctrlrange` in force; None: unlimited, or the file switches `clampctrl` off.
+        input_range: Range in force of what the gain multiplies: the control, or the activation that it fills
+            (`actrange`); None: unlimited.
         damping: Actuator-level damping (linear, quadratic, cubic), actuator side; zeros before 3.7.
         armature: Actuator-level armature, actuator side.
         time_constant: Filter time constant of the activation [s]; 0 without.
@@ -157,6 +159,7 @@ class ActuatorView:
     gain: float
     force_range: tuple[float, float] | None
     control_range: tuple[float, float] | None
+    input_range: tuple[float, float] | None
     damping: tuple[float, float, float]
     armature: float
     time_constant: float
@@ -170,6 +173,20 @@ class ActuatorView:
     unknown: frozenset[str] = frozenset()
     disabled: bool = False
     moves: tuple[str, ...] | None = ()
+
+    @property
+    def is_filled(self) -> bool:
+        """Whether its force is an activation alone, which the control fills over time."""
+        known = not {"kp", "kd", "gain"} & self.unknown
+        return self.control == "other" and self.kp == self.kd == 0.0 and known
+
+    @property
+    def input(self) -> str:
+        """What its `input_range` is the range of: `control` or `activation`."""
+        if self.input_range != self.control_range:
+            return "activation"
+        integrated = self.control in ("intvelocity", "other") and self.tag != "cylinder"
+        return "activation" if integrated and not {"kp", "kd"} & self.unknown else "control"
 
     @property
     def is_scaled(self) -> bool | None:

@@ -11,6 +11,7 @@ import pytest
 
 from actspec.audit import rules
 from actspec.audit.baseline import baseline_text, read_baseline, write_baseline
+from actspec.audit.drives import driven
 from actspec.audit.engine import audit, judge
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Report
@@ -243,8 +244,12 @@ def test_text_is_stable_and_valid(folder: Path) -> None:
             '[{"code": "A", "file": "b", "joint": "", "value": "24", "count": 1}]}',
             "an entry of the baseline is not as actspec writes it",
         ),
+        (
+            '{"format": "actspec-baseline/1", "findings": [], "driven": [{"file": "b", "joints": [1]}]}',
+            "the driven joints of a file are not as actspec writes them",
+        ),
     ],
-    ids=["missing", "cut", "deep", "list", "newer", "no findings", "types", "count", "figure"],
+    ids=["missing", "cut", "deep", "list", "newer", "no findings", "types", "count", "figure", "driven"],
 )
 def test_bad_baselines(text: str | None, message: str, folder: Path) -> None:
     """What is no baseline is refused with the way to write one."""
@@ -280,3 +285,93 @@ def test_what_is_said_of_a_file_is_known_too(folder: Path) -> None:
     assert [(item.code, item.span and item.span.path) for item in again.diagnostics()] == [
         ("AUD013", "robots/b.xml")
     ]
+
+
+def _leg(*actuators: str, joints: str = "hip knee toe") -> str:
+    bodies = "".join(
+        f'<body pos="0 0 -0.2"><joint name="{name}"/><geom size="0.05"/>' for name in joints.split()
+    )
+    return (
+        f'<mujoco model="leg">\n<worldbody>{bodies}{"</body>" * len(joints.split())}</worldbody>\n'
+        '<tendon><fixed name="t"><joint joint="toe" coef="1"/></fixed></tendon>\n'
+        f"<actuator>{''.join(actuators)}</actuator></mujoco>\n"
+    )
+
+
+MOTORS = {
+    name: f'<motor name="{name}" joint="{name}" ctrlrange="-24 24"/>' for name in ("hip", "knee", "toe")
+}
+
+
+@pytest.mark.parametrize(
+    ("now", "names"),
+    [
+        ([*MOTORS], None),
+        (["hip", "toe"], "knee"),
+        (["hip"], "knee, toe"),
+        # Another kind of actuator, and one over a tendon, drive it too.
+        (["hip", "<position joint='knee' kp='3' ctrlrange='-1 1'/>", "<motor tendon='t'/>"], None),
+    ],
+)
+def test_a_joint_that_has_lost_its_actuator(now: list[str], names: str | None, folder: Path) -> None:
+    """It is told at the joint, in place of what is no longer found there, and the exit code counts it."""
+    Path("leg.xml").write_text(_leg(*MOTORS.values()))
+    known = audit(["leg.xml"], Settings())
+    write_baseline(known.findings, "base.json", driven=driven(known.case, ""))
+    data = json.loads(Path("base.json").read_text())
+    fits("baseline", data)
+    assert data["driven"] == [{"file": "leg.xml", "joints": ["hip", "knee", "toe"]}]
+    assert any(item.finding.joint == "knee" for item in known.findings)
+    Path("leg.xml").write_text(_leg(*(MOTORS.get(name, name) for name in now)))
+    report = audit(["leg.xml"], Settings(baseline="base.json"))
+    assert [str(one) for one in report.problems if one.code != "AUD007"] == (
+        []
+        if names is None
+        else [
+            f"leg.xml:2:{Path('leg.xml').read_text().splitlines()[1].index(f'<joint name={chr(34)}knee') + 1}: AUD023 "
+            f"[warning]: no actuator drives {names} any more, as one did when the baseline was written: the "
+            f"joint{'s swing' if ',' in names else ' swings'} freely\n"
+            f"  help: put the actuator{'s' * (',' in names)} back; if it is meant, write the baseline again with "
+            "--write-baseline base.json"
+        ]
+    )
+    assert not any(name in one.message for one in report.problems[1:] for name in (names or "-").split(", "))
+    assert report.fails(Severity.WARNING) is (names is not None) and not report.fails(Severity.ERROR)
+    quiet = audit(["leg.xml"], Settings(baseline="base.json", ignore=("AUD023",)))
+    assert not quiet.fails(Severity.WARNING)
+
+
+def test_a_joint_that_is_not_there_any_more(folder: Path) -> None:
+    """Its findings have gone with it, which is said in place of letting them pass for mended."""
+    Path("leg.xml").write_text(_leg(*MOTORS.values()))
+    known = audit(["leg.xml"], Settings())
+    write_baseline(known.findings, "base.json", driven=driven(known.case, ""))
+    Path("leg.xml").write_text(_leg(MOTORS["hip"], MOTORS["toe"]).replace('"knee"', '"shank"'))
+    told = [one.message for one in audit(["leg.xml"], Settings(baseline="base.json")).problems]
+    assert told and all(
+        message.endswith(
+            " is in the baseline and is no longer found in leg.xml (knee): knee is no joint of it any more"
+        )
+        for message in told
+    )
+
+
+def test_a_model_without_any_actuator(folder: Path) -> None:
+    """All of them at once, at the file; not where a configuration drives the robot that was stripped for it."""
+    Path("leg.xml").write_text(_leg(*MOTORS.values()))
+    known = audit(["leg.xml"], Settings())
+    write_baseline((), "base.json", driven=driven(known.case, ""))
+    Path("leg.xml").write_text(_leg())
+    (told,) = audit(["leg.xml"], Settings(baseline="base.json")).problems
+    assert str(told).startswith("leg.xml: AUD023 [warning]: no actuator drives any of its joints any more")
+    Path("leg_cfg.py").write_text(
+        "from isaaclab.actuators import IdealPDActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        'LEG_CFG = ArticulationCfg(actuators={"all": IdealPDActuatorCfg(joint_names_expr=["hip", "knee", "toe"], '
+        "stiffness=20.0, damping=1.0, effort_limit=24.0)})\n"
+    )
+    assert not audit(["leg.xml", "leg_cfg.py"], Settings(baseline="base.json")).problems
+    # Joints that are called otherwise now, and a file that was not audited, say nothing.
+    Path("leg.xml").write_text(_leg(MOTORS["hip"], joints="hip shank toe").replace("toe", "foot"))
+    assert not audit(["leg.xml"], Settings(baseline="base.json")).problems
+    Path("leg.xml").unlink()
+    assert not audit(["a.xml"], Settings(baseline="base.json")).problems

@@ -288,3 +288,35 @@ def test_a_scene_has_the_more_exact_name(tmp_path: Path, monkeypatch: pytest.Mon
     case = audit(["picker", "picker_2", "picker_2.yaml"], Settings()).case
     members = [{case.artifacts[index].path for index in robot.artifacts} for robot in case.robots]
     assert {"picker_2.yaml", "picker_2/picker_2.xml", "picker_2/scene.xml"} in members
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "said"),
+    [
+        (
+            "train.py",
+            CFG.format('"H.*", ".*EE"'),
+            ("`ROVER_CFG` has the joints of biped.xml", "write 'h.*', '.*ee'"),
+        ),
+        (
+            "biped_walk.yaml",
+            DEPLOY.format("Hip, Knee"),
+            ("this has the joints of biped.xml", "write 'hip', 'knee'"),
+        ),
+        # One of two, and another word.
+        ("train.py", CFG.format('"HIP", ".*_shank"'), None),
+    ],
+)
+def test_names_in_other_letters(
+    file: str, text: str, said: tuple[str, str] | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No pattern matches a joint, so nothing is compared: the cause is told of files that were named."""
+    monkeypatch.chdir(tmp_path)
+    Path("biped.xml").write_text(MODEL)
+    Path(file).write_text(text)
+    found = [one for one in audit(["biped.xml", file], Settings()).diagnostics() if one.code == "AUD015"]
+    why = ", and is not compared with it: its names have other capital letters"
+    assert [(one.message, one.help) for one in found] == (
+        [] if said is None else [(said[0] + why, f"if it is the same robot, {said[1]}")]
+    )
+    assert not any(one.code == "AUD015" for one in audit(["."], Settings()).diagnostics())

@@ -461,8 +461,14 @@ def test_baseline(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
         == 0
     )
     assert capsys.readouterr().out == SKIPPED + "no findings in 1 file; 2 in the baseline\n"
-    (folder / "leg.xml").write_text(LEG.replace('<motor joint="hip"/>', ""))
     (folder / "actspec.toml").write_text('[audit]\nselect = ["LIM"]\nbaseline = "known.json"\n')
+    (folder / "leg.xml").write_text(LEG.replace('<motor joint="hip"/>', ""))
+    assert run("audit", "leg.xml", "--fail-on", "warning") == 1
+    err = capsys.readouterr().err
+    assert "AUD023 [warning]: no actuator drives hip any more" in err and "AUD007" not in err
+    (folder / "leg.xml").write_text(
+        LEG.replace('<motor joint="hip"/>', '<motor joint="hip" forcerange="-9 9"/>')
+    )
     assert run("audit", "leg.xml") == 0
     assert capsys.readouterr().err == (
         "known.json: AUD007 [warning]: LIM101 is in the baseline and is no longer found in leg.xml (hip)\n"

@@ -103,7 +103,34 @@ SHORTCUTS = [
         '<general joint="j" gainprm="2" biastype="affine" biasprm="4 0 -2" ctrlrange="-3 3"/>',
         {"control": "velocity", "kd": 2.0, "command_range": (-1.0, 5.0)},
     ),
-    ('<intvelocity joint="j" kp="4" kv="1" actrange="-1 1"/>', {"control": "other", "kp": 4.0, "kd": 1.0}),
+    # Its activation is the target; its control, here to 9 rad/s, fills that.
+    (
+        '<intvelocity joint="j" kp="4" kv="1" actrange="-1 2" ctrlrange="-9 9"/>',
+        {"control": "other", "kp": 4.0, "kd": 1.0, "command_range": (-1.0, 2.0), "effort_limit": math.inf},
+    ),
+    # 20 x 2 and 20 x 2 x 3: MuJoCo 4.0 never gives more, whatever is commanded.
+    (
+        '<general joint="j" dyntype="integrator" actlimited="true" actrange="-1 2" gainprm="20"/>',
+        {"control": "other", "kp": 0.0, "kd": 0.0, "effort_limit": 40.0},
+    ),
+    (
+        '<general joint="j" dyntype="integrator" actrange="-1 2" gainprm="20" gear="3"/>',
+        {"control": "other", "effort_limit": 120.0},
+    ),
+    # The control is a rate, and limits no torque.
+    (
+        '<general joint="j" dyntype="integrator" ctrlrange="-1 1" gainprm="20"/>',
+        {"control": "other", "effort_limit": math.inf},
+    ),
+    # Of a filter both do: the lower is 1.5.
+    (
+        '<general joint="j" dyntype="filter" dynprm="0.05" actrange="-1 2" ctrlrange="-1.5 1.5" gainprm="20"/>',
+        {"control": "motor", "effort_limit": 30.0, "command_range": (-20.0, 30.0)},
+    ),
+    (
+        '<general joint="j" dyntype="filterexact" actlimited="false" actrange="-1 2" gainprm="20"/>',
+        {"control": "motor", "effort_limit": math.inf},
+    ),
     # How much a damper and a muscle brake, their control decides; what bounds a muscle, it does itself.
     (
         '<damper joint="j" kv="2" ctrlrange="0 1"/>',

@@ -198,26 +198,77 @@ def test_order_is_the_robots() -> None:
 ANOTHER = "name: r, model: none, joints: [LF_HAA, LF_HFE, LF_KFE, RF_HAA, RF_HFE, RF_KFE]"
 
 
-def test_names_in_other_letters_are_told_once() -> None:
-    """A list of them is one error, with the whole list as it is to be; one alone has its own answer."""
+@pytest.mark.parametrize(
+    ("groups", "pose", "expected"),
+    [
+        # All in one list: the list as it is to be.
+        (
+            "a: {joints: [lf_haa, rf_haa, lf_hfe, RF_HFE], PD}, b: {joints: [LF_KFE, RF_KFE], PD}",
+            "",
+            (
+                "BIND001 actuators.a.joints[0]: the patterns 'lf_haa', 'rf_haa', 'lf_hfe' match no joint of 'r'",
+                "write [LF_HAA, RF_HAA, LF_HFE]",
+            ),
+        ),
+        (
+            'a: {joints: [".*_haa", "[lr]f_hfe"], PD}, b: {joints: [".*_KFE"], PD}',
+            "",
+            (
+                "BIND001 actuators.a.joints[0]: the pattern '.*_haa' matches no joint of 'r'",
+                "did you mean '.*_HAA'? (matches LF_HAA, RF_HAA)",
+            ),
+        ),
+        # In several: once, with the lines.
+        (
+            'a: {joints: [".*_haa", ".*_HFE"], PD, overrides: {"rf_.*": {kp: 2}}}, b: {joints: [".*_KFE"], PD}',
+            ', default_pose: {".*_haa": 0.1 rad}',
+            (
+                "BIND001 actuators.a.joints[0]: the patterns '.*_haa', 'rf_.*' match no joint of 'r'",
+                "write '.*_HAA', 'RF_.*' (lines 2, 4)",
+            ),
+        ),
+        # One pattern, in two places.
+        (
+            'a: {joints: [".*_haa", ".*_HFE", ".*_KFE"], PD}',
+            ', default_pose: {".*_haa": 0.1 rad}',
+            (
+                "BIND001 actuators.a.joints[0]: the pattern '.*_haa' matches no joint of 'r'",
+                "write '.*_HAA' (lines 2, 4)",
+            ),
+        ),
+    ],
+)
+def test_names_in_other_letters_are_told_once(groups: str, pose: str, expected: tuple[str, str]) -> None:
+    """However many they are: the cause with what to write; one alone has its own answer."""
     with pytest.raises(ResolveError) as refusal:
-        fit(
-            spec_of(
-                f'a: {{joints: [lf_haa, rf_haa, lf_hfe], {PD}}}, b: {{joints: [".*_KFE", rf_hfe], {PD}}}',
-                robot=ANOTHER,
+        fit(spec_of(groups.replace("PD", PD), robot=ANOTHER + pose))
+    found = [item for item in refusal.value.diagnostics if item.code == "BIND001"]
+    both = ", whose names have other capital letters: LF_HAA, LF_HFE, LF_KFE, RF_HAA and 2 more"
+    assert [(f"{item.code} {item.where}: {item.message}".replace(both, ""), item.help) for item in found][
+        :1
+    ] == [expected]
+    assert (both in found[0].message) == expected[1].startswith("write")
+
+
+def test_keys_of_another_naming_are_told_once() -> None:
+    """Twelve keys of a pose have one cause; two may be slips, and one that is nearly a joint's has its own answer."""
+    names = [f"{leg}_{joint}_joint" for leg in ("FL", "FR", "RL", "RR") for joint in ("hip", "thigh", "calf")]
+    for few, count in ((names, 1), (names[:2], 2), ([*names[:3], "LF_HAB"], 4)):
+        pose = ", ".join(f"{name}: 0.1 rad" for name in few)
+        with pytest.raises(ResolveError) as refusal:
+            fit(spec_of(f'a: {{joints: [".*"], {PD}}}', robot=ANOTHER + f", default_pose: {{{pose}}}"))
+        assert len(refusal.value.diagnostics) == count, few
+        if count == 1:
+            (item,) = refusal.value.diagnostics
+            assert (item.code, item.where, item.message) == (
+                "BIND001",
+                "robot.default_pose",
+                "none of the 12 patterns matches a joint of 'r': its joints have other names",
             )
-        )
-    assert [(item.message, item.help) for item in refusal.value.diagnostics if item.code == "BIND001"] == [
-        (
-            "the patterns 'lf_haa', 'rf_haa', 'lf_hfe' match no joint of 'r', whose names have "
-            "other capital letters",
-            "write [LF_HAA, RF_HAA, LF_HFE]",
-        ),
-        (
-            "the pattern 'rf_hfe' matches no joint of 'r'",
-            "did you mean 'RF_HFE'? (matches RF_HFE)",
-        ),
-    ]
+            assert item.help == (
+                "it has the joints LF_HAA, LF_HFE, LF_KFE, RF_HAA and 2 more; the patterns without a match: "
+                "'FL_hip_joint', 'FL_thigh_joint', 'FL_calf_joint', 'FR_hip_joint' and 8 more"
+            )
 
 
 @pytest.mark.parametrize(

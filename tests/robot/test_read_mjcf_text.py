@@ -112,6 +112,9 @@ ACTUATORS = (
     '<position {} kp="-3"/>',
     '<velocity {} kv="3"/>',
     '<intvelocity {} kp="4" kv="1" actrange="-1 1"/>',
+    '<general {} dyntype="integrator" gainprm="3" actrange="-1 2" ctrlrange="-4 4"/>',
+    '<general {} dyntype="filter" dynprm="0.2" actrange="-1 2" ctrlrange="-4 1"/>',
+    '<general {} dyntype="filterexact" dynprm="0.2" actrange="-1 2" actlimited="false" ctrlrange="-4 1"/>',
     '<damper {} kv="2" ctrlrange="0 1"/>',
     '<cylinder {} diameter="2" bias="1 2 3"/>',
     "<muscle {}/>",
@@ -247,9 +250,9 @@ def test_what_only_a_compilation_tells_is_unknown() -> None:
     assert view.joints[0].unknown == {"damping", "stiffness", "frictionloss"}
     assert {a.name: set(a.unknown) for a in view.actuators} == {
         "a": {"kd"},
-        "b": {"control_range"},
+        "b": {"control_range", "input_range"},
         "c": {"gear", "kp", "kd", "back_emf"},
-        "d": {"control_range"},
+        "d": {"control_range", "input_range"},
     }
     assert view.actuators[0].kp == 7.0
     assert (view.inertia, view.inertia_reason) == (

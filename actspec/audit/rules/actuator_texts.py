@@ -181,13 +181,13 @@ def ranges_not_in_force(case: Case, name: str) -> dict[Span, tuple[float, float]
 
     Args:
         case: The case.
-        name: What they are ranges of: `force` or `ctrl`.
+        name: What they are ranges of: `force`, `ctrl` or `act`.
     """
     written, limited = f"{name}range", f"{name}limited"
 
     def is_free(_: object, view: ActuatorView) -> bool:
-        none = (view.force_range if name == "force" else view.control_range) is None
-        return none and written in view.stated
+        ends = {"force": view.force_range, "ctrl": view.control_range, "act": view.input_range}[name]
+        return ends is None and written in view.stated
 
     ranges = {}
     for found in written_actuators(case, written.encode(), which=is_free):

@@ -83,10 +83,10 @@ class DampingOutsideClamp(RuleInParts):
                 servo = row.control == "position" and row.kd == 0.0
                 meant = not stuck and (servo or _has_spring(case, row))
                 yield (self._known(row, damping, limit, fastest, meant),)
-            elif (
-                speed is None
-                and unit(row, "velocity_limit") == "rad/s"
-                and bound <= damping * self.option(case, "speed")
+            elif speed is None and (
+                stuck
+                if row.kind is JointKind.SLIDE
+                else unit(row, "velocity_limit") == "rad/s" and bound <= damping * self.option(case, "speed")
             ):
                 yield (self._slow(row, damping, limit, stuck),)
             else:
@@ -120,7 +120,12 @@ class DampingOutsideClamp(RuleInParts):
 
     def _slow(self, row: LedgerRow, damping: float, bounded: LedgerRow, stuck: bool) -> Finding:
         limit = bounded.effort_limit or 0.0
-        took = f": a quarter of a turn takes it {format_number(math.pi / 2.0 * damping / limit, 3)} s"
+        way, far = (
+            ("10 cm take", 0.1)
+            if row.kind is JointKind.SLIDE
+            else ("a quarter of a turn takes", math.pi / 2.0)
+        )
+        took = f": {way} it {format_number(far * damping / limit, 3)} s"
         return Finding(
             self.code,
             f"the damping of {shown(row, 'kd', damping)} is not limited: it uses the whole effort limit of "
@@ -143,10 +148,11 @@ _HELD = 2.0
 """Torque at the joint's speed, as a share of the limit, from which it is a warning. Chosen: a motor has no torque left
 at its top speed, and few joints come near the one that is published; damping that takes it all at half of that does."""
 
-_STUCK = 0.1
-"""Speed below which a hinge whose whole torque goes into its damping cannot do its task [rad/s]. Chosen: 16 s for a
-quarter of a turn; of 77 strangers' repositories whose models have 1 N*m*s/rad or more, none has a driven hinge below
-0.5 that is no finger."""
+_STUCK = {JointKind.HINGE: 0.1, JointKind.SLIDE: 0.002}
+"""Speed below which a joint whose whole torque goes into its damping cannot do its task [rad/s or m/s]. Chosen: 16 s
+for a quarter of a turn, 50 s for 10 cm (the slowest linear servos have 4 mm/s); of 77 strangers' repositories whose
+models have 1 N*m*s/rad or more, none has a driven hinge below 0.5 that is no finger, and of 484 none a robot's slide
+below 0.2 (lift of an HSR; grippers have 0.01)."""
 
 _HELP = (
     "leave only friction in the joint's damping; a D gain belongs to the drive (kv), a torque-speed line to a "
@@ -178,14 +184,15 @@ def _has_spring(case: Case, row: LedgerRow) -> bool:
 
 
 def _is_stuck(case: Case, row: LedgerRow, speed: float) -> bool:
-    """Whether a hinge that is driven, and is no gripper's or held one's, moves no faster than would be of any use.
+    """Whether a joint that is driven, and is no gripper's or held one's, moves no faster than would be of any use.
 
     Args:
         case: The case.
-        row: The hinge's.
-        speed: At which its damping uses the whole effort limit [rad/s].
+        row: The joint's.
+        speed: At which its damping uses the whole effort limit [rad/s or m/s].
     """
-    if speed >= _STUCK or row.kind is not JointKind.HINGE or is_held(row) or is_called_undriven(row):
+    least = 0.0 if row.kind is None else _STUCK.get(row.kind, 0.0)
+    if speed >= least or is_held(row) or is_called_undriven(row):
         return False
     return _is_driven(case, row) and not _is_called(case, row, _GRIPS)
 

@@ -106,8 +106,8 @@ def _before_gear(actuator: ActuatorView) -> float | None:
     bounds = []
     if actuator.force_range is not None and "force_range" not in actuator.unknown:
         bounds.append(largest(actuator.force_range))
-    if actuator.control == "motor" and actuator.control_range is not None and not actuator.unknown:
-        bounds.append(abs(actuator.gain) * largest(actuator.control_range))
+    if actuator.control == "motor" and actuator.input_range is not None and not actuator.unknown:
+        bounds.append(abs(actuator.gain) * largest(actuator.input_range))
     return min(bounds, default=None)
 
 

@@ -69,7 +69,8 @@ class NoEffectiveLimit(RuleInParts):
     options: ClassVar[dict[str, float]] = {"least": PLACEHOLDER}
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
-        written, clamps = (ranges_not_in_force(case, name) for name in ("force", "ctrl"))
+        written = ranges_not_in_force(case, "force")
+        clamps = {name: ranges_not_in_force(case, name) for name in ("ctrl", "act")}
         held: dict[Span, tuple[str, LedgerRow | None]] = {}
         for index, artifact in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
@@ -93,7 +94,9 @@ class NoEffectiveLimit(RuleInParts):
                     looked = free and not _is_bounded(row, view) and not _is_empty(written.get(row.span))
                     looked = looked and not is_turned(case, row, view)
                     missing = (
-                        self._missing(case, row, view, written.get(row.span), clamps.get(row.span))
+                        self._missing(
+                            case, row, view, written.get(row.span), clamps[_input(view)].get(row.span)
+                        )
                         if looked
                         else ()
                     )
@@ -215,17 +218,18 @@ class NoEffectiveLimit(RuleInParts):
         if bound is None:
             effect = f"its {noun} is unlimited"
         else:
-            effect, lower = _by_command(case, row, bound, how)
+            effect, lower = _by_command(
+                case, row, bound, how, "command" if _input(view) == "ctrl" else "activation"
+            )
             if lower is None:
                 severity = Severity.INFO
         if written is None:
             what = "no force range or joint limit limits this actuator"
             if bound is None:
-                what = "no force range, joint limit or control range limits this actuator"
+                what = f"no force range, joint limit or {_INPUTS[_input(view)]} range limits this actuator"
             if clamp is not None:
-                what = (
-                    f"no force range or joint limit limits this actuator, and {_switched_off('ctrl', clamp)}"
-                )
+                off = _switched_off(_input(view), clamp)
+                what = f"no force range or joint limit limits this actuator, and {off}"
         else:
             what = _switched_off("force", written)
             if bound is not None and view is not None and bound <= abs(view.gear) * largest(written):
@@ -239,7 +243,7 @@ class NoEffectiveLimit(RuleInParts):
             help="leave forcelimited out, or the range"
             if written is not None
             else "add actuatorfrcrange to the joint, or forcerange to the actuator"
-            + (", or leave ctrllimited out" if clamp is not None else ""),
+            + (f", or leave {_input(view)}limited out" if clamp is not None else ""),
             related=() if lower is None else (lower.place("effort_limit"),),
             fields=("effort_limit",),
             severity=severity,
@@ -395,15 +399,25 @@ class NoEffectiveLimit(RuleInParts):
         return found if low == 0.0 else replace(found, value=None, unit=None)
 
 
-def _by_command(case: Case, row: LedgerRow, bound: float, how: str) -> tuple[str, LedgerRow | None]:
-    """What a clamped command bounds, in words; and the row of another file that limits the joint far below."""
+_INPUTS = {"ctrl": "control", "act": "activation"}
+
+
+def _input(view: ActuatorView | None) -> str:
+    """What the gain of an actuator multiplies, by the word of the file: `ctrl` or `act`."""
+    return "act" if view is not None and view.input == "activation" else "ctrl"
+
+
+def _by_command(
+    case: Case, row: LedgerRow, bound: float, how: str, clamped: str = "command"
+) -> tuple[str, LedgerRow | None]:
+    """What a clamped command or activation bounds, in words; and another file's row that limits the joint far below."""
     noun = "force" if row.kind is JointKind.SLIDE else "torque"
     if _is_in_doubt(case, row):
         return (
-            f"the {noun} that its clamped command allows is unknown: a range is in the wrong unit (UNT101)",
+            f"the {noun} that its clamped {clamped} allows is unknown: a range is in the wrong unit (UNT101)",
             None,
         )
-    effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
+    effect = f"its clamped {clamped} bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
     partners = (other for other in partner_rows(case, row, *MODELS) if not is_exporters(other))
     others = (other for other in partners if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER)
     # The largest limit of those files that lie nearest.
@@ -469,17 +483,14 @@ def _is_bounded(row: LedgerRow, view: ActuatorView | None) -> bool:
         return True
     # Only a dcmotor whose control is its voltage has back-EMF beside no other gain.
     voltage = row.stall_torque is not None or (bool(row.back_emf) and row.command_range is not None)
-    if view is not None and view.control == "intvelocity":
-        # MuJoCo takes it only with a clamped activation, which is its target.
-        return True
     return voltage if row.control == "dcmotor" else row.control == "other" and row.kd is None
 
 
 def _is_limited_alone(row: LedgerRow, view: ActuatorView) -> bool:
     """Whether an actuator has a range of its own for what it gives, or gives nothing at all."""
     nothing = view.gain == view.offset == 0.0 and "gain" not in view.unknown and not (row.kp or row.kd)
-    of_control = view.control == "motor" and view.control_range is not None
-    return nothing or of_control or view.force_range is not None
+    of_input = (view.control == "motor" or view.is_filled) and view.input_range is not None
+    return nothing or of_input or view.force_range is not None
 
 
 def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:
@@ -536,5 +547,5 @@ def _is_empty(ends: tuple[float, float] | None) -> bool:
 
 
 def _switched_off(name: str, ends: tuple[float, float]) -> str:
-    """That a range of `force` or `ctrl` is written in vain."""
+    """That a range of `force`, `ctrl` or `act` is written in vain."""
     return f'{name}range="{ends[0]:g} {ends[1]:g}" is switched off by {name}limited="false"'

@@ -9,7 +9,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS, is_as_written, posed
 from actspec.audit.rules.misnamed import misnamed
 from actspec.diagnostics import Span, listed, nearest, shortened
-from actspec.patterns import match_names
+from actspec.patterns import match_names, recased
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.dict_keys import PLAIN, dead_keys, may_match, meant_for, selects_nothing
 from actspec.readings.pair import joint_names, matching
@@ -101,8 +101,14 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                 continue
             fitting = len(keys) - len(missing) >= self.option(case, "share") * len(keys)
             free = [joint for joint in joints if not any(may_match(framework, key, joint) for key in keys)]
+            where = f" in {basename(model.path)}" if model is not None else f" ({listed(joints, 4)})"
+            cased = {key: right for key in missing if key not in told and (right := recased(key, joints))}
+            if cased:
+                yield self._cased(
+                    cased, f" of {name}", "key", f"group {group.name}{where}", [setting.span], "the cfg"
+                )
             for key in missing:
-                if key in told:
+                if key in told or key in cased:
                     continue
                 outside = any(matching(framework, key, (joint,)) for joint in everywhere)
                 # Whatever joints the robot has: the patterns that select the group's have none in common with it.
@@ -115,7 +121,6 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                 severity, confidence = (
                     _SURE if outside or (alone and not met) else _NEAR if guess else _UNSURE
                 )
-                where = f" in {basename(model.path)}" if model is not None else f" ({listed(joints, 4)})"
                 yield Finding(
                     self.code,
                     f"the key '{shortened(key)}' of {name} matches no joint of group {group.name}{where}: the cfg "
@@ -126,6 +131,34 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                     confidence=confidence,
                     about=f"{key} {name} {group.name}",
                 )
+
+    def _cased(
+        self, cased: Mapping[str, str], of: str, noun: str, where: str, spans: Sequence[Span], who: str
+    ) -> Finding:
+        """Of keys or patterns that are joints' but for capital and small letters, once.
+
+        Args:
+            cased: Each with the one that matches.
+            of: What keys are of.
+            noun: What they are.
+            where: What they match no joint of.
+            spans: Where they stand.
+            who: What raises the error.
+        """
+        written = listed((f"'{shortened(one)}'" for one in cased), 4)
+        many = "s" * (len(cased) > 1)
+        return Finding(
+            self.code,
+            f"the {noun}{many} {written}{of} {'match' if many else 'matches'} no joint of {where}, whose names have "
+            f"other capital letters: {who} raises a ValueError",
+            spans[0],
+            help=f"write {listed(f'{right!r}' for right in dict.fromkeys(cased.values()))}",
+            related=tuple(spans[1:]),
+            severity=Severity.WARNING,
+            confidence=Confidence.MEDIUM,
+            noted_in_folders=True,
+            about=" ".join((*cased, of.removeprefix(" of "))),
+        )
 
     def _patterns(
         self,
@@ -141,7 +174,19 @@ class PatternMatchesNothing(RuleOver[_Subject]):
         # Else it is the model of another robot.
         fitting = len(every) - len(missing) >= self.option(case, "share") * len(every)
         lost = _lost(config, joint_names(model) or ()) if fitting and missing else ()
+        cased = {(group.span, one): right for group, one in missing if (right := recased(one, names))}
+        if cased and is_as_written(config):
+            yield self._cased(
+                {pattern: right for (_, pattern), right in cased.items()},
+                "",
+                "pattern",
+                basename(model.path),
+                list(dict.fromkeys(span for span, _ in cased)),
+                f"with these joint names {FRAMEWORKS[config.framework]}",
+            )
         for group, pattern in missing:
+            if (group.span, pattern) in cased:
+                continue
             key = meant[group.span].get(pattern)
             if not (fitting or key):
                 continue

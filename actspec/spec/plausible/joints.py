@@ -53,6 +53,8 @@ WHOLE = 1.0
 """The same at a velocity limit."""
 WHOLE_ROBOT = 6
 """Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
+WHOLE_BODY = (4, 5.0)
+"""Joints and mass [kg] from which on it is one that a slide may lift: a gripper alone, or a cylinder, has fewer."""
 
 _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
@@ -171,9 +173,12 @@ def _levers(
     """What is found of each joint's limit by the weight of the whole robot."""
     linked = _linked(model)
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
+    body = mass if len(joints) >= WHOLE_BODY[0] and (mass or 0.0) >= WHOLE_BODY[1] else None
     return {
         joint.joint: [
-            found for found in levers_of(joint, whole, linked.get(joint.joint)) if not kept.has(found.doubt)
+            found
+            for found in levers_of(joint, whole, body, linked.get(joint.joint))
+            if not kept.has(found.doubt)
         ]
         for joint in joints
     }

@@ -22,6 +22,9 @@ FASTEST_LIMIT = 200.0
 """Velocity limit of a hinge [rad/s]. Published: to 200 (gripper of the reBot), 110 at 26 N*m (Qinglong)."""
 HOPELESS_SPEED = 3.0
 """Times what no joint of such a torque comes to: it is told though the robot's file says it as well."""
+TIMES_WEIGHT = 75.0
+"""Effort limit of a slide over the weight of the robot. Published: 37 (three linear axes), of robots 21 (roller screws
+of a leg) and 18 (lift of an OpenArm); chosen: an electric gripper alone has 170."""
 HOPELESS_LEVER = 10.0
 """An error from this many times the bound on."""
 USUAL_SPEED = (0.3, 50.0)
@@ -81,6 +84,28 @@ def _by_lever(joint: JointActuator, mass: float | None, linkage: str | None) -> 
         "look for a wrong unit, gear_ratio or side" + (f", or at the linkage '{linkage}'" if linkage else ""),
         limit,
         error=lever > HOPELESS_LEVER * LONGEST_LEVER,
+    )
+
+
+def _by_weight(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
+    """An effort limit of a slide that would lift the whole robot many times over; arguments as of `_by_lever`."""
+    limit = joint.effort_limit
+    if not mass or joint.kind is not JointKind.SLIDE or not limit.value or not is_stated(limit):
+        return
+    times = limit.value / (mass * GRAVITY)
+    if not TIMES_WEIGHT < times < math.inf:
+        return
+    yield found_at(
+        joint,
+        "SPEC183",
+        f"actuators.{joint.group}.effort_limit",
+        times,
+        f"an effort limit of {shown(limit)} would lift the whole robot, {format_quantity(mass, 'kg', 3)}, "
+        f"{format_quantity(times, '', 2)} times over",
+        "look for a wrong unit, lead, radius or gear_ratio"
+        + (f", or at the linkage '{linkage}'" if linkage else ""),
+        limit,
+        error=times > HOPELESS_LEVER * TIMES_WEIGHT,
     )
 
 
@@ -290,6 +315,19 @@ def slow_found(joint: JointActuator, motor: Motor | None) -> Iterator[Found]:
     )
 
 
-def levers_of(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
-    """What is found of an effort limit by the weight of the robot and by all other figures together."""
-    yield from _by_lever(joint, mass, linkage) if joint.motor is not None else _by_all(joint, mass)
+def levers_of(
+    joint: JointActuator, mass: float | None, body: float | None, linkage: str | None
+) -> Iterator[Found]:
+    """What is found of an effort limit by the weight of the robot and by all other figures together.
+
+    Args:
+        joint: The joint.
+        mass: Of the whole robot [kg]; None: unknown, or there are too few hinges for one.
+        body: The same for slides.
+        linkage: That drives the joint.
+    """
+    if joint.motor is None:
+        yield from _by_all(joint, mass)
+    else:
+        yield from _by_lever(joint, mass, linkage)
+        yield from _by_weight(joint, body, linkage)

@@ -201,8 +201,8 @@ def _by_inertia(
     if joint.motor is not None or _is_of_degrees(kp, kd):
         # Without a motor they may be a simulator's own servos, of any stiffness, but hardly just 57.3 times others.
         words = _by_frequency(kp, kd, joint, replace(gains, driven=True), inertia)
-    elif _is_real(joint) and _noticed_softness(joint) < math.inf:
-        words = slack_words(gains, inertia)
+    elif _noticed_softness(joint) < math.inf:
+        words = slack_words(gains, inertia, _is_real(joint))
     if words is not None:
         return "kp", words
     damped = damping_words(gains, inertia)

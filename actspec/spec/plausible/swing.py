@@ -21,6 +21,15 @@ SLACK = ((10.0, 10.0), (5.0, 5.0))
 """Effort limit over kp [rad] above which, and natural frequency [rad/s] below which, a drive without a motor is as weak
 that both gains may be per degree. Published, of 11577 drives: 22 rad at 13 rad/s (wrist of a YAM), 7.5 at 10, 5.7 at
 9.6, 4 at 6.4, and below that to 1.6; but for 400 N*m beside 20 N*m/rad without friction (an early Prestoe)."""
+SLACK_SERVO = ((25.0, math.inf), (10.0, 2.0))
+"""Effort limit over kp [rad] above which, and kp [N*m/rad] below which, so is one of which nobody states friction
+either, where it swings below `SLACK_SWING` and kd over kp is at most `SLACK_RETURN`. Published, of 6575 hinges of 1887
+imported specs and the 11577 drives: 120 rad at 14 rad/s (ankle of a GR1T2), 25 at 16, 22 at 13, 8.8 at 2.7 (torso of a
+Vega), and the Prestoe's 20."""
+SLACK_SWING = 10.0
+"""Natural frequency [rad/s]."""
+SLACK_RETURN = 0.1
+"""[s]. Legs have 0.01 to 0.05; the low gains beside a whole-body controller's torques have 0.2 and more."""
 STIFF = 150.0
 """Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""
 STIFF_ERROR = 0.06
@@ -63,17 +72,23 @@ def frequency_words(gains: Gains, inertia: float) -> tuple[str, str, float] | No
     return None
 
 
-def slack_words(gains: Gains, inertia: float) -> tuple[str, str, float] | None:
+def slack_words(gains: Gains, inertia: float, rubs: bool) -> tuple[str, str, float] | None:
     """Message, help and size where a hinge without a motor is so weak that its gains are per degree; None: it is not.
 
     Args:
         gains: Of the hinge.
         inertia: With the other joints held, armature included [kg*m^2].
+        rubs: Whether its dry friction is stated; else it may be a simulator's own servo.
     """
     if inertia < STIFF_LINK or gains.limit is None:
         return None
     frequency, error = math.sqrt(gains.kp / inertia), gains.limit / gains.kp
-    if not any(error > most and frequency < least for most, least in SLACK):
+    if rubs:
+        weak = any(error > most and frequency < least for most, least in SLACK)
+    else:
+        weak = any(error > most and gains.kp < least for most, least in SLACK_SERVO)
+        weak = weak and frequency < SLACK_SWING and 0.0 < (gains.kd or 0.0) <= SLACK_RETURN * gains.kp
+    if not weak:
         return None
     unit = units_of(gains.kind)
     kp = format_quantity(gains.kp / DEGREE, unit.stiffness, 4)

@@ -83,8 +83,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     place = collector.at("robot.model", Span(given))
     _say_lacking_meshes(document, packages, place)
     _say_unused_packages(document, author, packages, place)
-    if is_urdf:
-        _say_missing_meshes(document, place)
+    _say_missing_meshes(document, packages, place, is_urdf)
     _say_unread_meshes(document, author, packages, collector)
     bare, lost = plan_model(actuators, robot, dialect, options.name, collector)
     collector.raise_if_failed(EmitError)
@@ -207,18 +206,31 @@ def _say_unused_packages(
             )
 
 
-def _say_missing_meshes(document: XmlDocument, place: Place) -> None:
-    """Report meshes that a URDF names by path and that are not there: an MJCF does not load without them either."""
+def _say_missing_meshes(
+    document: XmlDocument, packages: Mapping[str, str], place: Place, is_urdf: bool
+) -> None:
+    """Report meshes that a model names by path and that are not there: what is written does not load without them.
+
+    Of an MJCF, whose own paths are kept, that is of the place where it is compiled, and is told as such.
+    """
     lost = not_there(document)
-    if lost:
+    if not is_urdf:
+        # What it cannot read needs another name first (MJC034).
+        lost = {name: folder for name, folder in lost.items() if name not in unread(document, packages)}
+    if not lost:
+        return
+    which = "which is not there" if len(lost) == 1 else "which are not there"
+    message = f"MuJoCo cannot open {_meshes(lost)}, {which}: {listed(lost, 4)}"
+    if not is_urdf:
+        it = "it" if len(lost) == 1 else "them"
+        message += f"; without {it} it loads neither the model nor what is written"
+        place.info("MJC029", message, _near(lost) or _looked_in(lost))
+    else:
         folder = (
             f"{_looked_in(lost)}; put them there, or name the folder that {one_line(next(iter(lost)))} is below in "
             'the URDF: `<mujoco><compiler meshdir="FOLDER"/></mujoco>`'
         )
-        which = "which is not there" if len(lost) == 1 else "which are not there"
-        place.warning(
-            "MJC029", f"MuJoCo cannot open {_meshes(lost)}, {which}: {listed(lost, 4)}", _near(lost) or folder
-        )
+        place.warning("MJC029", message, _near(lost) or folder)
 
 
 def _say_unread_meshes(

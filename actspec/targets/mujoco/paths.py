@@ -176,7 +176,7 @@ def unresolved(
 
 
 def not_there(document: XmlDocument) -> Mapping[str, str]:
-    """Mesh files that a URDF names by path and that are not there, with the folder where they would be."""
+    """Mesh files that a model names by path and that are not there, with the folder where they would be."""
     start = os.path.join(os.path.dirname(os.path.abspath(document.files[0].path)), _mesh_folder(document))
     stripped = any(element.get("strippath") == "true" for element in document.sections("compiler"))
     found: dict[str, str] = {}

@@ -503,6 +503,32 @@ def test_an_effort_limit_against_the_weight_of_the_robot(
         assert codes(text, robot_of(count, KILO)) == found
 
 
+@pytest.mark.parametrize(
+    ("count", "mass", "limit", "expected"),
+    [
+        # 4 slides of 1.5 kg: 6 kg x 9.81 m/s^2 x 75 = 4414.5 N; ten times that.
+        (4, 1.5, 4410, []),
+        (4, 1.5, 4420, ["SPEC183"]),
+        (4, 1.5, 44200, ["SPEC183!"]),
+        # Linear axes alone, and a gripper of 4.9 kg.
+        (3, 2.0, 4500, []),
+        (4, 1.225, 4500, []),
+    ],
+)
+def test_a_slide_against_the_weight_of_the_robot(
+    count: int, mass: float, limit: float, expected: list[str]
+) -> None:
+    link = f'<inertial pos="0 0 0" mass="{mass}" diaginertia="1 1 1"/>'
+    model = robot_of(count, link).replace("<joint ", '<joint type="slide" ')
+    for motor, found in ((", motor: m", expected), ("", [])):
+        text = spec_of(
+            f"rods: {{joints: ['j.*'], level: ideal_pd, kp: 1e5 N/m, kd: 3e3 N*s/m, effort_limit: {limit} N{motor}}}",
+            robot="name: leg, model: robot.xml",
+            motors="{m: {side: joint, peak_torque: 50000 N, no_load_speed: 0.2 m/s}}",
+        )
+        assert codes(text, model) == found
+
+
 def test_a_reduction_that_makes_a_limit_too_strong() -> None:
     """10 N*m behind 155 are 1550 N*m, on 6 kg 26 m; the same motor is sound without it. kp is not blamed for it."""
     group = "motor: m, level: ideal_pd, kp: 10, kd: 1, effort_limit: peak"

@@ -286,6 +286,31 @@ def test_a_weak_drive_by_its_inertia(kp: str, limit: str, friction: str | None, 
     assert [item[:2] for item in found] == [("SPEC192", "kp")] * expected
 
 
+@pytest.mark.parametrize(
+    ("kp", "kd", "limit", "expected"),
+    [
+        # 10.1 and 9.9 rad; kd over kp of 0.105 s.
+        ("1.9", "0.18", "19.2", 1),
+        ("1.9", "0.18", "18.8", 0),
+        ("1.9", "0.2", "19.2", 0),
+        # 25.2 and 24.8 rad.
+        ("2.1", "0.18", "53", 1),
+        ("2.1", "0.18", "52", 0),
+        # 25.3 rad at 9.95 rad/s and 10.05 rad/s.
+        ("9.9", "0.9", "250", 1),
+        ("10.1", "0.9", "260", 0),
+        # A limit that is a power of ten is often nobody's, and without kd it may be a spring.
+        ("1.9", "0.18", "100", 0),
+        ("1.9", "0", "19.2", 0),
+    ],
+)
+def test_a_weak_servo_by_its_inertia(kp: str, kd: str, limit: str, expected: int) -> None:
+    """Nobody states motor or friction: only what no imported spec comes to, and with a usual kd."""
+    found = told(TENTH, kp=kp, kd=kd, effort_limit=limit, friction=None, armature=None, velocity_limit=None)
+    assert [item[:2] for item in found] == [("SPEC192", "kp")] * expected
+    assert all(item[2].startswith("are kp and kd per degree?") for item in found)
+
+
 ROD = (
     '<mujoco><worldbody><body><joint name="hip"/><geom size=".1" mass="1"/>'
     '<body><joint name="calf"/><geom size=".1" mass="1"/>'

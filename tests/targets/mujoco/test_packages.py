@@ -292,6 +292,56 @@ def test_strict_does_not_write_what_mujoco_does_not_load(
     assert NOT_LOADED in capsys.readouterr().err
 
 
+def test_verify_says_what_compile_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It runs the model without its meshes; that nobody can load what is written is a finding all the same."""
+    own = with_dae(tmp_path)
+    assert main(["verify", str(own / "s.yaml"), "-t", "mujoco"]) == 1
+    out, err = capsys.readouterr()
+    assert "1 target agrees" in out
+    assert NOT_LOADED in err and err.endswith("MuJoCo does not load what is written (MJC034)\n")
+    (own / "meshes" / "x.dae").rename(own / "meshes" / "x.obj")
+    at = own / "urdf" / "r.urdf"
+    at.write_text(at.read_text(encoding="utf-8").replace("x.dae", "x.obj"), encoding="utf-8")
+    assert main(["verify", str(own / "s.yaml"), "-t", "mujoco"]) == 0
+    assert "MJC" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("canonical", [False, True])
+def test_a_mesh_of_an_mjcf_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], canonical: bool
+) -> None:
+    """A note: the model's own path is kept, and is right where the meshes are."""
+    import mujoco
+
+    own = package(tmp_path, "my_desc")
+    (own / "r.xml").write_text(
+        '<mujoco><compiler meshdir="meshes"/><asset><mesh name="x" file="x.obj"/><mesh file="y.stl"/></asset>\n'
+        '<worldbody><body><joint name="j"/><inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>'
+        '<geom type="mesh" mesh="x"/></body></worldbody></mujoco>',
+        encoding="utf-8",
+    )
+    (own / "s.yaml").write_text(SPEC.replace("urdf/r.urdf", "r.xml"), encoding="utf-8")
+    command = ["compile", str(own / "s.yaml"), "-t", "mujoco", "-o", str(own / "out")]
+    command += ["--canonical"] * canonical
+    assert main([*command, "--strict"]) == 0
+    assert (
+        "MJC029 [info] robot.model: MuJoCo cannot open 1 mesh file, which is not there: y.stl; without it it loads "
+        f"neither the model nor what is written\n  help: looked in {own / 'meshes'}\n"
+    ) in capsys.readouterr().err
+    written = str(own / "out" / "mujoco" / "r.xml")
+    for path in (str(own / "r.xml"), written):
+        with pytest.raises(ValueError, match=r"y\.stl"):
+            mujoco.MjModel.from_xml_path(path)
+    (own / "meshes" / "x.obj").rename(own / "meshes" / "y.obj")
+    assert main(command) == 0
+    assert "MuJoCo cannot open 2 mesh files, which are not there: x.obj, y.stl;" in capsys.readouterr().err
+    (own / "meshes" / "x.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    (own / "r.xml").write_text((own / "r.xml").read_text().replace("y.stl", "y.obj"), encoding="utf-8")
+    assert main(command) == 0
+    assert "MJC029" not in capsys.readouterr().err
+    assert mujoco.MjModel.from_xml_path(written).nmesh == 2
+
+
 def test_a_mesh_that_is_only_seen(tmp_path: Path) -> None:
     """MuJoCo leaves it out: it loads what is written, and nothing is said of the mesh."""
     import mujoco

@@ -1,0 +1,109 @@
+"""Joints that were driven when a baseline was written and are not any more: what is said of such a joint goes with its
+actuator, and reads like a mended fault.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from actspec.audit.baseline import relative_path
+from actspec.audit.case import Case
+from actspec.audit.outcome import LOST_DRIVE
+from actspec.diagnostics import Diagnostic, Severity, Span, listed
+from actspec.files import name_in_file
+from actspec.readings.artifact import FileKind
+from actspec.robot.view import RobotView
+
+
+def driven(case: Case, folder: str) -> dict[str, frozenset[str]]:
+    """The joints that the actuators of each MJCF drive, directly or not.
+
+    Args:
+        case: What was read.
+        folder: To which the files' names are relative.
+    """
+    found: dict[str, frozenset[str]] = {}
+    for index, artifact in case.of_kind(FileKind.MJCF):
+        joints = None if artifact.robot is None else _driven(artifact.robot)
+        if joints:
+            found[_name(case, index, folder)] = joints
+    return found
+
+
+def vanished(case: Case, before: Mapping[str, frozenset[str]], folder: str) -> frozenset[tuple[str, str]]:
+    """Joints that were driven and that their file does not have any more, by file and name; arguments as of
+    `lost_drives`.
+    """
+    return frozenset(
+        (name, joint)
+        for index, artifact in case.of_kind(FileKind.MJCF)
+        if artifact.robot is not None
+        for name in (_name(case, index, folder),)
+        for joint in before.get(name, frozenset()) - {one.name for one in artifact.robot.joints}
+    )
+
+
+def _name(case: Case, index: int, folder: str) -> str:
+    return name_in_file(relative_path(case.artifacts[index].path, folder))
+
+
+def _driven(robot: RobotView) -> frozenset[str] | None:
+    """None: it may be any."""
+    moved = [actuator.moves for actuator in robot.actuators]
+    if any(joints is None for joints in moved):
+        return None
+    direct = {one.target for one in robot.actuators if one.transmission in ("joint", "jointinparent")}
+    return frozenset({*direct, *(joint for joints in moved for joint in joints or ())} - {""})
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """Joints of a file that were driven.
+
+    Attributes:
+        file: The file as the baseline has it.
+        joints: In the file's order.
+        span: Where the first stands.
+        all: Whether no joint of the file is driven any more.
+    """
+
+    file: str
+    joints: tuple[str, ...]
+    span: Span
+    all: bool
+
+    def told(self, baseline: str) -> Diagnostic:
+        """What is said of them."""
+        names = "any of its joints" if self.all else listed(self.joints)
+        return Diagnostic(
+            LOST_DRIVE,
+            Severity.WARNING,
+            f"no actuator drives {names} any more, as one did when the baseline was written: the joint"
+            f"{'s swing' if self.joints[1:] else ' swings'} freely",
+            "",
+            Span(self.span.path) if self.all else self.span,
+            f"put the actuator{'s' * bool(self.joints[1:])} back; if it is meant, write the baseline again with "
+            f"--write-baseline {baseline}",
+        )
+
+
+def lost_drives(case: Case, before: Mapping[str, frozenset[str]], folder: str) -> Iterator[Lost]:
+    """Joints that are still there and that nothing drives any more.
+
+    Not of a model without any actuator whose joints a configuration of the robot drives: it was stripped for that.
+
+    Args:
+        case: What was read.
+        before: As `driven` gave it when the baseline was written.
+        folder: The baseline's.
+    """
+    for index, artifact in case.of_kind(FileKind.MJCF):
+        robot, name = artifact.robot, _name(case, index, folder)
+        now = None if robot is None else _driven(robot)
+        if robot is None or now is None:
+            continue
+        joints = [one for one in robot.joints if one.name in before.get(name, frozenset()) - now]
+        others = (case.artifacts[other].kind for other in case.robot_of(index).artifacts)
+        if joints and (robot.actuators or FileKind.CFG not in others):
+            yield Lost(name, tuple(one.name for one in joints), joints[0].span, not robot.actuators)
