@@ -215,6 +215,39 @@ def test_the_clip_of_a_command(tmp_path: Path, clip: str, ends: tuple[float, flo
     assert (None if found is None else tuple(end.value for end in found)) == ends
 
 
+_ANOTHER = "with another that no command reaches"
+
+
+@pytest.mark.parametrize(
+    ("clip", "why"),
+    [
+        ('{".*": (-float("inf"), 0.5)}', f"has one end, 0.5 rad: write [LOW, 0.5 rad] {_ANOTHER}"),
+        ('{".*": (-0.5, 1e9)}', f"has one end, -0.5 rad: write [-0.5 rad, HIGH] {_ANOTHER}"),
+        ('{".*": ("-inf", 2)}', "is not known: it is no pair of numbers"),
+        ('{".*": (1.0, -1.0)}', "is not known: its ends are 1 and -1"),
+        ('{".*": (-1.0, float("nan"))}', "is not known: its ends are -1 and nan"),
+        ('{".*": (-1.0, 1.0), "hip_L": (-2.0, 2.0)}', "is not known: 2 keys are for the joint"),
+        ("(-1.0, 1.0)", "is not known: it is no dict of (low, high) by joint"),
+        ("LIMITS", "is not known: LIMITS is not defined here"),
+        ('{".*": (float("-inf"), float("inf"))}', None),
+        ('{"hip_R": (float("-inf"), 1.0)}', None),
+    ],
+)  # fmt: skip
+def test_a_clip_that_no_spec_can_hold_is_told(tmp_path: Path, clip: str, why: str | None) -> None:
+    """A command_range has two ends, both known: any other clip of a joint is told, once, at its line."""
+    part = environment(tmp_path, (LEGS.replace("scale", f"clip={clip}, scale"),))
+    found = lift_config(part, JOINTS)
+    assert found.actuators.joints[0].command_range is None
+    (line,) = (
+        at
+        for at, text in enumerate(Path(part.path).read_text(encoding="utf-8").splitlines(), 1)
+        if "clip=" in text
+    )
+    said = [note for note in found.notes.get("hip_L", ()) if "command_range" in note]
+    told = f"command_range is left out: the action's clip (line {line}) {why}"
+    assert said == ([] if why is None else [told])
+
+
 @pytest.mark.parametrize(
     ("terms", "expected"),
     [
