@@ -6,11 +6,14 @@ from pathlib import Path
 
 import pytest
 
+from actspec.audit.engine import audit
+from actspec.audit.settings import Settings
 from actspec.lift.config import lift_config
 from actspec.readings.artifact import Artifact
 from actspec.readings.config import rows_of_config
 from actspec.readings.python.read import read_python
 from actspec.readings.versions import Versions
+from actspec.report.ledger import ledger_sheets
 
 JOINTS = ("hip_L", "hip_R", "wheel_L", "wheel_R")
 
@@ -213,6 +216,22 @@ def test_the_clip_of_a_command(tmp_path: Path, clip: str, ends: tuple[float, flo
     part = environment(tmp_path, (LEGS.replace("scale", f"clip={clip}, scale"),))
     found = lift_config(part, JOINTS).actuators.joints[0].command_range
     assert (None if found is None else tuple(end.value for end in found)) == ends
+
+
+@pytest.mark.parametrize(("terms", "unit"), [((LEGS,), "rad"), ((WHEELS,), "rad/s"), ((LEGS, WHEELS), "")])
+def test_the_unit_of_a_scale_is_that_of_the_command(
+    tmp_path: Path, terms: tuple[str, ...], unit: str
+) -> None:
+    """A wheel's is a speed for an action of 1; a column of both has no unit."""
+    part = environment(tmp_path, terms)
+    rows = [
+        row for row in rows_of_config(part, 0, (), Versions(), joints=JOINTS) if row.action_scale is not None
+    ]
+    units = {"hip": "rad", "wheel": "rad/s"}
+    assert [row.unit("action_scale") for row in rows] == [units[row.joint.split("_")[0]] for row in rows]
+    case = audit([part.path], Settings()).case
+    (heads,) = (dict(sheet.heads) for sheet in ledger_sheets(case) if "action scale" in dict(sheet.heads))
+    assert heads["action scale"] == unit
 
 
 _ANOTHER = "with another that no command reaches"
