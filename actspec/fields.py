@@ -218,6 +218,9 @@ FRICTION = tuple(
 )
 """The parts of `friction` in a spec, those first that every joint has."""
 
+COMMANDED: Mapping[str, Kind] = {"position": Kind.POSITION, "velocity": Kind.SPEED, "effort": Kind.TORQUE}
+"""What each command is."""
+
 DAMPING_PARTS = ("kd", "joint_damping", "actuator_damping")
 """Origins of damping: each has its own clamp and its own way of integration."""
 
@@ -249,10 +252,20 @@ def units_of(joint: JointKind) -> Units:
     return Units(*(unit_of_kind(kind, joint) for kind in kinds))
 
 
-def unit_of(name: str, joint: JointKind | None) -> str:
-    """SI unit of a field at a joint; "" for what has none."""
+def unit_of(name: str, joint: JointKind | None, command: str = "") -> str:
+    """SI unit of a field at a joint; "" for what has none.
+
+    Args:
+        name: Of the field.
+        joint: The joint's kind; None: unknown.
+        command: What its command is, a key of `COMMANDED`, whose unit the action scale has; "": unknown.
+    """
     field = FIELDS.get(name)
-    return "" if field is None else field.unit(joint)
+    if field is None:
+        return ""
+    if name == "action_scale" and command:
+        return unit_of_kind(COMMANDED[command], joint)
+    return field.unit(joint)
 
 
 def is_power_of_ten(figure: float) -> bool:

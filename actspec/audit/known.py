@@ -49,8 +49,8 @@ SAME = 0.02
 _BY_KEY = ("effort_limit", "stall_torque", "no_load_speed", "velocity_limit", "armature", "kp", "kd")
 """Figures of a row that are held against what is published, and the gains, which tell that nothing drives a joint."""
 
-_GRIPS = re.compile(r"finger|gripper")
-"""Joints of an arm's hand, in its maker's names: many have another one, or theirs in another file."""
+GRIPS = re.compile(r"finger|thumb|gripp?er|jaw|claw|hand", re.IGNORECASE)
+"""Words of a hand's joints and bodies: many arms have another hand, or theirs in another file, and it closes slowly."""
 
 _FOLDERS = 3
 """Folders above a file that may name its robot: `x30/mjcf/unitree/robot.xml`."""
@@ -121,7 +121,7 @@ class KnownRobot:
     @property
     def needed(self) -> frozenset[str]:
         """Those by which it is known: not the fingers of an arm, whose gripper stands in a file of its own as often."""
-        return frozenset(joint for joint in self.joints if not _GRIPS.search(joint))
+        return frozenset(joint for joint in self.joints if not GRIPS.search(joint))
 
     def efforts(self, joint: str) -> frozenset[float]:
         """Every torque that is published of a joint, of all variants [N*m]."""

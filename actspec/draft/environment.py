@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Span, listed, one_line
@@ -18,8 +18,9 @@ _OF_TRAINING = {
     "decimation": "decimation",
     "control_dt": "control period",
     "action_scale": "action scale",
+    "ranges": "ranges",
 }
-"""Settings of an environment, in words."""
+"""What an environment says, in words: its settings, and its ranges."""
 
 
 def in_environments(
@@ -42,7 +43,11 @@ def in_environments(
         one for one in every if _is_alone(one) and any(_may_train(one, robot, every) for robot in robots)
     ]
     idle = {(one.path, one.name) for one in alone} - used.keys()
-    kept = [(part, remark) for part, remark, _ in found if (part.path, part.name) not in idle]
+    kept = [
+        (used.get((part.path, part.name), part), remark)
+        for part, remark, _ in found
+        if (part.path, part.name) not in idle
+    ]
     here = {(part.path, part.name) for part, _ in kept}
     kept += [(env, "") for at, env in used.items() if at not in here]
     return [part for part, _ in kept], [remark for _, remark in kept]
@@ -53,7 +58,7 @@ def _in_environment(
 ) -> tuple[Artifact, str, Artifact | None]:
     """A robot's configuration with what the environments of it say: those of its file, else those of the others.
 
-    Nothing of them where they differ.
+    Without what differs among them: the user says which of them is meant.
 
     Returns: It, the remark, and the environment whose word is taken.
     """
@@ -62,48 +67,76 @@ def _in_environment(
         return part, "", None
     family = {one.name: one for one in every if one.path == part.path and one.config and are_one(part, one)}
     trained = {name: one for name, one in family.items() if one.config and _is_environment(one.config)}
-    if _is_environment(config):
+    own, where = _is_environment(config), "in its file"
+    if own:
         name = next((name for name in family if name not in trained), part.name)
-        return replace(part, name=name, config=replace(config, name=name)), "", None
-    where = "in its file"
-    if not trained:
+        config = replace(config, name=name)
+        part = replace(part, name=name, config=config)
+    elif not trained:
         others = [one for one in every if one.path != part.path and _may_train(one, part, every)]
         trained = {one.name: one for one in others}
-        if named in trained:
-            trained = {named: trained[named]}
         where = f"in {listed(dict.fromkeys(one_line(os.path.basename(one.path)) for one in others), 4)}"
     if not trained:
         return part, "", None
+    if named in trained:
+        trained = {named: trained[named]}
     names = listed(map(one_line, trained), 4)
     # A base leaves something to what is derived from it, and one for playing has no ranges.
-    fullest = max(trained.values(), key=lambda one: len(_training(one)))
-    told = _training(fullest)
-    words = {**_OF_TRAINING, "ranges": "ranges"}
-    every_word = [_training(one) for one in trained.values()]
+    training = {name: _training(one) for name, one in trained.items()}
+    first = max(training, key=lambda name: len(training[name]))
+    told, fullest = training[first], trained[first]
     unlike = [
-        words[name]
-        for name in words
-        if any(name in one and one[name] != told.get(name) for one in every_word)
+        name
+        for name in _OF_TRAINING
+        if any(name in one and one[name] != told.get(name) for one in training.values())
     ]
-    if unlike:
-        # Where the robot is named already, that would take no other one.
-        beside = named is not None and where != "in its file"
-        advice = "none is taken" if beside else "--robot NAME takes those of one"
-        return part, f"{names} {where} differ in {listed(unlike, 9)}: {advice}", None
-    env = fullest.config
-    assert env is not None
+    if own and not unlike:
+        return part, "", None
+    assert fullest.config is not None
+    # It counts time steps, which may be another file's then.
+    left = {*unlike, "decimation"} if "physics_dt" in unlike else set(unlike)
+    env = _without(fullest.config, left)
     taken = {name: setting for name, setting in env.settings.items() if name in _OF_TRAINING}
+    robot = _without(config, _OF_TRAINING)
+    config = replace(
+        robot, settings={**robot.settings, **taken}, randomize=env.randomize, actions=env.actions
+    )
+    part, fullest = replace(part, config=config), replace(fullest, config=env)
+    if own and any(_is_robot_of(one, part) for one in every):
+        # Of the robot it is said, with all of it.
+        return part, "", None
     spans = [
         *(setting.span for setting in taken.values()),
         *(term.place for term in env.actions),
         *(item.span for item in env.randomize),
     ]
-    said = [words[name] for name in words if name in told]
-    settings = {**config.settings, **taken}
-    config = replace(config, settings=settings, randomize=env.randomize, actions=env.actions)
-    of_file = f" {where}" if fullest.path == part.path else ""
-    remark = f"{listed(said, 9)} from {names}{of_file}, {places(spans)}"
-    return replace(part, config=config), remark, fullest
+    said = listed([word for name, word in _OF_TRAINING.items() if name in told and name not in left], 9)
+    of_file = f" {where}" if unlike or fullest.path == part.path else ""
+    remark = f"{said} from {names}{of_file}, {places(spans)}" if said else ""
+    if unlike:
+        who = f"{remark}; they" if said else f"{names} {where}"
+        # Where the robot is named already, that would take no other one.
+        beside = named is not None and where != "in its file"
+        advice = "none is taken" if beside else "--robot NAME takes those of one"
+        remark = f"{who} differ in {listed([_OF_TRAINING[name] for name in unlike], 9)}: {advice}"
+    return part, remark, fullest if said else None
+
+
+def _without(config: RobotConfig, names: Container[str]) -> RobotConfig:
+    """A configuration without some of what an environment says, by the names of `_OF_TRAINING`."""
+    return replace(
+        config,
+        settings={name: one for name, one in config.settings.items() if name not in names},
+        actions=() if "action_scale" in names else config.actions,
+        randomize=() if "ranges" in names else config.randomize,
+    )
+
+
+def _is_robot_of(one: Artifact, env: Artifact) -> bool:
+    """Whether a part of another file is the robot that an environment imports."""
+    if one.path == env.path or one.config is None or _is_environment(one.config):
+        return False
+    return bool(one.config.groups) and are_one(one, env)
 
 
 def _may_train(env: Artifact, part: Artifact, every: Sequence[Artifact]) -> bool:
@@ -113,8 +146,7 @@ def _may_train(env: Artifact, part: Artifact, every: Sequence[Artifact]) -> bool
         return False
     if not _is_alone(env):
         return _is_environment(its) and are_one(part, env)
-    told = [note.message for note in its.notes]
-    of = {one.name for one in every if any(f" {one.name} comes from " in message for message in told)}
+    of = set(its.elsewhere.values()) & {one.name for one in every}
     return not of or part.name in of
 
 
@@ -127,7 +159,7 @@ def _is_alone(part: Artifact) -> bool:
 
 
 def _training(part: Artifact) -> dict[str, object]:
-    """What an environment says, wherever it is written, by the names of `_OF_TRAINING`, and its ranges."""
+    """What an environment says, wherever it is written, by the names of `_OF_TRAINING`."""
     config = part.config
     assert config is not None
     said: dict[str, object] = {

@@ -50,7 +50,8 @@ def check_drives(parts: Sequence[Artifact], out: Collector) -> None:
         for note in list(_unread(config, fields))[:1]:
             drives = note.where.startswith(_DRIVES)
             missing = "the file that has them" if drives else "the robot's configuration"
-            help = f"name {missing} too" if _is_elsewhere(note) else f"write {note.where} out"
+            is_elsewhere = note.where in config.elsewhere
+            help = f"name {missing} too" if is_elsewhere else f"write {note.where} out"
             message = f"{one_line(name)}: its {note.where} {'are' if drives else 'is'} {note.message}"
             out.error("DRF002", message, span=note.span, help=help + alone)
 
@@ -60,10 +61,6 @@ def _has_gains(part: Artifact) -> bool:
     if part.robot is None:
         return False
     return any(joint.kp is not None and joint.kp.known for joint in lift(part).actuators.joints)
-
-
-def _is_elsewhere(note: Diagnostic) -> bool:
-    return " comes from " in note.message
 
 
 def _unread(config: RobotConfig, fields: tuple[str, ...]) -> Iterator[Diagnostic]:

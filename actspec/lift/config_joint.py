@@ -358,6 +358,10 @@ class ConfigJoint:
         units = self._units
         unit = {Command.POSITION: units.position, Command.VELOCITY: units.speed, Command.EFFORT: units.torque}
         low, high = (self._figure(f"{ends or 'command'}_{end}", unit[command]) for end in ("low", "high"))
+        if ends == "clip" and (why := _not_carried(low, high)):
+            line = "" if low.span is None else f" (line {low.span.line})"
+            self.notes.append(f"command_range is left out: the action's clip{line} {why}")
+            return None
         return low, high
 
     def _delay(self) -> Delay | None:
@@ -497,6 +501,19 @@ def real_limit(found: Quantity) -> Quantity:
     if found.value is None or found.value < NONE_FROM:
         return found
     return unknown(found.unit, f"{format_quantity(found.value, found.unit)} is no limit", found.span)
+
+
+def _not_carried(low: Quantity, high: Quantity) -> str | None:
+    """Why a clip is no `command_range`; None where it is one."""
+    if low.value is None:
+        return f"is not known: {low.note}"
+    ends = [end for end in (low, high) if abs(end.require()) < NONE_FROM]
+    if len(ends) == 2:
+        return None
+    (end,) = ends
+    place = "[LOW, {}]" if end is high else "[{}, HIGH]"
+    text = format_quantity(end.require(), end.unit)
+    return f"has one end, {text}: write {place.format(text)} with another that no command reaches"
 
 
 def delay_of_steps(

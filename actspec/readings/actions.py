@@ -11,16 +11,16 @@ from collections.abc import Mapping, Sequence
 
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActionTerm, Framework, RobotConfig, Setting
-from actspec.readings.dict_keys import Found, may_match, meets, plain_name, settled, value_of
+from actspec.readings.dict_keys import Found, may_match, meets, of_one_key, plain_name, settled, value_of
 from actspec.readings.pair import matching
 
 SCALE = "action_scale"
 
 _WORDS = {"position": "a position", "velocity": "a speed", "effort": "a torque"}
 
-_NO_CLIP = 100.0
-"""Ends of a position or speed from which on a clip clips nothing [rad, m, rad/s, m/s]. Chosen: tasks of legged robots
-write (-100, 100) for none."""
+_NO_CLIP = {"position": 100.0, "velocity": 100.0, "effort": 1e9}
+"""Ends of a command from which on a clip clips nothing, by what it is [SI]. Chosen: tasks of legged robots write
+(-100, 100) for none; of a torque what is no limit of a drive either."""
 
 
 def command_of(control: str, figures: Mapping[str, Found]) -> str:
@@ -51,7 +51,7 @@ def acted(
         command: What the joint's command is: `position`, `velocity` or `effort`.
 
     Returns: `action_scale`; `action_zero`, the position at zero action, where that is not the default position;
-        `clip_low` and `clip_high`, the ends of the command, where the term has any.
+        `clip_low` and `clip_high`, the ends of the command, where the term has any: infinite where it has one alone.
     """
     term, why = _term_of(config, joint, pattern, named)
     if term is None:
@@ -155,15 +155,24 @@ def _value(
 
 
 def _ends(framework: Framework, clip: Setting, joint: str, command: str) -> dict[str, Found]:
-    """The ends of a joint's command; none where they clip nothing."""
-    if clip.unknown is not None or not isinstance(clip.value, Mapping):
+    """The ends of a joint's command, infinite where one is none; none where they clip nothing.
+
+    `clip_low` alone, with the reason, where they are not known.
+    """
+    low, high, why = 0.0, 0.0, clip.unknown
+    if why is None and not isinstance(clip.value, Mapping):
+        why = "it is no dict of (low, high) by joint"
+    elif why is None and isinstance(clip.value, Mapping):
+        if not any(meets(framework, SCALE, key, joint) for key in clip.value):
+            return {}
+        clip = of_one_key(framework, SCALE, clip, joint)
+        match clip.value:
+            case (int() | float() as low, int() | float() as high):
+                why = None if low < high else f"its ends are {low:g} and {high:g}"
+            case _:
+                why = clip.unknown or "it is no pair of numbers"
+    if why is not None:
+        return {"clip_low": Found(None, clip.span, why=why)}
+    if min(-low, high) >= _NO_CLIP[command]:
         return {}
-    ends = [value for key, value in clip.value.items() if meets(framework, SCALE, key, joint)]
-    pair = ends[0] if len(ends) == 1 else ()
-    if not isinstance(pair, tuple) or len(pair) != 2 or not all(isinstance(end, int | float) for end in pair):
-        return {}
-    low, high = float(pair[0]), float(pair[1])
-    widest = max(-low, high)
-    if not low < high or widest == float("inf") or (command != "effort" and min(-low, high) >= _NO_CLIP):
-        return {}
-    return {"clip_low": Found(low, clip.span), "clip_high": Found(high, clip.span)}
+    return {"clip_low": Found(float(low), clip.span), "clip_high": Found(float(high), clip.span)}

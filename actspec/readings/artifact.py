@@ -252,6 +252,7 @@ class RobotConfig:
         randomize: Its ranges.
         actions: The terms of its actions, in the author's order.
         notes: What could not be folded, each with its place and reason.
+        elsewhere: Of these the ones (`where`) whose reason is a name of a file that is not read, to that name.
         written_for: What its groups are for, where actspec wrote them: names of `case.Versions`' fields.
         nameless: `kp` and `kd` to the entries of lists whose joints nobody names.
         nameless_lists: Field to its list, of all such lists, also of equal entries.
@@ -272,6 +273,7 @@ class RobotConfig:
     randomize: tuple[RandomizedRange, ...] = ()
     actions: tuple[ActionTerm, ...] = ()
     notes: tuple[Diagnostic, ...] = ()
+    elsewhere: Mapping[str, str] = field(default_factory=dict)
     written_for: Mapping[str, str] = field(default_factory=dict)
     nameless: Mapping[str, tuple[Setting, ...]] = field(default_factory=dict)
     nameless_lists: Mapping[str, NamelessList] = field(default_factory=dict)

@@ -533,6 +533,7 @@ def _of_group(
         actuator=group.name,
         control=control,
         kind=view.kind if view is not None else None,
+        command=command_of(control, figures),
         kd_clamped=True if control in _CLAMPED else None,
         kd_implicit=True if control == "implicit" else False if explicit else None,
         joint_damping_clamped=False if config.framework in _PASSIVE else None,

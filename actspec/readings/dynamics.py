@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 
 from actspec.diagnostics import Span, listed
-from actspec.fields import BY_IR, FIELDS, LIMITS, Role, unit_of
+from actspec.fields import BY_IR, FIELDS, LIMITS, Role
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import JointActuator, Origin, Quantity
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
@@ -174,7 +174,7 @@ def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
     """
     if len(rows) == 1:
         row = rows[0]
-        return Figure(getattr(row, name), unit_of(name, row.kind), row.place(name), name in row.stated)
+        return Figure(getattr(row, name), row.unit(name), row.place(name), name in row.stated)
     said = [row for row in rows if name in row.stated]
     values: list[float | None] = [getattr(row, name) for row in rows]
     value = values[0]
@@ -182,7 +182,7 @@ def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
         known = [item for item in values if item is not None]
         value = math.fsum(known) if len(known) == len(values) else None
     first = said[0] if said else rows[0]
-    return Figure(value, unit_of(name, rows[0].kind), first.place(name), bool(said))
+    return Figure(value, rows[0].unit(name), first.place(name), bool(said))
 
 
 def undriven(robot: RobotView | None) -> frozenset[str]:
@@ -316,7 +316,7 @@ def _by_key(rows: Sequence[LedgerRow]) -> dict[str, tuple[tuple[str, Figure], ..
         for name, numbers in row.by_key.items():
             if not (name in _FRICTION_AS_WRITTEN and "frictionloss" in row.by_key):
                 for key, (number, place) in numbers.items():
-                    figure = Figure(number, unit_of(name, row.kind), place, True)
+                    figure = Figure(number, row.unit(name), place, True)
                     found.setdefault(name, {}).setdefault((key, number), figure)
     return {
         name: tuple((key, one) for (key, _), one in every.items() if is_figure(name, one.value))
@@ -363,7 +363,7 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         figures = {name: replace(one, value=_common(rows, name)) for name, one in figures.items()}
 
     def add(name: str, value: float | None, place: Span | None = None) -> None:
-        figures[name] = Figure(value, unit_of(name, first.kind), place or first.span, True)
+        figures[name] = Figure(value, first.unit(name), place or first.span, True)
 
     command = _least_range([row.command_range for row in rows])
     for name, ends in (("command", command), ("position", first.position_range)):
@@ -392,7 +392,7 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         for name, value, at in _of_model(view, drives):
             add(name, value, at)
         for name, value, at in _of_controls(drives):
-            figures[name] = Figure(value, unit_of(name, first.kind), at, False)
+            figures[name] = Figure(value, first.unit(name), at, False)
     else:
         network = _network_name(artifact, first)
         for name, value in first.more.items():

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from actspec.diagnostics import Span
-from actspec.fields import FIELDS
+from actspec.fields import FIELDS, unit_of
 from actspec.ir import Command, JointActuator, Level, Origin, Quantity
 from actspec.joints import InertiaRange, JointKind
 from actspec.readings.artifact import Artifact
@@ -64,6 +64,7 @@ class LedgerRow:
         control: One of `CONTROLS`.
         drives: What it drives that is no hinge or slide with a name: `tendon spine`, `site tip`; "" for a joint.
         kind: hinge or slide; None when nobody says.
+        command: What its drive's command is, of a configuration or spec: `position`, `velocity` or `effort`; "" else.
         kp: Drive stiffness, gear included.
         kd: The drive's velocity gain in its linear region, gear included; back-EMF is in it.
         kd_clamped: Whether the effort limit clamps the kd torque.
@@ -111,6 +112,7 @@ class LedgerRow:
     control: str
     drives: str = ""
     kind: JointKind | None = None
+    command: str = ""
     kp: float | None = None
     kd: float | None = None
     kd_clamped: bool | None = None
@@ -150,6 +152,10 @@ class LedgerRow:
     def place(self, name: str) -> Span:
         """Where a field is written; the row's own place when it has none."""
         return self.places.get(name, self.span)
+
+    def unit(self, name: str) -> str:
+        """SI unit of a field; a joint of unknown kind is taken for a hinge, as nearly all are."""
+        return unit_of(name, self.kind, self.command)
 
 
 _OF_MODEL = {name: name for name in ("position", "velocity", "motor", "dcmotor", "pid")}
@@ -384,6 +390,7 @@ def _of_spec(path: str, index: int, actuator: JointActuator) -> LedgerRow:
         actuator=actuator.group,
         control="motor" if effort and actuator.level is Level.IDEAL_PD else _OF_LEVEL[actuator.level],
         kind=actuator.kind,
+        command=actuator.command.value,
         kd_clamped=None if limit is None else math.isfinite(limit),
         joint_damping_clamped=False,
         actuator_damping=0.0,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.diagnostics import Span, listed, one_line
-from actspec.fields import DAMPING_PARTS, FIELDS, Field, Role
+from actspec.fields import DAMPING_PARTS, FIELDS, Field, Role, unit_of
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact
 from actspec.readings.ledger import LedgerRow, bound_of_command
@@ -122,9 +122,9 @@ def ledger_sheets(case: Case) -> Iterator[Sheet]:
         named = artifact.name not in ("", artifact.path)
         title = f"{artifact.path} ({artifact.name})" if named else artifact.path
         if others:
-            yield _sheet(title, others, others[0].kind, bounds)
+            yield _sheet(title, others, bounds)
         if slides:
-            yield _sheet(f"{title}, slide joints" if others else title, slides, JointKind.SLIDE, bounds)
+            yield _sheet(f"{title}, slide joints" if others else title, slides, bounds)
 
 
 def _bounds(artifact: Artifact, rows: Sequence[LedgerRow]) -> dict[Span, float]:
@@ -140,9 +140,7 @@ def _bounds(artifact: Artifact, rows: Sequence[LedgerRow]) -> dict[Span, float]:
     return found
 
 
-def _sheet(
-    title: str, rows: Sequence[LedgerRow], kind: JointKind | None, bounds: Mapping[Span, float]
-) -> Sheet:
+def _sheet(title: str, rows: Sequence[LedgerRow], bounds: Mapping[Span, float]) -> Sheet:
     known = {column: {_number(row, column) for row in rows} - {None} for column in _IN_TABLES}
     # Of rows with and without a figure the unknown ones would be lost in a list of zeros.
     zero = [c for c in _IN_TABLES if known[c] == {0.0} and all(_number(row, c) == 0.0 for row in rows)]
@@ -160,7 +158,7 @@ def _sheet(
         notes.append(f"effort limit: {_BOUND} none, bounded by the clamped command (LIM101)")
     if zero:
         notes.append(f"0 for all: {', '.join(column.title for column in zero)}")
-    heads = (("joints", ""), ("control", ""), *((column.title, column.unit(kind)) for column in columns))
+    heads = (("joints", ""), ("control", ""), *((column.title, _unit(rows, column)) for column in columns))
     lines: tuple[Row, ...] = tuple((tuple(joints), *cells) for cells, joints in merged.items())
     return Sheet(title, heads, lines, tuple(notes), marked=marked)
 
@@ -171,6 +169,12 @@ def _number(row: LedgerRow, column: Field) -> float | None:
         return clamp if clamp is not None and (row.effort_limit is None or clamp < row.effort_limit) else None
     value: float | None = getattr(row, column.name)
     return None if value is None or math.isnan(value) else float(value)
+
+
+def _unit(rows: Sequence[LedgerRow], column: Field) -> str:
+    """The unit of a column; "" where its rows have several, as the scales of positions and speeds."""
+    units = {row.unit(column.name) for row in rows if _number(row, column) is not None}
+    return units.pop() if len(units) == 1 else ""
 
 
 def _marked(row: LedgerRow, column: Field, bounds: Mapping[Span, float]) -> str:
@@ -281,7 +285,8 @@ def _lines(sources: Sequence[Sequence[LedgerRow]]) -> Iterator[Line]:
             values = tuple(_value(rows, column) for rows in own)
             if sum(value is not None for value in values) > 1:
                 kind = next((row.kind for rows in own for row in rows if row.kind is not None), None)
-                merged.setdefault((column.unit(kind), values), []).append(joint)
+                command = next((row.command for rows in own for row in rows if row.command), "")
+                merged.setdefault((unit_of(column.name, kind, command), values), []).append(joint)
         for (unit, values), names in merged.items():
             yield Line(tuple(names), column, unit, values, _ratio(values))
 

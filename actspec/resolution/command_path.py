@@ -8,12 +8,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from actspec.diagnostics import Path, dotted
+from actspec.fields import COMMANDED
 from actspec.ir import Command, Delay, Origin, Quantity, Randomization
 from actspec.resolution.quantities import choose, written
 from actspec.resolution.stated import JointInputs
 from actspec.spec.fields import CommandRange, SpecDelay
 from actspec.spec.models import CommandFilter, Randomize
-from actspec.spec.rules.groups import COMMANDED, RANDOMIZED_KINDS, UNFITTED, range_of
+from actspec.spec.rules.groups import RANDOMIZED_KINDS, UNFITTED, range_of
 from actspec.units import Kind, format_quantity
 
 

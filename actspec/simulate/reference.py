@@ -223,13 +223,15 @@ def integrate(
     still = np.zeros(len(joints))
     now = _State(np.array(q, dtype=float), np.array(qd, dtype=float), still, still)
     out.q[0], out.qd[0] = now.q, now.qd
-    for k, pull in enumerate(pulls):
-        out.torque[k] = mine.drive(pull.at(0.0), now.q, now.qd)
-        for i in range(substeps):
-            if i == 0 or pull.gap is not None:
-                now = _pulled(mine, pull.at(i * step / substeps), now)
-            now = _advance(mine, pull, now, i * step / substeps, step / substeps)
-        out.q[k + 1], out.qd[k + 1] = now.q, now.qd
+    # What diverges is nan from there on, for who looks.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k, pull in enumerate(pulls):
+            out.torque[k] = mine.drive(pull.at(0.0), now.q, now.qd)
+            for i in range(substeps):
+                if i == 0 or pull.gap is not None:
+                    now = _pulled(mine, pull.at(i * step / substeps), now)
+                now = _advance(mine, pull, now, i * step / substeps, step / substeps)
+            out.q[k + 1], out.qd[k + 1] = now.q, now.qd
     return out
 
 

@@ -37,9 +37,14 @@ _OPERATOR = re.compile(rf"[*/^(]\s*$|{_PI}", re.IGNORECASE)
 _FACTOR_BEHIND = re.compile(r"x\s*\d", re.IGNORECASE)
 _REMARK = re.compile(r"[(@]?\s*[A-Za-z\d][\w .,:/()-]*")
 _QUALIFIERS = re.compile(
-    r"[ad]c|rms|pea?k|max(imum)?|min(imum)?|nom(inal)?|rated|typ(ical)?|cont(inuous)?|approx", re.I
+    r"[ad]c|rms|pea?k|max(imum)?|min(imum)?|nom(inal)?|rated|typ(ical)?|cont(inuous)?|stall|approx", re.I
 )
 """Words that say of a figure which one it is, and are no source."""
+_PEAK, _CONTINUOUS = (
+    re.compile(r"pea?k|max(imum)?", re.I),
+    re.compile(r"nom(inal)?|rated|cont(inuous)?", re.I),
+)
+"""Which of a motor's currents one is."""
 _ALTERNATING = re.compile(r"\(?(rms|eff|pk|p-?p)\)?", re.I)
 
 
@@ -199,7 +204,7 @@ def _words_behind(text: str, kind: Kind, inside: bool) -> tuple[str, str] | None
     """`25 N*m/rad manual`, `24 V DC`, `9 N*m @ 24 V`."""
     words = text.split()
     for count in range(len(words) - 1, 0, -1):
-        number, rest = " ".join(words[:count]), " ".join(words[count:])
+        number, rest = " ".join(words[:count]).rstrip(","), " ".join(words[count:])
         if not fits(number, kind):
             continue
         if kind is not Kind.RATIO and re.fullmatch(_NUMBER, number):
@@ -210,12 +215,28 @@ def _words_behind(text: str, kind: Kind, inside: bool) -> tuple[str, str] | None
         if kind in (Kind.CURRENT, Kind.TORQUE_CONSTANT) and _ALTERNATING.fullmatch(rest):
             # Another number, not a remark: the reader of units has both.
             return None
-        remark = rest.strip("()")
+        remark = rest[1:-1] if rest[0] + rest[-1] == "()" else rest
+        message = f"`{shortened(rest)}` behind {number} is no unit"
+        if kind is Kind.CURRENT and (help := _which_current(number, remark.removesuffix("."))):
+            return message, help
         alone = count == len(words) - 1 and remark == rest and rest[0] != "@"
-        named = alone and _QUALIFIERS.fullmatch(rest) is None
+        named = alone and _QUALIFIERS.fullmatch(rest.removesuffix(".")) is None
         key = "source" if named else "note"
-        return f"`{shortened(rest)}` behind {number} is no unit", _with(number, key, remark, inside)
+        return message, _with(number, key, remark, inside)
     return None
+
+
+def _which_current(number: str, word: str) -> str | None:
+    """The key that is meant by a word behind a motor's current; a peak may be the amplitude of a sine as well."""
+    if _CONTINUOUS.fullmatch(word):
+        return f"write `nominal_current: {number}`"
+    if not _PEAK.fullmatch(word):
+        return None
+    if word[0] in "mM":
+        return f"write `peak_current: {number}`"
+    rms = f"{format_number(parse_quantity(number, Kind.CURRENT).value / math.sqrt(2.0))} A"
+    sine = f"if it is the amplitude of a sine, `{rms}` beside a torque constant per A rms"
+    return f"write `peak_current: {number}`; {sine}"
 
 
 def _is_unit(text: str) -> bool:

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from actspec.diagnostics import Path, did_you_mean, listed
 from actspec.patterns import apart
 from actspec.spec.document import Breaches
+from actspec.spec.gears import Stage
 from actspec.spec.models import Actuators, Friction, Motor, Randomize, Robot, SpecModel, Timing, Tunable
 from actspec.spec.shape import fields_of, model_at
 from actspec.spec.values import short
@@ -98,8 +99,10 @@ def _in_yaml_words(
     if kind in ("tuple_type", "list_type"):
         if isinstance(given, bool) or not isinstance(given, (str, int, float)):
             whole = short(given)
-            fits = isinstance(given, Mapping) and model is not None and not whole.endswith("...")
+            fits = isinstance(given, Mapping) and given and model is not None and not whole.endswith("...")
             return f"must be a list{got}", f"write `[{whole}]`" if fits else None
+        if model is Stage:
+            return f"must be a list{got}", f"write `[{_stage(given)}]`"
         dashed = _DASHED.match(str(given))
         if dashed is not None:
             return f"must be a list, and `-{short(dashed[1])}` lacks a space", f"write `- {short(dashed[1])}`"
@@ -116,6 +119,8 @@ def _in_yaml_words(
         if key is not None and isinstance(given, list if model is Randomize else (str, int, float)):
             if isinstance(given, list) and any(isinstance(item, str) for item in given):
                 key = "abs"
+            if model is Stage:
+                return f"must be a mapping{got}", f"write `{_stage(given)}`"
             return f"must be a mapping{got}", f"write `{{{key}: {short(given)}}}`"
         if isinstance(given, list) and given and all(isinstance(item, Mapping) for item in given):
             first = next(iter(given[0]), "name")
@@ -155,8 +160,18 @@ def _in_yaml_words(
     return message[:1].lower() + message[1:] + got, None
 
 
-_ALONE: dict[type[BaseModel], str] = {Friction: "coulomb", Randomize: "scale"}
+_ALONE: dict[type[BaseModel], str] = {Friction: "coulomb", Randomize: "scale", Stage: "ratio"}
 """Key that is meant by a value which stands alone."""
+
+_TO_ONE = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(?::\s*1\s*)?")
+"""A gear ratio: `9`, `9:1`."""
+
+
+def _stage(given: Any) -> str:
+    """How a stage is written of which a number stands alone."""
+    ratio = _TO_ONE.fullmatch(str(given))
+    return f"{{ratio: {'...' if ratio is None else ratio[1]}}}"
+
 
 _VALUES = {"default_pose": "30 deg", "accept": "why it is taken", "packages": "its folder"}
 """What a name stands for in mappings that are no sections, as an example."""
@@ -205,6 +220,7 @@ _MISNOMERS = {
     ),
     "stall_current": "the stall current, volts over ohms, is no `peak_current`, which is what the drive gives: "
     "leave it out; times `torque_constant` it is the motor's `stall_torque`",
+    "current": "a motor's largest current is `peak_current`, the continuous one `nominal_current`",
     "rated_current": "the continuous current is `nominal_current`",
     "gains": "`kp` and `kd` stand in the group itself, each on a line of its own",
     "gear": "gears are the motor's `gear_ratio`, and `reduction` from its output to the joint",

@@ -405,6 +405,9 @@ def _in_quotes(given: Any) -> str | None:
 
 def _without_value(given: Mapping[str, Any], kind: Kind) -> PydanticCustomError:
     """The error for a mapping in place of a number that has no key `value`."""
+    if kind is Kind.RATIO and list(given) == ["ratio"]:
+        # As of a stage.
+        return fault(f"must be a ratio, got {short(given)}", f"write `{short(given['ratio'])}`")
     for key, item in given.items():
         if nearest(key, VALUE_KEYS) is not None:
             continue
@@ -421,7 +424,8 @@ def _without_value(given: Mapping[str, Any], kind: Kind) -> PydanticCustomError:
 
 
 def _one_number(given: Any) -> str | None:
-    """What to write where one number must stand: for `[40]`, `[40, 30]`, `[value: 40, source: x]`, `{value: 40}`."""
+    """What to write where one number must stand: for `[40]`, `[40, 30]`, `[value: 40, source: x]`, `{value: 40}`, and a
+    stage, `[ratio: 9]`."""
     if isinstance(given, dict) and "value" in given:
         return f"write `{short(given['value'])}` without the inner {{ }}"
     if not isinstance(given, list) or not given:
@@ -429,6 +433,8 @@ def _one_number(given: Any) -> str | None:
     if all(isinstance(item, dict) for item in given):
         whole = {key: value for item in given for key, value in item.items()}
         pairs = ", ".join(f"{key}: {short(value)}" for key, value in whole.items())
+        if list(whole) == ["ratio"]:
+            return f"write `{short(whole['ratio'])}`"
         return f"write `{{{pairs}}}`" if "value" in whole else None
     if len(given) == 1:
         return f"write `{short(given[0])}` without [ ]"

@@ -67,6 +67,8 @@ class JointInWork:
         swings: Of each recording, once they are found.
         otherwise: The links along each recording, joints that move as read by another filter; empty: there are none.
         unsure: Of each recording, how little is known of when its torque was read [s]; empty: at its rows.
+        clipped: Whether the drive is at its limit often enough to tell its kd, which is clipped, from friction, which
+            is not; known after a fit.
     """
 
     actuator: JointActuator
@@ -82,6 +84,7 @@ class JointInWork:
     swings: Sequence[Swings] = ()
     otherwise: Sequence[Course] = ()
     unsure: Sequence[float] = ()
+    clipped: bool = False
     fitted_to: Sequence[Course] | None = None
 
     @property
@@ -101,7 +104,8 @@ class JointInWork:
 
         fed = any(bool(np.any(recording.speed_command)) for recording in self.recordings)
         swings = any(len(found.starts) for found in self.swings)
-        return self.torque or fed or swings or "kd" in self.gains.held or self.gains.ratio_tells_kd
+        told = "kd" in self.gains.held or self.gains.ratio_tells_kd
+        return self.torque or fed or swings or told or self.clipped
 
     @property
     def sources(self) -> list[Recording]:

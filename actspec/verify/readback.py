@@ -146,7 +146,12 @@ def _of_spec(actuator: JointActuator, path: str) -> Iterator[tuple[str, Figure]]
     values["stall_torque"] = math.inf if stall is None else stall.value
     values["no_load_speed"] = math.inf if no_load is None else no_load.value
     for name, value in values.items():
-        yield name, Figure(value, unit_of(name, actuator.kind), actuator.span or Span(path), True)
+        yield (
+            name,
+            Figure(
+                value, unit_of(name, actuator.kind, actuator.command.value), actuator.span or Span(path), True
+            ),
+        )
 
 
 def _reading(
@@ -254,10 +259,10 @@ def _of_config(
         return
     step, joint = actuators.physics_dt.require(), row.joint
     own = actuators.joint(joint)
-    kind = None if own is None else own.kind
+    kind, command = (None, "") if own is None else (own.kind, own.command.value)
     for name, one in figures_of(config, group, joint, joint, (joint,), versions_of(options), step).items():
         if (name not in found or name in _OF_MODEL) and one.stated and one.value is not None:
-            yield name, Figure(one.value, unit_of(name, kind), one.span, True)
+            yield name, Figure(one.value, unit_of(name, kind, command), one.span, True)
     for name in ("stall_torque", "no_load_speed"):
         figure = found.get(name)
         if figure is not None and figure.value is not None and is_placeholder(figure.value):

@@ -16,6 +16,7 @@ from actspec.simulate.experiment import COURSES, Experiment, design
 from actspec.simulate.reference import DrivenJoint, PassiveFriction, Trajectory
 from actspec.targets.base import Approximation
 from actspec.targets.kit.sizes import lined
+from actspec.units import format_quantity
 from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, worst_of
 from actspec.verify.engines.asking import BodyFriction, EngineMissing, EngineRefused, EngineResponse, answered
 from actspec.verify.joint_laws import JointLaws
@@ -40,6 +41,10 @@ SMALL = 0.01
 DOUBLE, SINGLE = 1e-6, 1e-5
 """Of how far the joint moves: what the reference and rounding may add. Source: measured, 3e-7 for the reference where a
 filtered command breaks a joint away, 1e-6 for single precision."""
+
+GONE = 1e12
+"""Position from which on a response is no motion, but what the integration makes of a drive that it cannot follow [rad
+or m]. Chosen: without any friction 1000 N*m on 1e-5 kg*m^2 make 1e10 of 15 s."""
 
 OWN_BODY = frozenset(("mujoco", "mjlab"))
 """Kinds whose engine moves the joint itself, with its own friction. For the others actspec moves a body by the engine's
@@ -191,10 +196,11 @@ def response_rows(
     place = {name: i for i, name in enumerate(experiment.names)}
     for members in alike(actuators):
         known = [place[a.joint] for a in members if a.joint in place and a.joint not in answer.errors]
-        judged = [
+        found = [
             [_judge(_Course(target.name, experiment, i, course, answer), wanted[i], moved) for i in known]
             for course in range(len(COURSES))
         ]
+        judged = [[row for row in rows if isinstance(row, Row)] for rows in found]
         steps = {experiment.joints[i].joint: _finest(wanted[i].asked) for i in known}
         # Where the spec's own drive is too fast for the spec's own step, the target is not what differs.
         coarse = [
@@ -216,6 +222,18 @@ def response_rows(
                 f"{listed([name for name in steps if name in names], 4)}: the step of {experiment.step * 1e3:g} ms is "
                 f"too coarse for the drive: {worst.message} ({worst.joint}, {worst.quantity})",
                 f"timing.physics_dt of at most {min(steps[name] for name in names) * 1e3:.2g} ms, or smaller gains",
+            )
+        if diverging := [one for rows in found for one in rows if isinstance(one, _Diverging)]:
+            first = min(diverging, key=lambda one: one.time)
+            lost = listed(dict.fromkeys(one.joint for one in diverging), 4)
+            yield Skip(
+                target.name,
+                first.group,
+                "responses",
+                f"{lost}: the law's own integration diverges at {first.time:g} s ({first.joint}, {first.quantity}): "
+                f"gains or friction are too large for {format_quantity(first.inertia, first.unit, 3)} at a step of "
+                f"{experiment.step * 1e3:g} ms",
+                "state the armature, or correct kp, kd or friction.viscous",
             )
 
 
@@ -245,6 +263,18 @@ def broken_response(target: TargetFiles, why: EngineRefused) -> Row:
 
 def _share(row: Row) -> float:
     return math.inf if row.max_error is None else row.max_error / row.tolerance
+
+
+@dataclass(frozen=True, slots=True)
+class _Diverging:
+    """One joint in one course whose law's own response is `GONE` from a time on [s]; its inertia, with the unit."""
+
+    group: str
+    joint: str
+    quantity: str
+    time: float
+    inertia: float
+    unit: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,14 +317,20 @@ class _Course:
         )
 
 
-def _judge(case: _Course, want: ExpectedResponse, moved: Moved) -> Row:
-    """The row of one joint in one course."""
+def _judge(case: _Course, want: ExpectedResponse, moved: Moved) -> Row | _Diverging:
+    """The row of one joint in one course; no row where the law's own response ends."""
     import numpy as np
 
     row, (q, halved) = case.row, case.q
     if not (np.isfinite(q).all() and np.isfinite(halved).all()):
         return replace(row, code="VFY113", message="the simulation diverges at the physics step")
     asked, left = moved[case.joint, want.asked], moved[case.joint, want.left]
+    # Where it is nan, too.
+    near = (np.abs(asked.q[:, case.course]) < GONE) & (np.abs(left.q[:, case.course]) < GONE)
+    if not near.all():
+        time = int(near.argmin()) * case.experiment.step
+        unit = units_of(case.experiment.joints[case.joint].kind).inertia
+        return _Diverging(row.group, row.joint, row.quantity, time, want.asked.inertia, unit)
     error, rest = (np.abs(q - lane.q[:, case.course]) for lane in (asked, left))
     changes = np.abs(q - halved)
     moves = np.ptp(asked.q, axis=0)

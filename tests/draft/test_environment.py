@@ -265,7 +265,7 @@ def test_an_environment_of_another_file(
 
 
 def test_environments_of_another_file_that_differ(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing of them is taken, the time step neither, and it is told; --robot takes those of one."""
+    """What they differ in is left out, with the steps that count it, and told; --robot takes those of one."""
     (tmp_path / "dogo_cfg.py").write_text(ROBOT, encoding="utf-8")
     task = (
         TASK + "    def __post_init__(self):\n        super().__post_init__()\n        self.sim.dt = 0.002\n"
@@ -274,14 +274,57 @@ def test_environments_of_another_file_that_differ(tmp_path: Path, capsys: pytest
     files = [str(tmp_path / name) for name in ("env_cfg.py", "dogo_cfg.py")]
     assert main(["import", *files]) == 0
     text, said = capsys.readouterr()
-    told = "DogoBaseEnvCfg, DogoEnvCfg in env_cfg.py differ in time step"
+    names = "DogoBaseEnvCfg, DogoEnvCfg in env_cfg.py"
+    told = f"action scale, ranges from {names}, env_cfg.py:8, 14; they differ in time step"
     assert f"{told}: --robot NAME takes those of one\n" in said
-    assert "action_scale" not in text and "physics_dt: {value" not in text
+    assert text.count("action_scale: {value: 0.25, source: env_cfg}") == 1
+    assert "physics_dt: {value" not in text and "\n  decimation" not in text
     assert main(["import", *files, "--robot", "DOGO_CFG"]) == 0
     assert f"{told}: none is taken\n" in capsys.readouterr().err
     assert main(["import", *files, "--robot", "DogoEnvCfg"]) == 0
     text, said = capsys.readouterr()
     assert "physics_dt: {value: 2 ms, source: env_cfg}" in text and "differ" not in said
+
+
+ROUGH = """
+@configclass
+class DogoRoughEnvCfg(DogoBaseEnvCfg):
+    actions = ActionsCfg()
+    def __post_init__(self):
+        super().__post_init__()
+        self.decimation = 10
+        self.actions.joint_pos.scale = 0.5
+"""
+
+
+_BOTH = ("env_cfg.py", "dogo_cfg.py")
+
+
+@pytest.mark.parametrize(
+    ("files", "imports"),
+    [(_BOTH[:1], True), (_BOTH, True), (_BOTH[::-1], True), (_BOTH, False), (_BOTH[::-1], False)],
+)
+def test_environments_that_differ_beside_their_robot(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], files: tuple[str, ...], imports: bool
+) -> None:
+    """Of scales of 0.25 and 0.5 and of 4 and 10 steps neither is taken, whether the robot is found by the environments'
+    import or named: it is told once, and --robot takes one."""
+    (tmp_path / "dogo_cfg.py").write_text(ROBOT, encoding="utf-8")
+    task = (TASK.replace("dogo_assets", "dogo_cfg") if imports else TASK) + ROUGH
+    (tmp_path / "env_cfg.py").write_text(task, encoding="utf-8")
+    paths = [str(tmp_path / file) for file in files]
+    assert main(["import", *paths]) == 0
+    text, said = capsys.readouterr()
+    assert "action_scale" not in text and "\n  decimation" not in text
+    assert "\n  physics_dt: {value: 5 ms, source: env_cfg}    # env_cfg.py:20\n" in text
+    where = "its file" if len(files) == 1 else "env_cfg.py"
+    names = f"DogoBaseEnvCfg, DogoEnvCfg, DogoRoughEnvCfg in {where}"
+    told = f"time step, ranges from {names}, env_cfg.py:14, 20; they differ in decimation, action scale"
+    assert said.count(f"{told}: --robot NAME takes those of one\n") == 1 == said.count("differ in")
+    assert main(["import", *paths, "--robot", "DogoRoughEnvCfg"]) == 0
+    text, said = capsys.readouterr()
+    assert "\n  decimation: 10\n" in text and "action_scale: {value: 0.5, source: env_cfg}" in text
+    assert "differ in" not in said
 
 
 def test_the_environment_of_another_robot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,11 +6,14 @@ from pathlib import Path
 
 import pytest
 
+from actspec.audit.engine import audit
+from actspec.audit.settings import Settings
 from actspec.lift.config import lift_config
 from actspec.readings.artifact import Artifact
 from actspec.readings.config import rows_of_config
 from actspec.readings.python.read import read_python
 from actspec.readings.versions import Versions
+from actspec.report.ledger import ledger_sheets
 
 JOINTS = ("hip_L", "hip_R", "wheel_L", "wheel_R")
 
@@ -213,6 +216,55 @@ def test_the_clip_of_a_command(tmp_path: Path, clip: str, ends: tuple[float, flo
     part = environment(tmp_path, (LEGS.replace("scale", f"clip={clip}, scale"),))
     found = lift_config(part, JOINTS).actuators.joints[0].command_range
     assert (None if found is None else tuple(end.value for end in found)) == ends
+
+
+@pytest.mark.parametrize(("terms", "unit"), [((LEGS,), "rad"), ((WHEELS,), "rad/s"), ((LEGS, WHEELS), "")])
+def test_the_unit_of_a_scale_is_that_of_the_command(
+    tmp_path: Path, terms: tuple[str, ...], unit: str
+) -> None:
+    """A wheel's is a speed for an action of 1; a column of both has no unit."""
+    part = environment(tmp_path, terms)
+    rows = [
+        row for row in rows_of_config(part, 0, (), Versions(), joints=JOINTS) if row.action_scale is not None
+    ]
+    units = {"hip": "rad", "wheel": "rad/s"}
+    assert [row.unit("action_scale") for row in rows] == [units[row.joint.split("_")[0]] for row in rows]
+    case = audit([part.path], Settings()).case
+    (heads,) = (dict(sheet.heads) for sheet in ledger_sheets(case) if "action scale" in dict(sheet.heads))
+    assert heads["action scale"] == unit
+
+
+_ANOTHER = "with another that no command reaches"
+
+
+@pytest.mark.parametrize(
+    ("clip", "why"),
+    [
+        ('{".*": (-float("inf"), 0.5)}', f"has one end, 0.5 rad: write [LOW, 0.5 rad] {_ANOTHER}"),
+        ('{".*": (-0.5, 1e9)}', f"has one end, -0.5 rad: write [-0.5 rad, HIGH] {_ANOTHER}"),
+        ('{".*": ("-inf", 2)}', "is not known: it is no pair of numbers"),
+        ('{".*": (1.0, -1.0)}', "is not known: its ends are 1 and -1"),
+        ('{".*": (-1.0, float("nan"))}', "is not known: its ends are -1 and nan"),
+        ('{".*": (-1.0, 1.0), "hip_L": (-2.0, 2.0)}', "is not known: 2 keys are for the joint"),
+        ("(-1.0, 1.0)", "is not known: it is no dict of (low, high) by joint"),
+        ("LIMITS", "is not known: LIMITS is not defined here"),
+        ('{".*": (float("-inf"), float("inf"))}', None),
+        ('{"hip_R": (float("-inf"), 1.0)}', None),
+    ],
+)  # fmt: skip
+def test_a_clip_that_no_spec_can_hold_is_told(tmp_path: Path, clip: str, why: str | None) -> None:
+    """A command_range has two ends, both known: any other clip of a joint is told, once, at its line."""
+    part = environment(tmp_path, (LEGS.replace("scale", f"clip={clip}, scale"),))
+    found = lift_config(part, JOINTS)
+    assert found.actuators.joints[0].command_range is None
+    (line,) = (
+        at
+        for at, text in enumerate(Path(part.path).read_text(encoding="utf-8").splitlines(), 1)
+        if "clip=" in text
+    )
+    said = [note for note in found.notes.get("hip_L", ()) if "command_range" in note]
+    told = f"command_range is left out: the action's clip (line {line}) {why}"
+    assert said == ([] if why is None else [told])
 
 
 @pytest.mark.parametrize(

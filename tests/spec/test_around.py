@@ -14,6 +14,32 @@ BOTH = ("unknown",)
     ("given", "kind", "message", "help"),
     [
         ("24 V DC", Kind.VOLTAGE, "`DC` behind 24 V is no unit", 'write `{value: 24 V, note: "DC"}`'),
+        # The amplitude of a sine is sqrt 2 of its rms: 16.97056.
+        *(
+            (
+                f"24 A{text}",
+                Kind.CURRENT,
+                f"`{text.strip(' ,')}` behind 24 A is no unit",
+                "write `peak_current: 24 A`; if it is the amplitude of a sine, `16.9706 A` beside a torque "
+                "constant per A rms",
+            )
+            for text in (" peak", " (peak)", ", peak")
+        ),
+        ("24 A max", Kind.CURRENT, "`max` behind 24 A is no unit", "write `peak_current: 24 A`"),
+        ("9 A cont.", Kind.CURRENT, "`cont.` behind 9 A is no unit", "write `nominal_current: 9 A`"),
+        ("9 A rated", Kind.CURRENT, "`rated` behind 9 A is no unit", "write `nominal_current: 9 A`"),
+        (
+            "24 A (peak), 10 s",
+            Kind.CURRENT,
+            "`(peak), 10 s` behind 24 A is no unit",
+            'write `{value: 24 A, note: "(peak), 10 s"}`',
+        ),
+        (
+            "9 N*m stall",
+            Kind.TORQUE,
+            "`stall` behind 9 N*m is no unit",
+            'write `{value: 9 N*m, note: "stall"}`',
+        ),
         (
             "9 N*m manual",
             Kind.TORQUE,

@@ -50,3 +50,39 @@ def test_a_lost_header_is_told_once(name: str, copied: Path) -> None:
         )
         assert item.span is not None and item.span.line == below + 1, section
         assert f"the line `{section}:` is missing above" in item.message
+
+
+GEARED = """actspec: 1
+robot: {name: r, model: none, joints: [a]}
+motors: {m: {side: joint, gear_ratio: 6, peak_torque: 12 N*m}}
+actuators:
+  g: {joints: [a], motor: m, level: ideal_pd, kp: 20 N*m/rad, kd: 0.5 N*m*s/rad, effort_limit: peak, @}
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "message", "help"),
+    [
+        ("transmission: 9", "transmission: must be a list, got 9", "write `[{ratio: 9}]`"),
+        ("transmission: '9:1'", "transmission: must be a list, got '9:1'", "write `[{ratio: 9}]`"),
+        ("transmission: belt", "transmission: must be a list, got 'belt'", "write `[{ratio: ...}]`"),
+        ("transmission: {ratio: 9}", "transmission: must be a list, got {ratio: 9}", "write `[{ratio: 9}]`"),
+        ("transmission: [9]", "transmission[0]: must be a mapping, got 9", "write `{ratio: 9}`"),
+        ("transmission: {}", "transmission: must be a list, got {}", None),
+        ("reduction: {ratio: 9}", "reduction: must be a ratio, got {ratio: 9}", "write `9`"),
+        ("reduction: [{ratio: 9}]", "reduction: must be a ratio, got [{ratio: 9}]", "write `9`"),
+    ],
+)
+def test_a_stage_in_another_form(tmp_path: Path, line: str, message: str, help: str | None) -> None:
+    """One message with what to write, which is right."""
+    path = tmp_path / "r.yaml"
+    path.write_text(GEARED.replace("@", line), encoding="utf-8")
+    (found,) = said_of(path)
+    assert f"{found.where}: {found.message}" == f"actuators.g.{message}"
+    assert found.help == help
+    key, _, given = line.partition(": ")
+    if help is not None and "..." not in help:
+        right = help.removeprefix("write ").strip("`")
+        right = f"[{right}]" if given.startswith("[9") else right
+        path.write_text(GEARED.replace("@", f"{key}: {right}"), encoding="utf-8")
+        load_spec(str(path))

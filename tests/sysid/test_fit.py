@@ -79,7 +79,7 @@ def logged(
     mgl = 0.8 * 9.81 * 0.15 if gravity else 0.0
     one = {
         "J": LINK + true["armature"], "kp": true["kp"], "kd": true["kd"], "tc": true["friction.coulomb"],
-        "b": true["friction.viscous"], "delay": true["delay"], "limit": 30.0, "mgl": mgl,
+        "b": true["friction.viscous"], "delay": true["delay"], "limit": true.get("limit", 30.0), "mgl": mgl,
         "bias": true["encoder_bias"] if gravity else 0.0,
     }  # fmt: skip
     given = share * command()[:rows]
@@ -196,6 +196,24 @@ def test_gravity_gives_the_scale(tmp_path: Path, pendulum: Log) -> None:
     (both,) = found.joints[0].combinations
     assert both.name == "kd+friction.viscous"
     assert both.value == pytest.approx(0.94, abs=5 * 0.5e-2 * 0.94)
+
+
+def test_a_limit_parts_kd_from_viscous_friction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At its limit, here in 4 % of the rows, a drive's kd is clipped and friction is not: without torque both show.
+
+    As one sum, all of which the limit clips, they made kp and delay wrong, and the motion too.
+    """
+    limit = 5.0
+    monkeypatch.setattr("tests.sysid.test_fit.SPEC", SPEC.replace("30 N*m", f"{limit} N*m"))
+    log = logged(gravity=True, true={**TRUE, "limit": limit})
+    torque = log.joints["hip"].torque
+    assert torque is not None and 0.03 < float(np.mean(np.abs(torque) > 0.98 * limit)) < 0.05
+    found = fitted(tmp_path, bare(log), FitOptions(free=frozenset({"kp", "kd"})))
+    near(found, "kp", 0.5e-2 * 32)
+    near(found, "kd", 0.5e-2 * 0.9)
+    near(found, "friction.viscous", 1e-3)
+    near(found, "delay", 2e-5)
+    assert found.joints[0].combinations == () and found.joints[0].misfit < 1.1
 
 
 def test_nothing_gives_the_scale(tmp_path: Path) -> None:

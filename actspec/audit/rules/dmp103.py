@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from os.path import basename
 from typing import ClassVar
 
+from actspec.audit.known import GRIPS
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import (
     finite,
@@ -162,8 +163,8 @@ _HELP = (
 _DAMPED = re.compile(r"wheel|caster|castor|suspension|shock|roller|rotor|propeller", re.IGNORECASE)
 """Names of joints and bodies whose damping brakes them on purpose: they roll, spring or spin in air."""
 
-_GRIPS = re.compile(r"finger|thumb|gripp?er|jaw|claw|hand|lock|brake", re.IGNORECASE)
-"""Names of joints and bodies that close slowly, or stay where they are, as a model means it."""
+_LOCKS = re.compile(r"lock|brake", re.IGNORECASE)
+"""Names of joints and bodies that stay where they are, as a model means it."""
 
 
 def _from(row: LedgerRow, other: LedgerRow) -> str:
@@ -194,7 +195,7 @@ def _is_stuck(case: Case, row: LedgerRow, speed: float) -> bool:
     least = 0.0 if row.kind is None else _STUCK.get(row.kind, 0.0)
     if speed >= least or is_held(row) or is_called_undriven(row):
         return False
-    return _is_driven(case, row) and not _is_called(case, row, _GRIPS)
+    return _is_driven(case, row) and not (_is_called(case, row, GRIPS) or _is_called(case, row, _LOCKS))
 
 
 def _is_driven(case: Case, row: LedgerRow) -> bool:

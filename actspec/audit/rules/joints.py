@@ -9,7 +9,7 @@ from itertools import product
 
 from actspec.audit.case import Case
 from actspec.diagnostics import Span
-from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEED, PLACEHOLDER_SPEEDS, is_power_of_ten, unit_of
+from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEED, PLACEHOLDER_SPEEDS, is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.dynamics import undriven
@@ -28,7 +28,7 @@ _DIGIT = 5.0
 
 def unit(row: LedgerRow, field: str) -> str:
     """SI unit of a field; a joint of unknown kind is taken for a hinge, as nearly all are."""
-    return unit_of(field, row.kind)
+    return row.unit(field)
 
 
 def shown(row: LedgerRow, field: str, value: float | None, digits: int = 3) -> str:

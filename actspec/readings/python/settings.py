@@ -32,6 +32,7 @@ from actspec.readings.python.values import (
     Value,
     class_names,
     class_roots,
+    elsewhere,
     reason_of,
     unread_module,
 )
@@ -179,6 +180,7 @@ class Draft:
     actions: list[ActionTerm] = field(default_factory=list)
     notes: Collector = field(default_factory=Collector)
     edited: frozenset[str] = frozenset()
+    elsewhere: dict[str, str] = field(default_factory=dict)
 
     def config(self, framework: Framework, name: str, span: Span) -> RobotConfig:
         """All of it as a configuration."""
@@ -192,10 +194,13 @@ class Draft:
             tuple(self.actions),
             tuple(self.notes),
             edited=self.edited,
+            elsewhere=self.elsewhere,
         )
 
     def note(self, where: str, reason: str, span: Span) -> None:
         """Say that something could not be folded."""
+        if name := elsewhere(reason):
+            self.elsewhere[where] = name
         self.notes.info(
             UNFOLDED, f"not known without running it: {shortened(reason, 200)}", where=where, span=span
         )

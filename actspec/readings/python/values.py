@@ -57,6 +57,9 @@ class Unknown:
     among: tuple[Value, ...] = ()
 
 
+_FROM = " comes from "
+
+
 @dataclass(frozen=True, slots=True)
 class External:
     """A name of a module that is not read: `isaaclab.actuators.DCMotorCfg`."""
@@ -80,8 +83,8 @@ class External:
         if self.root == "builtins":
             return f"{self.name} is not folded"
         if self.root in sys.stdlib_module_names:
-            return f"{self.name} comes from Python's {self.root}, which is not run"
-        return f"{self.name} comes from {self.root}, which {self.why}"
+            return f"{self.name}{_FROM}Python's {self.root}, which is not run"
+        return f"{self.name}{_FROM}{self.root}, which {self.why}"
 
     @property
     def is_class(self) -> bool:
@@ -396,6 +399,12 @@ def truth(value: Value) -> bool | None:
     if isinstance(data, (Obj, Cls, Func, Bound, Module)):
         return True
     return bool(data)
+
+
+def elsewhere(reason: str) -> str:
+    """The name that has to be read in another file, where that is why something is not known; else ""."""
+    before, blamed, _ = reason.partition(_FROM)
+    return before.removesuffix(", which").rpartition(" ")[2] if blamed else ""
 
 
 def reason_of(data: Data) -> str | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Path
@@ -215,9 +215,13 @@ def is_geared(output: Output) -> bool:
 
 def gear_of(motor: Motor) -> float | None:
     """Rotor turns in one output turn; None where it is unknown, no number, or one of the two travels."""
-    if motor.gearbox is None:
-        return number(motor.gear_ratio)
-    ratios = [stage_ratio(stage) for stage in motor.gearbox]
+    return number(motor.gear_ratio) if motor.gearbox is None else turns_of(motor.gearbox)
+
+
+def turns_of(stages: Sequence[Stage]) -> float | None:
+    """Turns at the input of stages in one at their output; None where it is unknown, no number, or one of the two
+    travels."""
+    ratios = [stage_ratio(stage) for stage in stages]
     product = math.prod(ratio for ratio in ratios if ratio is not None)
     # A product that leaves the range of floats is RES011's.
     return product if None not in ratios and 0.0 < product < math.inf else None

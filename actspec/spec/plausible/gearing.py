@@ -11,7 +11,7 @@ from actspec.diagnostics import Path
 from actspec.ir import JointActuator
 from actspec.spec.document import SourceMap
 from actspec.spec.models import SpecModel
-from actspec.spec.plausible.drive import Drive, gear_of, number, stage_path
+from actspec.spec.plausible.drive import Drive, gear_of, number, stage_path, turns_of
 from actspec.spec.plausible.groups import MULTIPLIERS, layers
 from actspec.spec.plausible.motors import is_said, relations
 from actspec.spec.plausible.relations import RARE, Repair
@@ -24,9 +24,10 @@ TWICE = 5.0
 of 3 or 4 behind a gear of 3 or 4 is built."""
 SAME_GEAR = 0.01
 """They are equal by this part: one of the two may be rounded."""
-COUNTED_TWICE = (
-    f"is the gear counted twice? Then remove this: {MULTIPLIERS['reduction']}, behind its own gear"
-)
+COUNTED_TWICE = {
+    key: f"is the gear counted twice? Then remove this: {MULTIPLIERS[key]}, behind its own gear"
+    for key in ("reduction", "transmission")
+}
 MOST_MOTORS = 8
 """Of one joint. Published: 2; chosen: slews of large machines have 8."""
 SEVERAL_MOTORS = 3
@@ -110,7 +111,7 @@ def reductions_repaired(drive: Drive) -> Iterator[Repair]:
             for power in (-2, -1, 1, 2)
         ]
         if _is_gear_again(gear, size):
-            slips.append((1.0 / size, COUNTED_TWICE, 0.0))
+            slips.append((1.0 / size, COUNTED_TWICE["reduction"], 0.0))
         for factor, help, rare in slips:
             limits = tuple(
                 replace(item, reduction=item.reduction * factor) if item.reduced == place else item
@@ -145,17 +146,18 @@ def multiplier_doubts(
     for path, fields, group in layers(model):
         if (fields.motor or group.motor) != drive.name:
             continue
-        reduction = fields.reduction
-        size = None if reduction is None else reduction.value
-        if reduction is not None and gear is not None and size is not None and _is_gear_again(gear, size):
+        size, key = number(fields.reduction), "reduction"
+        if size is None and fields.transmission and all(stage.ratio for stage in fields.transmission):
+            size, key = turns_of(fields.transmission), "transmission"
+        if gear is not None and size is not None and _is_gear_again(gear, size):
             field = "gearbox" if drive.motor.gearbox else "gear_ratio"
             own: Path = ("motors", drive.name, field)
-            turned = format_quantity(gear * size, "", 4)
+            stated, again, turned = (format_quantity(one, "", 4) for one in (gear, size, gear * size))
             message = (
-                f"{reduction.written} turns of the motor's output in one of the joint, and the motor's own {field} is "
-                f"{format_quantity(gear, '', 4)} ({spans.value(own)}): {turned} turns of the rotor"
+                f"{again} turns of the motor's output in one of the joint, and the motor's own {field} is "
+                f"{stated} ({spans.value(own)}): {turned} turns of the rotor"
             )
-            yield at(spans, "SPEC182", message, (*path, "reduction"), COUNTED_TWICE, own)
+            yield at(spans, "SPEC182", message, (*path, key), COUNTED_TWICE[key], own)
         count = fields.motors_per_joint or 1
         mine = [joint for joint in joints if joint.group == path[1] and joint.motor == drive.name]
         every = [joint for joint in joints if joint.motor is not None]

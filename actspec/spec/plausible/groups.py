@@ -40,6 +40,7 @@ MULTIPLIED = 4.0
 """What multiplies a motor may be the wrong number from it on. Published: reductions to 2.2, and 2 motors."""
 MULTIPLIERS = {
     "reduction": "reduction is turns of the motor's output in one of the joint",
+    "transmission": "transmission is the stages from the motor's output to the joint",
     "motors_per_joint": "motors_per_joint is how many motors drive one joint together",
 }
 """What multiplies a motor, in words."""

@@ -145,12 +145,12 @@ def _is_large(relation: Relation) -> bool:
     return relation.code == "SPEC183" and relation.excess > 0.0
 
 
-class MisreadSpeed(NamedTuple):
+class Misread(NamedTuple):
     """A no-load speed, or a length that makes a speed of it, in another unit.
 
     Attributes:
         path: Where it is written.
-        factor: From the speed that stands to what is meant.
+        factor: From the speed that stands, or that the length makes, to what is meant.
         help: The same in words.
         likelier: Whether the motor's figures are more usual with it.
     """
@@ -161,7 +161,7 @@ class MisreadSpeed(NamedTuple):
     likelier: bool
 
 
-def misread_speeds(drive: Drive) -> Iterator[MisreadSpeed]:
+def misread_speeds(drive: Drive) -> Iterator[Misread]:
     """Readings of a motor's no-load speed in another unit, with which its figures are as usual as they stand.
 
     Args:
@@ -178,10 +178,10 @@ def misread_speeds(drive: Drive) -> Iterator[MisreadSpeed]:
             )
             excess = sum(relation.excess for relation in after)
             if rare < RARE and excess <= now and not any(relation.broken for relation in after):
-                yield MisreadSpeed(("motors", drive.name, *path), factor, help, excess < now)
+                yield Misread(("motors", drive.name, *path), factor, help, excess < now)
 
 
-def misread_lengths(drive: Drive) -> Iterator[MisreadSpeed]:
+def misread_lengths(drive: Drive) -> Iterator[Misread]:
     """Readings of a screw's lead or a pulley's radius in another unit, as `misread_speeds`.
 
     Args:
@@ -197,7 +197,7 @@ def misread_lengths(drive: Drive) -> Iterator[MisreadSpeed]:
         if own is None or excess > now or any(relation.broken for relation in repair.after):
             continue
         fast = _train_speeds(repair.after).get(place, own)
-        yield MisreadSpeed(place, fast / own, repair.help or "", excess < now)
+        yield Misread(place, fast / own, repair.help or "", excess < now)
 
 
 def _train_speeds(found: Iterable[Relation]) -> dict[Path, float]:

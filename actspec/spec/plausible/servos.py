@@ -146,8 +146,6 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
     kd, held, limit = joint.kd, joint.inertia_held, joint.effort_limit
     if not (is_stated(kp) or is_stated(kd)) or joint.command is not Command.POSITION:
         return
-    number, other = (kp, kd) if is_stated(kp) and kp.span is not None else (kd, kp)
-    assert number is not None
     active = None if kd is None else kd.value
     gains = Gains(
         kp.require(),
@@ -166,33 +164,28 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
         yield from far
         if far:
             return
-    alone = gain_words(gains, places)
-    words: tuple[str, str | None, float] | None = None
-    field = ""
-    if alone is not None:
-        words = (alone[1], alone[2], abs(math.log(max(active or 0.0, 1e-9) / kp.require())))
-        if alone[0] == "kd" and kd is not None and is_stated(kd):
-            number, other = kd, kp
+    found: tuple[str, str, str | None, float] | None = None
+    if (alone := gain_words(gains, places)) is not None:
+        found = (*alone, abs(math.log(max(active or 0.0, 1e-9) / kp.require())))
     elif held is not None and joint.kind is JointKind.HINGE and held.reference > 0.0:
-        by_links = _by_inertia(joint, gains, held.reference)
+        found = _by_inertia(joint, gains, held.reference)
         rotor = _unstated_rotor(joint)
         # What the armature that is missing may explain is no matter of the gains.
-        if by_links is not None and (not rotor or _by_inertia(joint, gains, held.reference + rotor)):
-            field, words = by_links
-            if field == "kd" and kd is not None:
-                number, other = kd, kp
-            elif field != "kp" and joint.friction_viscous is not None:
-                number, other = joint.friction_viscous, kp
-    if words is not None:
-        message, help, size = words
-        where = f"actuators.{joint.group}.{field or ('kp' if number is kp else 'kd')}"
-        others = (other, limit, joint.armature)
-        yield found_at(joint, "SPEC192", where, size, message, help, number, *others)
+        if found is not None and rotor and not _by_inertia(joint, gains, held.reference + rotor):
+            found = None
+    if found is None:
+        return
+    field, message, help, size = found
+    figures = {"kp": kp, "kd": kd, "friction.viscous": joint.friction_viscous}
+    # What nobody wrote is told at what somebody did.
+    field = next(name for name in (field, "kp", "kd") if is_stated(figures[name]))
+    number, other = figures[field], kd if field == "kp" else kp
+    assert number is not None
+    where = f"actuators.{joint.group}.{field}"
+    yield found_at(joint, "SPEC192", where, size, message, help, number, other, limit, joint.armature)
 
 
-def _by_inertia(
-    joint: JointActuator, gains: Gains, inertia: float
-) -> tuple[str, tuple[str, str, float]] | None:
+def _by_inertia(joint: JointActuator, gains: Gains, inertia: float) -> tuple[str, str, str, float] | None:
     """Which of kp, kd and friction makes a motion that no hinge of that inertia [kg*m^2] has; message, help, size."""
     kp, kd = joint.kp, joint.kd
     if kp is None:
@@ -204,7 +197,7 @@ def _by_inertia(
     elif _noticed_softness(joint) < math.inf:
         words = slack_words(gains, inertia, _is_real(joint))
     if words is not None:
-        return "kp", words
+        return "kp", *words
     damped = damping_words(gains, inertia)
     if damped is None:
         return None
@@ -213,7 +206,7 @@ def _by_inertia(
     judged = kd if of_kd else joint.friction_viscous
     if judged is None or not is_stated(judged) or (of_kd and joint.motor is None):
         return None
-    return "kd" if of_kd else "friction.viscous", damped[1:]
+    return "kd" if of_kd else "friction.viscous", *damped[1:]
 
 
 def _unstated_rotor(joint: JointActuator) -> float:

@@ -79,8 +79,8 @@ CHECKS = (
         "gear-below-one",
         "A gear ratio or a reduction below 1, or stages that make one: the output would turn faster than the rotor, "
         "or the joint than the output; one stage of several that does. Teeth that are no whole number; a planetary "
-        "stage that nobody can make. A reduction that is the motor's own gear again, as many motors for one joint as "
-        "there are joints.",
+        "stage that nobody can make. A reduction, or a transmission of ratios, that is the motor's own gear again, as "
+        "many motors for one joint as there are joints.",
         "A warning; an error below 0.05, as no joint is geared up twenty times. Published: gears of 5 to 345, "
         "reductions to 2.2. One stage below 0.8 of several that reduce together, unless the robot's file has the "
         "torque. A planetary stage above 15: three planets touch each other from 14.9 on (published: 4.5). A reduction "

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from actspec.diagnostics import Path
-from actspec.fields import FIELDS, FRICTION
+from actspec.fields import COMMANDED, FIELDS, FRICTION
 from actspec.spec.document import Breaches
 from actspec.spec.fields import CommandRange, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, Friction, Motor, Randomize, SpecModel, Tunable
@@ -120,9 +120,6 @@ def _line_of(name: str, motor: Motor) -> Iterator[tuple[str, SpecValue | None, P
 
 IDENTIFY = "add `identified: results/FILE.yaml` to the group"
 """What to write where an identified number is asked for."""
-
-COMMANDED = {"position": Kind.POSITION, "velocity": Kind.SPEED, "effort": Kind.TORQUE}
-"""Quantity kind of each command."""
 
 
 def check_joint_fields(

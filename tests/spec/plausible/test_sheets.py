@@ -132,12 +132,23 @@ TWICE = (
     "is the gear counted twice? Then remove this: reduction is turns of the motor's output in one of the joint, "
     "behind its own gear"
 )
+STAGES = (
+    "is the gear counted twice? Then remove this: transmission is the stages from the motor's output to the joint, "
+    "behind its own gear"
+)
 ONE = "did you mean 1? motors_per_joint is how many motors drive one joint together"
 
 
 @pytest.mark.parametrize("effort", [None, 18])
 @pytest.mark.parametrize(
-    ("line", "help"), [("reduction: 9", TWICE), ("reduction: 9.05", TWICE), ("motors_per_joint: 12", ONE)]
+    ("line", "help"),
+    [
+        ("reduction: 9", TWICE),
+        ("reduction: 9.05", TWICE),
+        ("transmission: [{ratio: 9}]", STAGES),
+        ("transmission: [{ratio: 3}, {ratio: 3}]", STAGES),
+        ("motors_per_joint: 12", ONE),
+    ],
 )
 def test_what_multiplies_the_motor(line: str, help: str, effort: float | None) -> None:
     """12 motors of the robot's 12 joints; with a limit in the robot's file that one is beside it."""
@@ -148,7 +159,11 @@ def test_what_multiplies_the_motor(line: str, help: str, effort: float | None) -
 
 
 @pytest.mark.parametrize(
-    "line", ["reduction: 1.5", "reduction: 8", "motors_per_joint: 2", "motors_per_joint: 4"]
+    "line",
+    [
+        *("reduction: 1.5", "reduction: 8", "motors_per_joint: 2", "motors_per_joint: 4"),
+        *("transmission: [{ratio: 1.5}]", "transmission: [{planetary: {sun: 10, ring: 80}}]"),
+    ],
 )
 def test_what_may_multiply_it(line: str) -> None:
     """A reduction of another size, and as many motors as no group has joints."""
