@@ -177,6 +177,9 @@ class _Findings:
             if len(set(both)) == 1:
                 # One setting states both sides: what is said at its place may be of either.
                 return one.joint == other.joint
+            if {other.span, *other.related} <= set(both):
+                # Two files are the sides, whose joints have one name.
+                return one.joint == other.joint
             return not all(other.code in self._codes[span] for span in both)
         if one.code.startswith("SRC") and other.code.startswith("SRC"):
             # Two files that differ from each other say nothing of a third; one that differs from two, of either.

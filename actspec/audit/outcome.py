@@ -13,16 +13,8 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import STEP_OF_WHAT, Artifact, FileKind, FileReading, Robot
-from actspec.readings.pair import (
-    SHARE,
-    distinctive,
-    figures_of,
-    fits,
-    joint_names,
-    says_something,
-    share_a_body,
-    telling,
-)
+from actspec.readings.body import SHARE, figures_of, share_a_body
+from actspec.readings.pair import distinctive, fits, joint_names, says_something, telling
 
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
