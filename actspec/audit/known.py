@@ -211,9 +211,15 @@ class Likeness:
 
 def likenesses(case: Case) -> tuple[Likeness, ...]:
     """The artifacts that are known robots; those beside a spec are left to it."""
+    every = case.once(all_likenesses)
+    return tuple(one for one in every if FileKind.SPEC not in case.kinds_by_artifact[one.index])
+
+
+def all_likenesses(case: Case) -> tuple[Likeness, ...]:
+    """The artifacts that are known robots, those beside a spec too."""
     found = []
     for index, artifact in enumerate(case.artifacts):
-        if FileKind.SPEC in case.kinds_by_artifact[index]:
+        if artifact.kind is FileKind.SPEC:
             continue
         words = distinctive(artifact)
         named = [robot for robot in known_robots() if robot.words & words]
