@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from os.path import basename
 
@@ -13,8 +13,16 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import STEP_OF_WHAT, Artifact, FileKind, FileReading, Robot
-from actspec.readings.body import SHARE, figures_of, share_a_body
-from actspec.readings.pair import distinctive, fits, joint_names, says_something, telling
+from actspec.readings.body import SHARE, Figures, figures_of, share_a_body
+from actspec.readings.pair import (
+    distinctive,
+    fits,
+    fits_but_for_case,
+    joint_names,
+    says_something,
+    telling,
+)
+from actspec.robot.view import RobotView
 
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
@@ -245,6 +253,8 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
                 and fits(member.config, sorted(joints))
             )
         ]
+        if not near:
+            yield from _in_other_letters(case, its, own, models)
         if member.config is not None and near:
             deploy = member.kind is FileKind.DEPLOY
             what = "this" if deploy else f"`{member.name}`"
@@ -259,6 +269,56 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
                 if by_number
                 else f"write the robot's name into {'the file' if deploy else 'this configuration'}'s name",
             )
+
+
+def _in_other_letters(
+    case: Case, its: int, own: frozenset[str], models: Mapping[int, frozenset[str]]
+) -> Iterator[Diagnostic]:
+    """What has the name of a robot without a model, and the joints of a model of that name but for capital letters."""
+    member = case.artifacts[its]
+    lower, words = _lower(own), distinctive(member)
+    near = [
+        index
+        for index, joints in models.items()
+        if words & distinctive(case.artifacts[index])
+        and (
+            len(lower & _lower(joints)) >= SHARE * len(lower)
+            if own
+            else fits_but_for_case(member.config, sorted(joints))
+        )
+    ]
+    if near:
+        deploy = member.kind is FileKind.DEPLOY or member.config is None
+        span = Span(member.path) if deploy or member.config is None else member.config.span
+        yield _not_compared(
+            case,
+            "this" if deploy else f"`{member.name}`",
+            [case.artifacts[index].path for index in near],
+            _of_letters(models[near[0]], own),
+            span,
+            _ALIKE,
+        )
+
+
+_ALIKE = "if it is the same robot, call its joints alike in both"
+
+
+def _lower(names: Iterable[str]) -> frozenset[str]:
+    return frozenset(name.lower() for name in names)
+
+
+def _are_recased(one: frozenset[str], other: frozenset[str]) -> bool:
+    """Whether models have the same joints where capital letters are small ones, most of the smaller one's."""
+    least = SHARE * min(len(one), len(other))
+    return len(one & other) < least <= len(_lower(one) & _lower(other))
+
+
+def _of_letters(theirs: frozenset[str], own: frozenset[str]) -> str:
+    """In which letters names differ, with the first joint that is spelt otherwise; patterns have no names of joints."""
+    mine = {name.lower(): name for name in own}
+    first = min((name for name in theirs if mine.get(name.lower(), name) != name), default=None)
+    example = f" (`{mine[first.lower()]}` here, `{first}` there)" if first is not None else ""
+    return f"names differ in capital letters{example}, which MuJoCo, Isaac Lab and mjlab tell apart"
 
 
 def _beside_a_model(case: Case, mine: int, others: Sequence[int]) -> Iterator[Diagnostic]:
@@ -293,18 +353,39 @@ def _of_other_joints(case: Case, mine: int, others: Sequence[int]) -> Iterator[D
 
     artifact = case.artifacts[mine]
     name = telling(artifact.name)
-    alike = [other for other in others if name and name == telling(case.artifacts[other].name)]
+    joints = {index: frozenset(joint_names(case.artifacts[index]) or ()) for index in (mine, *others)}
+    recased = [
+        index
+        for index in others
+        if telling(artifact.name) & telling(case.artifacts[index].name)
+        and _are_recased(joints[mine], joints[index])
+        and share_a_body(
+            *(_in_small_letters(case.artifacts[each].robot) for each in (mine, index)), names=True
+        )
+    ]
+    if recased:
+        why = _of_letters(joints[recased[0]], joints[mine])
+        paths = [case.artifacts[index].path for index in recased]
+        # Somebody named both, and what is wrong in one of them stays untold.
+        yield replace(
+            _not_compared(case, "this", paths, why, Span(artifact.path), _ALIKE), severity=Severity.WARNING
+        )
+    alike = [
+        other
+        for other in others
+        if name and name == telling(case.artifacts[other].name) and other not in recased
+    ]
     own = ranges(artifact) if alike else []
     near = [case.artifacts[other].path for other in alike if own and ranges(case.artifacts[other]) == own]
     if near:
-        yield _not_compared(
-            case,
-            "this",
-            near,
-            "it calls them otherwise",
-            Span(artifact.path),
-            "if it is the same robot, call its joints alike in both",
-        )
+        yield _not_compared(case, "this", near, "it calls them otherwise", Span(artifact.path), _ALIKE)
+
+
+def _in_small_letters(robot: RobotView | None) -> Figures:
+    return {
+        kind: {joint.lower(): values for joint, values in joints.items()}
+        for kind, joints in figures_of(robot).items()
+    }
 
 
 def _not_compared(case: Case, what: str, near: Sequence[str], why: str, place: Span, help: str) -> Diagnostic:

@@ -420,6 +420,17 @@ def fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) 
     return bool(patterns) and met >= share * len(patterns)
 
 
+def fits_but_for_case(config: RobotConfig | None, joints: Sequence[str]) -> bool:
+    """Whether each pattern matches a joint where capital letters are small ones; false where one has a backslash, whose
+    letter's case has a meaning.
+    """
+    patterns = [pattern for group in config.groups for pattern in group.joints or ()] if config else []
+    if config is None or not says_something(config) or any("\\" in pattern for pattern in patterns):
+        return False
+    lower = [joint.lower() for joint in joints]
+    return all(matching(config.framework, pattern.lower(), lower) for pattern in patterns)
+
+
 def says_something(config: RobotConfig | None) -> bool:
     """Whether a pattern has a word in it: `.*` fits every robot."""
     patterns = [pattern for group in config.groups for pattern in group.joints or ()] if config else []

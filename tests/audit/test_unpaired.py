@@ -10,6 +10,8 @@ from actspec.audit.engine import audit
 from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import Framework
+from actspec.readings.pair import matching
 from actspec.report import ReportOptions, render
 
 MODEL = """<mujoco model="biped">
@@ -288,3 +290,80 @@ def test_a_scene_has_the_more_exact_name(tmp_path: Path, monkeypatch: pytest.Mon
     case = audit(["picker", "picker_2", "picker_2.yaml"], Settings()).case
     members = [{case.artifacts[index].path for index in robot.artifacts} for robot in case.robots]
     assert {"picker_2.yaml", "picker_2/picker_2.xml", "picker_2/scene.xml"} in members
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "severity"),
+    [
+        ("picker", 3.0, "warning"),
+        # Another robot's arm: `Joint1` and `joint1` are half of all arms'.
+        ("crane", 3.0, None),
+        # Names and ranges alone: a note, which knows of no letters.
+        ("picker", 9.0, "info"),
+    ],
+    ids=["one", "another-name", "another-body"],
+)
+def test_joints_that_differ_in_capital_letters(
+    name: str, mass: float, severity: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """MuJoCo has `Lift` beside `lift` as two joints: a limit of a tenth is compared with none, which is told."""
+    monkeypatch.chdir(tmp_path)
+    Path("picker.xml").write_text(_arm("picker", 150))
+    Path("other.xml").write_text(
+        _arm(name, 15, mass).replace('"lift"', '"Lift"').replace('"elbow"', '"Elbow"')
+    )
+    report = audit(["picker.xml", "other.xml"], Settings(select=("SRC101",)))
+    assert report.findings == ()
+    said = [(one.code, one.severity.value) for one in report.diagnostics()]
+    assert said == ([("AUD015", severity)] if severity else [])
+    if severity == "warning":
+        assert report.diagnostics()[0].message == (
+            "this has the joints of picker.xml, and is not compared with it: names differ in capital letters "
+            "(`Elbow` here, `elbow` there), which MuJoCo, Isaac Lab and mjlab tell apart"
+        )
+    assert audit(["."], Settings(select=("SRC101",))).diagnostics() == ()
+
+
+def test_engines_tell_capital_letters_apart() -> None:
+    """Two joints, and no joint for a motor that spells it otherwise; patterns are matched likewise."""
+    import mujoco
+
+    both = _arm("picker", 150).replace('"elbow"', '"Lift"')
+    model = mujoco.MjModel.from_xml_string(both)
+    assert model.joint("lift").id != model.joint("Lift").id
+    with pytest.raises(ValueError, match="unknown transmission target"):
+        mujoco.MjModel.from_xml_string(both.replace('<joint name="Lift"', '<joint name="LIFT"'))
+    assert matching(Framework.MJLAB, "li.*", ("lift", "Lift")) == ("lift",)
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "what", "example"),
+    [
+        (
+            "picker_cfg.py",
+            CFG.format('"LIFT", "El.*"').replace("ROVER", "PICKER"),
+            "`PICKER_CFG`",
+            "",
+        ),
+        ("picker_walk.yaml", DEPLOY.format("Lift, Elbow"), "this", " (`Elbow` here, `elbow` there)"),
+        ("crane_cfg.py", CFG.format('"LIFT", "El.*"').replace("ROVER", "CRANE"), "", ""),
+        # A letter behind a backslash is another class in the other case.
+        ("picker_cfg.py", CFG.format(r'"LI\\S+", "El.*"').replace("ROVER", "PICKER"), "", ""),
+    ],
+    ids=["configuration", "deploy", "another-robot", "backslash"],
+)
+def test_a_file_in_other_letters(
+    file: str, text: str, what: str, example: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A configuration or deploy file of the robot's name whose joints are the model's but for capital letters."""
+    monkeypatch.chdir(tmp_path)
+    Path("picker.xml").write_text(_arm("picker", 150))
+    Path(file).write_text(text)
+    said = [
+        one.message for one in audit(["picker.xml", file], Settings()).diagnostics() if one.code == "AUD015"
+    ]
+    message = (
+        f"{what} has the joints of picker.xml, and is not compared with it: names differ in capital letters{example}, "
+        "which MuJoCo, Isaac Lab and mjlab tell apart"
+    )
+    assert said == ([message] if what else [])
