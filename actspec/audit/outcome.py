@@ -357,7 +357,8 @@ def _of_other_joints(case: Case, mine: int, others: Sequence[int]) -> Iterator[D
     recased = [
         index
         for index in others
-        if telling(artifact.name) & telling(case.artifacts[index].name)
+        if name
+        and name == telling(case.artifacts[index].name)
         and _are_recased(joints[mine], joints[index])
         and share_a_body(
             *(_in_small_letters(case.artifacts[each].robot) for each in (mine, index)), names=True

@@ -298,10 +298,12 @@ def test_a_scene_has_the_more_exact_name(tmp_path: Path, monkeypatch: pytest.Mon
         ("picker", 3.0, "warning"),
         # Another robot's arm: `Joint1` and `joint1` are half of all arms'.
         ("crane", 3.0, None),
+        # A maker's i7 and i10 share one word.
+        ("picker_ten", 3.0, None),
         # Names and ranges alone: a note, which knows of no letters.
         ("picker", 9.0, "info"),
     ],
-    ids=["one", "another-name", "another-body"],
+    ids=["one", "another-name", "a-word-of-it", "another-body"],
 )
 def test_joints_that_differ_in_capital_letters(
     name: str, mass: float, severity: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
