@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from actspec.audit.case import Case
+from actspec.audit.other_variants import with_other_variants
 from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, meant_for
@@ -44,6 +45,7 @@ def case_of(
     paired = (part for robot in pair(artifacts, spec, by_hand) for part in _by_variant(robot, artifacts))
     robots = tuple(sorted(paired, key=lambda robot: robot.artifacts))
     rows = _rows(artifacts, robots, versions, whole, joints)
+    artifacts = with_other_variants(artifacts, robots, rows)
     return Case(tuple(readings), artifacts, rows, robots, versions, options)
 
 

@@ -14,14 +14,17 @@ from actspec.diagnostics import SEVERITIES, Severity, Span
 from actspec.fields import LIMITS
 
 ORDER = (
+    "SPC107",
     *("SGN101", "ORD103", "ORD102", "UNT103", "UNT104", "UNT105", "UNT107"),
     *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101", "KNW103"),
     *("LIM107", "GEA102"),
     *("VER106", "DMP105", "DMP101", "DMP103"),
     *("FRC101", "SRC105"),
     *("LIM111", "SRC103", "SRC104", "SRC106"),
+    *("SPC101", "LIM108"),
 )
-"""Rules about a figure, the nearest to its cause first: a wrong sign is wrong whatever others have; of two groups
+"""Rules about a figure, the nearest to its cause first: a file of another variant departs from the spec wherever
+variants differ; a wrong sign is wrong whatever others have; of two groups
 that have a joint one gives it the wrong figures, and a list in another order gives many; degrees in the place of
 radians, or another unit, are why a joint diverges, is out of its range, or differs; a gear says by what a limit or a
 gain is off, a file that contradicts itself which side is wrong, a limit that nobody stated why files differ, two
@@ -31,12 +34,14 @@ that no motor overcomes why another file has less; a position that the joint can
 from the findings of docs/survey.md that were true and told a second time."""
 
 _ALONE_BY = {
+    "SPC101": frozenset({"SPC107"}),
+    "LIM108": frozenset({"SPC107"}),
     "SRC103": frozenset({"SGN101", "ORD102", "ORD103", "UNT103", "UNT107"}),
     "SRC104": frozenset({"SGN101", "ORD103", "UNT105", "KNW103"}),
     "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "LIM111"}),
 }
-"""What alone explains that gains, armatures or poses differ: others that have the figure say nothing of the
-other file."""
+"""What alone explains that gains, armatures or poses differ, or that a file departs from the spec: others that have the
+figure say nothing of the other file."""
 
 _GEAR, _SIDES, _FRICTION, _LOST_GAINS, _PUBLISHED = "GEA101", "SYM101", "FRC101", "VER106", "KNW101"
 _DEGREES, _UNIT, _GAINS, _NO_JOINT = "UNT103", "UNT105", "SRC103", "UNT107"
@@ -176,6 +181,9 @@ class _Findings:
             both = (one.span, *one.related)
             if len(set(both)) == 1:
                 # One setting states both sides: what is said at its place may be of either.
+                return one.joint == other.joint
+            if {other.span, *other.related} <= set(both):
+                # Two files are the sides, whose joints have one name.
                 return one.joint == other.joint
             return not all(other.code in self._codes[span] for span in both)
         if one.code.startswith("SRC") and other.code.startswith("SRC"):

@@ -211,9 +211,15 @@ class Likeness:
 
 def likenesses(case: Case) -> tuple[Likeness, ...]:
     """The artifacts that are known robots; those beside a spec are left to it."""
+    every = case.once(all_likenesses)
+    return tuple(one for one in every if FileKind.SPEC not in case.kinds_by_artifact[one.index])
+
+
+def all_likenesses(case: Case) -> tuple[Likeness, ...]:
+    """The artifacts that are known robots, those beside a spec too."""
     found = []
     for index, artifact in enumerate(case.artifacts):
-        if FileKind.SPEC in case.kinds_by_artifact[index]:
+        if artifact.kind is FileKind.SPEC:
             continue
         words = distinctive(artifact)
         named = [robot for robot in known_robots() if robot.words & words]
@@ -345,13 +351,24 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
         # What is mounted on a robot all of whose joints are there, a hand or a base, may have any number of its own.
         own = of_own >= OWN_SHARE or (
             count == len(needed)
-            and (names is not None or (posed.issuperset(arm) and _counts_alike(arm, posed)))
+            and (
+                names is not None
+                or ((posed.issuperset(arm) or _loads(artifact, robot)) and _counts_alike(arm, posed))
+            )
         )
         whole = count >= KNOWN_SHARE * len(needed) and own
         legs = count >= PART and of_own >= PART_SHARE
         if counted and (whole or legs) and len(pairs) > len(best):
             best, spelling = pairs, {joint: name for name, joint in known.items()}
     return best, spelling
+
+
+def _loads(artifact: Artifact, robot: KnownRobot) -> bool:
+    """Whether a configuration loads a file of the robot's name and of no other known one's: `spot_arm_camera.usd`."""
+    model = (artifact.config.model if artifact.config is not None else None) or ""
+    stem = os.path.splitext(model.replace("\\", "/").rpartition("/")[2])[0]
+    named = telling(stem) & _words()
+    return bool(named) and named <= robot.words
 
 
 def _mounted_as(robot: KnownRobot, names: Iterable[str]) -> tuple[str, ...]:

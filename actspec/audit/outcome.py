@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from os.path import basename
 
@@ -14,17 +14,16 @@ from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.patterns import recased
 from actspec.readings.artifact import STEP_OF_WHAT, Artifact, FileKind, FileReading, Robot
+from actspec.readings.body import SHARE, Figures, figures_of, share_a_body
 from actspec.readings.pair import (
-    SHARE,
     distinctive,
-    figures_of,
     fits,
     joint_names,
     matching,
     says_something,
-    share_a_body,
     telling,
 )
+from actspec.robot.view import RobotView
 
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
@@ -302,6 +301,27 @@ def _in_other_letters(
             )
 
 
+_ALIKE = "if it is the same robot, call its joints alike in both"
+
+
+def _lower(names: Iterable[str]) -> frozenset[str]:
+    return frozenset(name.lower() for name in names)
+
+
+def _are_recased(one: frozenset[str], other: frozenset[str]) -> bool:
+    """Whether models have the same joints where capital letters are small ones, most of the smaller one's."""
+    least = SHARE * min(len(one), len(other))
+    return len(one & other) < least <= len(_lower(one) & _lower(other))
+
+
+def _of_letters(theirs: frozenset[str], own: frozenset[str]) -> str:
+    """In which letters names differ, with the first joint that is spelt otherwise; patterns have no names of joints."""
+    mine = {name.lower(): name for name in own}
+    first = min((name for name in theirs if mine.get(name.lower(), name) != name), default=None)
+    example = f" (`{mine[first.lower()]}` here, `{first}` there)" if first is not None else ""
+    return f"names differ in capital letters{example}, which MuJoCo, Isaac Lab and mjlab tell apart"
+
+
 def _beside_a_model(case: Case, mine: int, others: Sequence[int]) -> Iterator[Diagnostic]:
     """A model that somebody named, and others with its joints, where names or bodies allow that they are one robot."""
     artifact = case.artifacts[mine]
@@ -334,18 +354,40 @@ def _of_other_joints(case: Case, mine: int, others: Sequence[int]) -> Iterator[D
 
     artifact = case.artifacts[mine]
     name = telling(artifact.name)
-    alike = [other for other in others if name and name == telling(case.artifacts[other].name)]
+    joints = {index: frozenset(joint_names(case.artifacts[index]) or ()) for index in (mine, *others)}
+    spelt = [
+        index
+        for index in others
+        if name
+        and name == telling(case.artifacts[index].name)
+        and _are_recased(joints[mine], joints[index])
+        and share_a_body(
+            *(_in_small_letters(case.artifacts[each].robot) for each in (mine, index)), names=True
+        )
+    ]
+    if spelt:
+        why = _of_letters(joints[spelt[0]], joints[mine])
+        paths = [case.artifacts[index].path for index in spelt]
+        # Somebody named both, and what is wrong in one of them stays untold.
+        yield replace(
+            _not_compared(case, "this", paths, why, Span(artifact.path), _ALIKE), severity=Severity.WARNING
+        )
+    alike = [
+        other
+        for other in others
+        if name and name == telling(case.artifacts[other].name) and other not in spelt
+    ]
     own = ranges(artifact) if alike else []
     near = [case.artifacts[other].path for other in alike if own and ranges(case.artifacts[other]) == own]
     if near:
-        yield _not_compared(
-            case,
-            "this",
-            near,
-            "it calls them otherwise",
-            Span(artifact.path),
-            "if it is the same robot, call its joints alike in both",
-        )
+        yield _not_compared(case, "this", near, "it calls them otherwise", Span(artifact.path), _ALIKE)
+
+
+def _in_small_letters(robot: RobotView | None) -> Figures:
+    return {
+        kind: {joint.lower(): values for joint, values in joints.items()}
+        for kind, joints in figures_of(robot).items()
+    }
 
 
 def _not_compared(case: Case, what: str, near: Sequence[str], why: str, place: Span, help: str) -> Diagnostic:

@@ -322,6 +322,8 @@ class Artifact:
         networks: Networks that a spec names, each once; those of a configuration are in its groups.
         text_only: Why the numbers come from the text alone (MuJoCo refuses the file, with its reason); None: compiled.
         model: The model of a variant of a spec that is there for files of that model alone.
+        variants: Other variants of a spec with the same joints, resolved, by name: where a file departs from the spec,
+            it may be of one of them.
     """
 
     path: str
@@ -333,6 +335,7 @@ class Artifact:
     networks: tuple[NetworkReading, ...] = ()
     text_only: str | None = None
     model: str | None = None
+    variants: tuple[tuple[str, ActuatorSet], ...] = ()
 
     @property
     def refused_at(self) -> Span | None:

@@ -222,6 +222,33 @@ def test_which_of_two_sides_is_wrong_nobody_knows() -> None:
     assert _after(mapping, (other, ERROR)) == [("SYM101", "error", ""), ("SRC101", "info", "SYM101")]
 
 
+def test_a_file_of_another_variant_departs_from_the_spec_once() -> None:
+    """What the variant explains is a note: the departing figure, a gear that only one of them has. Nothing else is."""
+    variant = _of("SPC107", path="g1.urdf", held="g1.yaml", fields=("effort_limit", "velocity_limit"))
+    limit = _of("SPC101", path="g1.urdf", held="g1.yaml")
+    speed = replace(limit, fields=("velocity_limit",))
+    sheet = _of("LIM108", path="g1.urdf", held="motors.yaml")
+    gear = _of("GEA101", path="motors.yaml", held="g1.urdf")
+    assert [cause for *_, cause in _after(variant, limit, speed, sheet, gear)] == ["", *["SPC107"] * 4]
+    gains, ankle = replace(limit, fields=("kp",)), replace(limit, joint="ankle")
+    assert [cause for *_, cause in _after(variant, gains, ankle)] == ["", "", ""]
+    # Without the variant SPC101 explains nothing, and nothing explains it.
+    assert [cause for *_, cause in _after(gear, limit, sheet)] == ["", "", ""]
+
+
+def test_two_files_that_are_the_sides_differ_once() -> None:
+    """Of joints of one name in `left.xml` and `right.xml` two rules say the same; a third file's figure is another
+    fault, where both differ from it.
+    """
+    sides = _of("SYM101", path="right.xml", held="left.xml")
+    assert _after(sides, (_of("SRC101", path="right.xml", held="left.xml"), ERROR)) == [
+        ("SYM101", "error", ""),
+        ("SRC101", "info", "SYM101"),
+    ]
+    beside = [_of("SRC101", path=path, held="other.urdf") for path in ("right.xml", "left.xml")]
+    assert _after(sides, *beside) == [("SYM101", "warning", ""), *[("SRC101", "warning", "")] * 2]
+
+
 def test_a_side_in_another_file_explains_nothing_of_this_one() -> None:
     """At the right hand's file it leaves what the left hand's files differ in; at the left's it tells it."""
     differ = _of("SRC101", "left", "left-ros.urdf", held="left.urdf")

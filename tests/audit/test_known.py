@@ -591,3 +591,44 @@ def test_one_figure_in_two_configurations_of_a_file(tmp_path: Path, monkeypatch:
     assert len(report.findings) > 1
     (group_of_all,) = for_people(report.findings)
     assert {item.finding.span.line for item in (*group_of_all.members, *group_of_all.alike)} == {3, 4}
+
+
+@pytest.mark.parametrize(
+    ("usd", "legs", "said"),
+    [
+        ("spot_arm_camera.usd", [".*_hx", ".*_hy", ".*_kn"], True),
+        # Knees are in no group: three joints out of four are not all of the robot.
+        ("spot_arm_camera.usd", [".*_hx", ".*_hy"], False),
+        ("quadruped_arm.usd", [".*_hx", ".*_hy", ".*_kn"], False),
+        ("spot_z1.usd", [".*_hx", ".*_hy", ".*_kn"], False),
+    ],
+    ids=["its file", "without its knees", "another file", "another robot on it"],
+)
+def test_legs_beside_an_arm(
+    usd: str, legs: list[str], said: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of three patterns beside an arm's four the file that is loaded tells that they are Spot's; 100 N*m is 2.22 times
+    the 45 of its hips.
+    """
+    monkeypatch.chdir(tmp_path)
+    group = "ImplicitActuatorCfg(joint_names_expr={!r}, effort_limit_sim=100.0, stiffness=80.0, damping=4.0)"
+    Path("spots").mkdir()
+    Path("spots/locomotion_spot_env_cfg.py").write_text(
+        "import isaaclab.sim as sim_utils\n"
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        "from isaaclab.assets import ArticulationCfg\n"
+        "SPOT_ARM_CFG = ArticulationCfg(\n"
+        f'    spawn=sim_utils.UsdFileCfg(usd_path="/assets/{usd}"),\n'
+        '    init_state=ArticulationCfg.InitialStateCfg(joint_pos={".*_hx": 0.0, ".*_hy": 0.8, ".*_kn": -1.5}),\n'
+        "    actuators={\n"
+        f'        "legs": {group.format(legs)},\n'
+        f'        "arm": {group.format(["arm0_sh.*", "arm0_el.*"])},\n'
+        f'        "wrist": {group.format(["arm0_wr.*"])},\n'
+        f'        "gripper": {group.format(["arm0_f1x"])},\n'
+        "    },\n"
+        ")\n"
+    )
+    found = audit(["spots"], Settings(select=("KNW101",))).findings
+    assert {(one.severity, one.finding.expected) for one in found} == (
+        {(Severity.WARNING, 45.0)} if said else set()
+    )

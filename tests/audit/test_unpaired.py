@@ -10,6 +10,8 @@ from actspec.audit.engine import audit
 from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import Framework
+from actspec.readings.pair import matching
 from actspec.report import ReportOptions, render
 
 MODEL = """<mujoco model="biped">
@@ -320,3 +322,49 @@ def test_names_in_other_letters(
         [] if said is None else [(said[0] + why, f"if it is the same robot, {said[1]}")]
     )
     assert not any(one.code == "AUD015" for one in audit(["."], Settings()).diagnostics())
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "severity"),
+    [
+        ("picker", 3.0, "warning"),
+        # Another robot's arm: `Joint1` and `joint1` are half of all arms'.
+        ("crane", 3.0, None),
+        # A maker's i7 and i10 share one word.
+        ("picker_ten", 3.0, None),
+        # Names and ranges alone: a note, which knows of no letters.
+        ("picker", 9.0, "info"),
+    ],
+    ids=["one", "another-name", "a-word-of-it", "another-body"],
+)
+def test_joints_that_differ_in_capital_letters(
+    name: str, mass: float, severity: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """MuJoCo has `Lift` beside `lift` as two joints: a limit of a tenth is compared with none, which is told."""
+    monkeypatch.chdir(tmp_path)
+    Path("picker.xml").write_text(_arm("picker", 150))
+    Path("other.xml").write_text(
+        _arm(name, 15, mass).replace('"lift"', '"Lift"').replace('"elbow"', '"Elbow"')
+    )
+    report = audit(["picker.xml", "other.xml"], Settings(select=("SRC101",)))
+    assert report.findings == ()
+    said = [(one.code, one.severity.value) for one in report.diagnostics()]
+    assert said == ([("AUD015", severity)] if severity else [])
+    if severity == "warning":
+        assert report.diagnostics()[0].message == (
+            "this has the joints of picker.xml, and is not compared with it: names differ in capital letters "
+            "(`Elbow` here, `elbow` there), which MuJoCo, Isaac Lab and mjlab tell apart"
+        )
+    assert audit(["."], Settings(select=("SRC101",))).diagnostics() == ()
+
+
+def test_engines_tell_capital_letters_apart() -> None:
+    """Two joints, and no joint for a motor that spells it otherwise; patterns are matched likewise."""
+    import mujoco
+
+    both = _arm("picker", 150).replace('"elbow"', '"Lift"')
+    model = mujoco.MjModel.from_xml_string(both)
+    assert model.joint("lift").id != model.joint("Lift").id
+    with pytest.raises(ValueError, match="unknown transmission target"):
+        mujoco.MjModel.from_xml_string(both.replace('<joint name="Lift"', '<joint name="LIFT"'))
+    assert matching(Framework.MJLAB, "li.*", ("lift", "Lift")) == ("lift",)

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from actspec.audit.known import Likeness, likenesses, same
+from actspec.audit.known import Likeness, all_likenesses, same
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import shown
 from actspec.diagnostics import listed
@@ -20,8 +20,12 @@ class RevisionOfTheRobot(RuleOver[Likeness]):
     needs = "no robot among the files that has several published revisions"
 
     def subjects(self, case: Case) -> Iterable[Likeness]:
-        """Artifacts that are known robots of several revisions."""
-        return [found for found in case.once(likenesses) if len(found.robot.variants) > 1]
+        """Artifacts that are known robots of several revisions; beside a spec those of another than the spec's."""
+        return [
+            found
+            for found in case.once(all_likenesses)
+            if len(found.robot.variants) > 1 and not _is_of_spec(case, found)
+        ]
 
     def judge(self, case: Case, subject: Likeness) -> Iterator[Finding]:
         """Say which revision it is, and by what."""
@@ -77,6 +81,12 @@ class RevisionOfTheRobot(RuleOver[Likeness]):
             told[0][0].place("effort_limit"),
             about=" ".join(seen),
         )
+
+
+def _is_of_spec(case: Case, found: Likeness) -> bool:
+    """Whether a spec of the robot is read as a variant that the file may be."""
+    specs = (case.artifacts[index].spec for index in case.robot_of(found.index).artifacts)
+    return any(spec is not None and (not found.told or spec.variant in found.variants) for spec in specs)
 
 
 def _part(name: str) -> str:

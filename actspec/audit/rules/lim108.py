@@ -62,6 +62,7 @@ class AboveDatasheet(RuleOver[_Subject]):
             most,
             "set the limit to the motor's figure, or correct the spec",
             (motor.span or span,),
+            fields=(field,),
         )
 
 

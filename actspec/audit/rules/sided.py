@@ -26,6 +26,10 @@ SIDE_WORDS = frozenset(word for sides in _SIDES for word in sides)
 _OF_FILES = {"left": {"left", "l", "lh"}, "right": {"right", "r", "rh"}}
 """Words for the side that a file is of. Chosen: others are names of folders and robots (`rl`, `ml`, `fr3`, `rm65`)."""
 
+_MIRROR = "mirrored"
+_MIRRORED = frozenset({"mirror", _MIRROR})
+"""Words for a file that is of the other side than the one that it was made of, whichever that is."""
+
 _FOLDERS = 3
 """Folders above a file that may tell its side. Chosen: `hand_left/urdf/hand.urdf` and one more."""
 
@@ -51,7 +55,7 @@ def mirrors(name: str) -> tuple[str, ...]:
 
 
 def robots_of_one_side(case: Case) -> tuple[Robot, ...]:
-    """The robots of a case; one of which files say left and others right is two.
+    """The robots of a case; one of which files say left and others right, or some mirrored, is two.
 
     A left and a right hand have joints of one name, whose axes and ranges are mirror images as they should be.
     """
@@ -59,9 +63,14 @@ def robots_of_one_side(case: Case) -> tuple[Robot, ...]:
 
 
 def are_of_two_sides(case: Case, one: int, other: int) -> bool:
-    """Whether of two artifacts one says left and the other right."""
+    """Whether of two artifacts one says left and the other right, or one of them mirrored."""
     sides = case.once(_sides)
-    return {sides[one], sides[other]} == {"left", "right"}
+    return _are_two({sides[one], sides[other]})
+
+
+def _are_two(sides: set[str]) -> bool:
+    """Whether files that say this are of two sides."""
+    return {"left", "right"} <= sides or (_MIRROR in sides and len(sides) > 1)
 
 
 def _sides(case: Case) -> tuple[str, ...]:
@@ -71,7 +80,7 @@ def _sides(case: Case) -> tuple[str, ...]:
 
 def _of_one_side(case: Case, robot: Robot) -> Iterable[Robot]:
     sides = {index: case.once(_sides)[index] for index in robot.artifacts}
-    if not {"left", "right"} <= set(sides.values()):
+    if not _are_two(set(sides.values())):
         return (robot,)
     # A file that says neither may be of either: it is held to others that say neither.
     return (
@@ -81,13 +90,17 @@ def _of_one_side(case: Case, robot: Robot) -> Iterable[Robot]:
 
 
 def _side_of(artifact: Artifact) -> str:
-    """`left` or `right`, by the names of its file, of what that includes, of the model and of the folders; else ""."""
+    """`left`, `right` or `mirrored`, by the names of its file, of what that includes, of the model and of the folders;
+    else "".
+    """
     path = os.path.abspath(artifact.path)
     included = () if artifact.robot is None else artifact.robot.files[1:]
     stems = [" ".join(os.path.splitext(os.path.basename(file.path))[0] for file in included)]
     folders = os.path.dirname(path).split(os.sep)[: -_FOLDERS - 1 : -1]
     for text in (os.path.splitext(os.path.basename(path))[0], *stems, artifact.name, *folders):
         words = {word.lower() for word in WORD.findall(text)}
+        if words & _MIRRORED:
+            return _MIRROR
         sides = [side for side, said in _OF_FILES.items() if words & said]
         if len(sides) == 1:
             return sides[0]

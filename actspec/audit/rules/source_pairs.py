@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 from actspec.audit.case import Case
+from actspec.audit.rules.sided import are_of_two_sides
 from actspec.audit.rules.source_blame import (
     SAME,
     Disagreement,
@@ -21,10 +22,11 @@ from actspec.audit.rules.source_blame import (
 from actspec.diagnostics import Span
 from actspec.joints import JointKind
 from actspec.readings.artifact import FileKind, Robot
+from actspec.readings.body import LIKENESS, SHARE, are_one_body
 from actspec.readings.compare import Figure
 from actspec.readings.dynamics import figure
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import LIKENESS, SHARE, agreement, are_one_body, joint_names, last_numbers, series
+from actspec.readings.pair import agreement, joint_names, last_numbers, series
 
 _Stated = tuple[str, float]
 """Name of the field that a file states, and its value."""
@@ -417,7 +419,8 @@ def _joint_sets(case: Case) -> list[frozenset[str] | None]:
 def is_one_machine(case: Case, one: int, other: int, least: float = SHARE) -> bool:
     """Whether nothing speaks against one machine: models tell by what their links weigh and how far joints turn.
 
-    `g1.urdf` and `g1.xml` of one folder are two descriptions of one, where half of the figures agree.
+    `g1.urdf` and `g1.xml` of one folder are two descriptions of one, where half of the figures agree. A left arm and a
+    right one turn as far, each its own way, and have the same motors.
 
     Args:
         case: The case.
@@ -428,4 +431,5 @@ def is_one_machine(case: Case, one: int, other: int, least: float = SHARE) -> bo
     here, there = case.artifacts[one].robot, case.artifacts[other].robot
     names = {os.path.splitext(case.artifacts[index].path)[0] for index in (one, other)}
     share = LIKENESS if len(names) == 1 else least
-    return here is None or there is None or are_one_body(here, there, share)
+    mirrored = are_of_two_sides(case, one, other)
+    return here is None or there is None or are_one_body(here, there, share, mirrored=mirrored)

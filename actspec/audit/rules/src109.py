@@ -15,9 +15,9 @@ from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.ir import JointKind
 from actspec.poses import POSE_TOLERANCE
 from actspec.readings.artifact import FileKind, Robot
+from actspec.readings.body import LIKENESS
 from actspec.readings.compare import DEGREES
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import LIKENESS
 
 _Range = tuple[float, float]
 

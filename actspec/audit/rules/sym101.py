@@ -11,7 +11,8 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.crowded import crowded
 from actspec.audit.rules.joints import is_held, is_nobodys, is_undriven, partner_rows, shown
-from actspec.audit.rules.sided import SIDE_WORDS, WORD, mirrors
+from actspec.audit.rules.sided import SIDE_WORDS, WORD, are_of_two_sides, mirrors
+from actspec.audit.rules.source_pairs import is_one_machine
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
@@ -302,6 +303,7 @@ def _each_pair(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[Ledge
             single.append(artifact)
     # Most of them have no such names at all.
     sided = {artifact for artifact in single if any(map(mirrors, joints[artifact]))}
+    yield from _of_equal_names(case, single)
     for one, other in combinations(single, 2):
         if one not in sided and other not in sided:
             continue
@@ -313,6 +315,27 @@ def _each_pair(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[Ledge
             met = _mirrored(left, right)
             if len(met) >= max(2.0, _SHARED * max(len(left), len(right))):
                 yield from met
+
+
+def _of_equal_names(
+    case: Case, artifacts: Iterable[int]
+) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
+    """Joints of one name in two files whose paths differ in the side alone: `left/hand.urdf`, `right/hand.urdf`."""
+    homes: dict[tuple[FileKind, str], list[int]] = {}
+    for index in artifacts:
+        path = os.path.splitext(os.path.abspath(case.artifacts[index].path))[0]
+        key = case.artifacts[index].kind, WORD.sub(_without_side, path)
+        homes.setdefault(key, []).append(index)
+    for group in homes.values():
+        for one, other in combinations(group, 2):
+            left, right = (case.joints_by_artifact[index] for index in (one, other))
+            shared = [name for name in left if name in right]
+            if (
+                are_of_two_sides(case, one, other)
+                and len(shared) >= max(2.0, _SHARED * max(len(left), len(right)))
+                and is_one_machine(case, one, other)
+            ):
+                yield from ((left[name], right[name]) for name in shared)
 
 
 def _are_two_sides(one: str, other: str) -> bool:
