@@ -36,13 +36,13 @@ class _Pair:
 
     Attributes:
         left: Its rows; `right` likewise.
-        axes: Of the left and of the right joint, in the base's frame.
+        joints: The left and the right joint, whose axes are known.
         turns: For each plane whether the right axis is the left's mirror image (1), its opposite (-1) or neither (0).
     """
 
     left: Sequence[LedgerRow]
     right: Sequence[LedgerRow]
-    axes: tuple[tuple[float, float, float], tuple[float, float, float]]
+    joints: tuple[JointView, JointView]
     turns: tuple[int, ...]
 
 
@@ -111,23 +111,42 @@ class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
         )
 
     def _range(self, pair: _Pair, others: int) -> Finding:
-        left, right = pair.left[0], pair.right[0]
-        assert left.position_range is not None and right.position_range is not None
-        one, its = (axis_text([round(part, 2) for part in axis]) for axis in pair.axes)
-        ranges = [
-            f"{format_quantity(low, '', 3)} to {format_quantity(high, 'rad', 3)}"
-            for low, high in (left.position_range, right.position_range)
-        ]
+        field, odd = _departs(pair)
+        places = [one.places.get(field, one.span) for one in pair.joints]
+        if places[0] == places[1]:
+            # Both are a class's: what differs is how the bodies are turned.
+            places = [one.span for one in pair.joints]
+        axes, ranges = [], []
+        for joint in pair.joints:
+            assert joint.axis is not None and joint.range is not None
+            axes.append(axis_text([round(part, 2) for part in joint.axis]))
+            low, high = joint.range
+            ranges.append(f"{format_quantity(low, '', 3)} to {format_quantity(high, 'rad', 3)}")
+        other = pair.joints[1 - odd].name
         return Finding(
             self.code,
-            f"this is no mirror image of {left.joint}: about {its} in the base's frame it goes from {ranges[1]}, and "
-            f"{left.joint} about {one} from {ranges[0]}, the other way; {others} other pairs of this model mirror",
-            right.place("position_range"),
-            right.joint,
+            f"this is no mirror image of {other}: about {axes[odd]} in the base's frame it goes from {ranges[odd]}, "
+            f"and {other} about {axes[1 - odd]} from {ranges[1 - odd]}, the other way; "
+            f"{others} other pairs of this model mirror",
+            places[odd],
+            pair.joints[odd].name,
             help="of one of the two the axis or the range is turned round: turn it back, and see which way it bends",
-            related=(left.place("position_range"),),
-            about=f"{ranges[0]} {ranges[1]}",
+            related=(places[1 - odd],),
+            about=" ".join(ranges),
         )
+
+
+def _departs(pair: _Pair) -> tuple[str, int]:
+    """Which of range and axis departs, and at which side (0: left): what one class states of both is no slip.
+
+    Where nothing tells, it is the right one's range.
+    """
+    for field in ("axis", "range"):
+        own = [one.places.get(field, one.span) == one.span for one in pair.joints]
+        if own[0] is not own[1]:
+            return field, own.index(True)
+    range_of = [one.places.get("range") for one in pair.joints]
+    return ("axis" if range_of[0] is not None and range_of[0] == range_of[1] else "range"), 1
 
 
 def _joint(case: Case, row: LedgerRow) -> JointView | None:
@@ -150,7 +169,7 @@ def _pair(
     for plane in _PLANES:
         along = sum(a * b * sign for a, b, sign in zip(one.axis, other.axis, plane, strict=True))
         turns.append((along > _ALONG) - (along < -_ALONG))
-    return _Pair(left, right, (one.axis, other.axis), tuple(turns))
+    return _Pair(left, right, (one, other), tuple(turns))
 
 
 def _planes(found: Sequence[_Pair]) -> tuple[int, ...]:

@@ -101,9 +101,15 @@ class RangeInDegrees(RuleInParts):
                 yield (_graded(self._of_file(_moving(hinges), artifact), artifact),)
                 continue
             virtual = _placeholder_ranges(artifact)
+            # Several angles that are no turns are no joints of many turns.
+            several = {hinge.range for hinge in hinges if self._is_far(case, hinge)} - virtual
+            several = {ends for ends in several if not all(map(_is_turns, ends or ()))}
+            far = sum(hinge.range in several for hinge in hinges)
+            in_radians = artifact.kind is FileKind.URDF or artifact.states(b"radian")
+            all_of_it = in_radians and len(several) >= _SEVERAL and 2 * far >= len(_moving(hinges))
             for hinge in hinges:
                 quiet = hinge.range in virtual or (index, hinge.name) in by_servo
-                yield () if quiet else self._of_joint(case, hinge, index in told)
+                yield () if quiet else self._of_joint(case, hinge, index in told or all_of_it)
 
     def _of_range(
         self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], is_part: bool
@@ -196,12 +202,12 @@ class RangeInDegrees(RuleInParts):
         )
 
     def _of_joint(self, case: Case, joint: JointView, told: bool) -> Iterator[Finding]:
-        """A hinge of several turns: of whole radians, or in a file of which a servo tells that it is in degrees."""
+        """A hinge of several turns: of whole or half radians, or in a file that is known to be in degrees."""
         ends = joint.range or (0.0, 0.0)
         most = largest(ends)
-        if not self.option(case, "least") <= most <= self.option(case, "most"):
+        if not self._is_far(case, joint):
             return
-        if not told and not all(math.isclose(end, round(end), abs_tol=1e-9) for end in ends):
+        if not told and not all(math.isclose(2.0 * end, round(2.0 * end), abs_tol=1e-9) for end in ends):
             return
         yield Finding(
             self.code,
@@ -215,6 +221,11 @@ class RangeInDegrees(RuleInParts):
             f"write {_written(ends, 1.0 / DEGREES)}",
             confidence=Confidence.MEDIUM,
         )
+
+    def _is_far(self, case: Case, joint: JointView) -> bool:
+        """Whether a hinge may turn as many turns as an angle in degrees would be."""
+        most = largest(joint.range or (0.0, 0.0))
+        return self.option(case, "least") <= most <= self.option(case, "most")
 
     def _of_file(self, joints: list[JointView], artifact: Artifact) -> Finding:
         first = joints[0]
@@ -266,8 +277,16 @@ _NEAR = 2.5
 half or a whole turn is written for a hinge that turns half of it."""
 
 
+_ROUNDED = 0.02
+"""Difference up to which a position is a number of half turns [rad]. Chosen: strangers write 31.4 for 10 pi."""
+
 _TURN = 2.0 * math.pi
 """Chosen: a target beyond a full turn is in degrees; below it is the joint's range that is not."""
+
+
+def _is_turns(end: float) -> bool:
+    """Whether a position is half a turn, or a number of these, as files round them."""
+    return abs(end - math.pi * round(end / math.pi)) <= _ROUNDED
 
 
 def _written(ends: tuple[float, float], factor: float = 1.0) -> str:
