@@ -8,7 +8,9 @@ from operator import attrgetter
 from actspec.audit.case import MODELS
 from actspec.audit.difference import axis_text
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.sided import of_its_leg
 from actspec.audit.rules.sym101 import pairs
+from actspec.diagnostics import listed
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView, JointView
@@ -96,6 +98,14 @@ class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
             assert one is not None and other is not None
             odd, other = sorted((one, other), key=attrgetter("gear"))
             yield self._gear(odd, other, others)
+        for alike in _of_equal_legs(found):
+            for way in (1, -1):
+                turned = [leg for leg in alike if way * _along(leg[1], alike[0][1]) < 0.0]
+                rest = [leg for leg in alike if way * _along(leg[1], alike[0][1]) > 0.0]
+                if len(turned) == 1 and not (
+                    _is_turned(view(turned[0][0])) and not _is_turned(view(rest[0][0]))
+                ):
+                    yield self._axis(turned[0][1], [joint for _, joint in rest])
 
     def _gear(self, odd: ActuatorView, other: ActuatorView, others: int) -> Finding:
         return Finding(
@@ -108,6 +118,20 @@ class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
             odd.gear,
             help="give both gears one sign; where the robot's own motor is turned, a comment can say so",
             related=(other.places.get("gear", other.span),),
+        )
+
+    def _axis(self, odd: JointView, others: Sequence[JointView]) -> Finding:
+        assert odd.axis is not None and others[0].axis is not None
+        mine, its = (axis_text([round(part, 2) for part in axis]) for axis in (odd.axis, others[0].axis))
+        return Finding(
+            self.code,
+            f"the axis is {mine} in the base's frame, and {its} at {listed([one.name for one in others], 3)}: what "
+            "turns those one way turns this the other",
+            odd.places.get("axis", odd.span),
+            odd.name,
+            help="turn the axis round; where the robot's own motor is turned, a comment can say so",
+            related=(others[0].places.get("axis", others[0].span),),
+            about=f"axis {mine}",
         )
 
     def _range(self, pair: _Pair, others: int) -> Finding:
@@ -134,6 +158,41 @@ class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
             related=(places[1 - odd],),
             about=" ".join(ranges),
         )
+
+
+def _of_equal_legs(found: Sequence[_Pair]) -> Iterator[Sequence[tuple[Sequence[LedgerRow], JointView]]]:
+    """Joints of legs or wheels, four or more, with one symmetrical range, or none, about parallel axes.
+
+    Their ranges do not tell which way they turn, and all front and rear legs of a robot are alike.
+    """
+    legs: dict[str, list[tuple[Sequence[LedgerRow], JointView]]] = {}
+    for pair in found:
+        sides = zip((pair.left, pair.right), pair.joints, strict=True)
+        legs.setdefault(of_its_leg(pair.joints[0].name), []).extend(sides)
+    for alike in legs.values():
+        first = alike[0][1]
+        if len(alike) > _OTHERS and all(_is_like(joint, first) for _, joint in alike):
+            yield alike
+
+
+def _is_like(one: JointView, first: JointView) -> bool:
+    """Whether a joint has the symmetrical range of another, and an axis along its."""
+    if one.tree != first.tree or abs(_along(one, first)) <= _ALONG:
+        return False
+    if one.range is None or first.range is None:
+        return one.range is first.range
+    same = all(abs(a - b) <= _SAME for a, b in zip(one.range, first.range, strict=True))
+    return same and abs(sum(one.range)) < _LOPSIDED
+
+
+def _along(one: JointView, other: JointView) -> float:
+    """Cosine between two axes."""
+    return sum(a * b for a, b in zip(one.axis or (), other.axis or (), strict=True))
+
+
+def _is_turned(view: ActuatorView | None) -> bool:
+    """Whether a motor turns its command round."""
+    return view is not None and view.gear < 0.0
 
 
 def _departs(pair: _Pair) -> tuple[str, int]:
