@@ -173,7 +173,7 @@ def test_another_fault_stands_for_itself(one: Finding, other: Finding) -> None:
 
 @pytest.mark.parametrize(
     ("code", "value", "expected"),
-    [("UNT106", 0.863, 45.43), ("UNT105", 463.0, 45.43), ("LIM101", 1e9, None)],
+    [("UNT106", 0.863, 45.43), ("UNT105", 4.63, 45.43), ("LIM101", 1e9, None)],
     ids=["an angle as torque", "another unit", "a placeholder"],
 )
 def test_a_wrong_model_does_not_make_the_configuration_right(
