@@ -46,6 +46,9 @@ figure say nothing of the other file."""
 _GEAR, _SIDES, _FRICTION, _LOST_GAINS, _PUBLISHED = "GEA101", "SYM101", "FRC101", "VER106", "KNW101"
 _DEGREES, _UNIT, _GAINS, _NO_JOINT = "UNT103", "UNT105", "SRC103", "UNT107"
 
+_OF_ONE_FILE = frozenset({_GEAR, _SIDES, _DEGREES, "UNT104", _UNIT, "UNT106", "LIM101"})
+"""Rules whose finding is in the file that is wrong, and which explain nothing of a file beside it alone."""
+
 PUBLISHED = 1.2
 """How many times the published figure another one is that still is that figure. Chosen: KNW101's `times`."""
 
@@ -223,9 +226,10 @@ def _keys(finding: Finding) -> set[_Key]:
 def _is_of_its_file(one: Finding, other: Finding) -> bool:
     """Whether the file that departs by one finding is one that the other is about.
 
-    Of two files that differ nobody knows which departs. A gear, or the other side, is taken from a file that is right.
+    Of two files that differ nobody knows which departs. A gear, or the other side, is taken from a file that is right,
+    and another unit, or a placeholder, is one whatever the other file has.
     """
-    return one.code not in (_GEAR, _SIDES) or one.span.path in _files(other)
+    return one.code not in _OF_ONE_FILE or one.span.path in _files(other)
 
 
 def _files(finding: Finding) -> frozenset[str]:

@@ -40,6 +40,7 @@ _STATED = {
     # 2.3 has the words in full.
     "effort": ("actuatorfrcrange", "actuatorfrclimited", "actuatorforcerange", "actuatorforcelimited"),
     "range": ("range", "limited"),
+    "axis": ("axis",),
 }
 """Field of `JointView.stated` to the attributes that state it."""
 

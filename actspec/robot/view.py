@@ -63,7 +63,7 @@ class JointView:
         frictionloss: Dry friction [N*m or N].
         effort_range: `actuatorfrcrange`, or -+ URDF effort [N*m or N]; None: no limit.
         velocity_limit: URDF velocity [rad/s or m/s]; None: the file does not say.
-        stated: Which of `damping`, `armature`, `frictionloss`, `effort`, `velocity`, `range` the file
+        stated: Which of `damping`, `armature`, `frictionloss`, `effort`, `velocity`, `range`, `axis` the file
             states, itself or by a default class; the others are the engine's defaults.
         springdamper: Whether `springdamper` is in force and overwrites stiffness and damping.
         mimic: Joint that this one follows (URDF); None.

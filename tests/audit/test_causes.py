@@ -171,6 +171,25 @@ def test_another_fault_stands_for_itself(one: Finding, other: Finding) -> None:
     assert all(cause == "" for _, _, cause in _after(one, other))
 
 
+@pytest.mark.parametrize(
+    ("code", "value", "expected"),
+    [("UNT106", 0.863, 45.43), ("UNT105", 4.63, 45.43), ("LIM101", 1e9, None)],
+    ids=["an angle as torque", "another unit", "a placeholder"],
+)
+def test_a_wrong_model_does_not_make_the_configuration_right(
+    code: str, value: float, expected: float | None
+) -> None:
+    """A Go1's hips with 45.43 N*m in a configuration, of which 23.7 are published, beside a model with less or more.
+
+    Once the model is put right, what is published of the configuration's limit is there as before.
+    """
+    at = {"unit": "N*m", "value": value, "expected": expected}
+    model = _of(code, path="go1.xml", held="cfg.py", **at)
+    differ = _of("SRC101", path="cfg.py", held="go1.xml", unit="N*m", value=45.43, expected=value)
+    known = _of("KNW101", path="cfg.py", unit="N*m", value=45.43, expected=23.7)
+    assert [cause for *_, cause in _after(model, differ, known)] == ["", code, ""]
+
+
 def test_friction_that_no_motor_overcomes_explains_the_other_file() -> None:
     """A URDF with 1000 N of friction, and an MJCF with 0.2; not two files of which neither has the 1000."""
     stuck = _of("FRC101", path="b.urdf", held="c.xml", fields=("frictionloss",))

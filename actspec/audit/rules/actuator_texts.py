@@ -109,9 +109,9 @@ class _Text:
     def __init__(self, artifact: Artifact) -> None:
         assert artifact.robot is not None
         self._artifact = artifact
-        self._document = parse_document(artifact.robot.files)
-        self._written = read_elements(self._document)
-        self._elements = {self._document.span(element): element for element in self._written.actuators}
+        self.document = parse_document(artifact.robot.files)
+        self._written = read_elements(self.document)
+        self._elements = {self.document.span(element): element for element in self._written.actuators}
         self._class_text = cache(class_text)
         self._actuators: dict[int, WrittenActuator | None] = {}
 
@@ -121,6 +121,17 @@ class _Text:
             self._actuators[view.index] = self._actuator(view)
         return self._actuators[view.index]
 
+    def joint(self, name: str) -> dict[str, str]:
+        """The attributes of a joint's clamp, its classes' too, without `actuatorfrc` before them; 2.3 has the words."""
+        found = self._written.joint(name)
+        owners = {} if found is None else found[0].owners
+        return {
+            attribute.removeprefix(word): owners[attribute].get(attribute) or ""
+            for word in ("actuatorforce", "actuatorfrc")
+            for attribute in (f"{word}range", f"{word}limited")
+            if attribute in owners
+        }
+
     def _actuator(self, view: ActuatorView) -> WrittenActuator | None:
         element = self._elements.get(view.span)
         if element is None or not self._written.knows_class(element):
@@ -128,7 +139,7 @@ class _Text:
             return None
         classes = self._written.defaults_of(element).actuators
         text = actuator_text(self._class_text(classes), element)
-        return WrittenActuator(view, text, element, self._document, self._artifact, classes)
+        return WrittenActuator(view, text, element, self.document, self._artifact, classes)
 
 
 def drives_in_mjcf(case: Case) -> bool:
@@ -197,6 +208,43 @@ def ranges_not_in_force(case: Case, name: str) -> dict[Span, tuple[float, float]
         if len(ends) == 2 and off and all(map(math.isfinite, ends)):
             ranges[found.view.span] = (ends[0], ends[1])
     return ranges
+
+
+def clamps_not_in_force(case: Case) -> dict[tuple[int, str], tuple[float, float]]:
+    """Ranges of joints for what their actuators give that are switched off, by the MJCF's artifact and the joint.
+
+    Args:
+        case: The case.
+
+    Returns: low and high end [N*m or N].
+    """
+    ranges = {}
+    for index, artifact in case.of_kind(FileKind.MJCF):
+        robot = artifact.robot
+        if robot is None or not any(b"actuatorf" in file.data for file in robot.files):
+            continue
+        for joint in robot.joints:
+            if joint.effort_range is None and "effort" in joint.stated:
+                found = case.once(_Texts).of(index).joint(joint.name)
+                ends = numbers(found.get("range"), 2)
+                if found.get("limited") == "false" and len(ends) == 2 and all(map(math.isfinite, ends)):
+                    ranges[index, joint.name] = (ends[0], ends[1])
+    return ranges
+
+
+def compiler_of(case: Case, artifact: int) -> tuple[Span, str]:
+    """Where an MJCF states how it is read, and the angle that it states there, "" for none.
+
+    Args:
+        case: The case.
+        artifact: An MJCF.
+
+    Returns: the place of the `compiler` of its own file, else of another one, else of its root.
+    """
+    document = case.once(_Texts).of(artifact).document
+    found = sorted(document.sections("compiler"), key=lambda element: element.file > 0)
+    stated = (angle for element in reversed(found) if (angle := element.get("angle")))
+    return document.span(found[0] if found else document.root), next(stated, "")
 
 
 def is_turned(case: Case, row: LedgerRow, view: ActuatorView | None) -> bool:

@@ -4,13 +4,13 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from actspec.audit.case import MODELS
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.actuator_texts import is_turned, ranges_not_in_force
+from actspec.audit.rules.actuator_texts import clamps_not_in_force, is_turned, ranges_not_in_force
 from actspec.audit.rules.joints import (
     is_called_undriven,
     is_driven_by_mjlab,
@@ -53,6 +53,26 @@ _TIMES = 5.0
 where it was 1.3 to 2.4 times the limit nobody acted on it (docs/survey.md)."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Bounded:
+    """What bounds a servo that nothing but its command limits.
+
+    Attributes:
+        effect: The bound, in words, with what limits the joint far below it.
+        lower: The row that does; None: none, or a published figure.
+        confidence: That the bound is none of the motor's; None where nothing tells that.
+    """
+
+    effect: str
+    lower: LedgerRow | None
+    confidence: Confidence | None
+
+    @property
+    def related(self) -> tuple[Span, ...]:
+        """Where the lower limit is written."""
+        return () if self.lower is None else (self.lower.place("effort_limit"),)
+
+
 class NoEffectiveLimit(RuleInParts):
     code = "LIM101"
     name = "no-effective-limit"
@@ -71,7 +91,8 @@ class NoEffectiveLimit(RuleInParts):
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         written = ranges_not_in_force(case, "force")
         clamps = {name: ranges_not_in_force(case, name) for name in ("ctrl", "act")}
-        held: dict[Span, tuple[str, LedgerRow | None]] = {}
+        of_joints = clamps_not_in_force(case)
+        held: dict[Span, _Bounded] = {}
         for index, artifact in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
             speaks = _limits_most(case, index)
@@ -93,16 +114,17 @@ class NoEffectiveLimit(RuleInParts):
                     view = views.get(row.span)
                     looked = free and not _is_bounded(row, view) and not _is_empty(written.get(row.span))
                     looked = looked and not is_turned(case, row, view)
+                    off = of_joints.get((index, row.joint))
                     missing = (
                         self._missing(
-                            case, row, view, written.get(row.span), clamps[_input(view)].get(row.span)
+                            case, row, view, written.get(row.span), off, clamps[_input(view)].get(row.span)
                         )
                         if looked
                         else ()
                     )
                     if elsewhere is not None:
                         missing = (_beside(one, elsewhere) for one in missing)
-                    quiet = (meant and row.span not in written) or is_called_undriven(row)
+                    quiet = (meant and row.span not in written and off is None) or is_called_undriven(row)
                     yield (replace(one, severity=Severity.INFO) for one in missing) if quiet else missing
         for _, artifact in case.of_kind(FileKind.CFG):
             settings = {} if artifact.config is None else artifact.config.settings
@@ -143,7 +165,7 @@ class NoEffectiveLimit(RuleInParts):
                 elif limit is not None:
                     found = self._stated(case, row, field, limit, idle, undriven)
                     if field == "effort_limit" and row.span in held:
-                        found = self._held_back(case, row, limit, *held[row.span])
+                        found = self._held_back(case, row, limit, held[row.span])
                     yield (replace(one, severity=Severity.INFO) for one in found) if unused else found
 
     def _soft(self, setting: Setting) -> Iterator[Finding]:
@@ -160,9 +182,7 @@ class NoEffectiveLimit(RuleInParts):
         help = "it is the share of each joint's range: above 0, at most 1"
         yield Finding(self.code, message, setting.span, value=factor, help=help)
 
-    def _held(
-        self, case: Case, row: LedgerRow, view: ActuatorView | None
-    ) -> tuple[str, LedgerRow | None] | None:
+    def _held(self, case: Case, row: LedgerRow, view: ActuatorView | None) -> _Bounded | None:
         """What is said where the clamped command of a servo bounds its torque below a limit that is a placeholder."""
         limit = row.effort_limit
         if view is None or limit is None or not self.option(case, "least") <= limit < math.inf:
@@ -170,7 +190,7 @@ class NoEffectiveLimit(RuleInParts):
         bound, how = _bound(row, view)
         if bound is None or bound >= limit:
             return None
-        effect, lower = _by_command(case, row, bound, how)
+        bounded = self._by_command(case, row, view, bound, how)
         # Motors of one robot differ, but not so far: who wrote limits beside it left this one out.
         beside = [
             other
@@ -178,28 +198,22 @@ class NoEffectiveLimit(RuleInParts):
             if other.kind is row.kind and 0.0 < (other.effort_limit or 0.0) < self.option(case, "least")
         ]
         most = max(beside, key=lambda other: other.effort_limit or 0.0, default=None)
-        doubted = _is_in_doubt(case, row)
-        if (
-            lower is None
-            and not doubted
-            and most is not None
-            and bound >= _TIMES * (most.effort_limit or 0.0)
-        ):
-            lower = most
-            limit_there = shown(most, "effort_limit", most.effort_limit, 6)
-            effect += f", and no other joint of the file has more than {limit_there}"
-        return effect, lower
+        far = most is not None and bound >= _TIMES * (most.effort_limit or 0.0)
+        if bounded.confidence is not None or most is None or not far or _is_in_doubt(case, row):
+            return bounded
+        limit_there = shown(most, "effort_limit", most.effort_limit, 6)
+        effect = f"{bounded.effect}, and no other joint of the file has more than {limit_there}"
+        return _Bounded(effect, most, self.confidence)
 
-    def _held_back(
-        self, case: Case, row: LedgerRow, limit: float, effect: str, lower: LedgerRow | None
-    ) -> Iterator[Finding]:
+    def _held_back(self, case: Case, row: LedgerRow, limit: float, bounded: _Bounded) -> Iterator[Finding]:
         """Of a placeholder that a clamped command's bound makes idle: a note, unless that is far above other limits."""
         for one in self._stated(case, row, "effort_limit", limit, False, False):
             yield replace(
                 one,
-                message=one.message.replace("and it limits nothing", f"and {effect}"),
-                related=() if lower is None else (lower.place("effort_limit"),),
-                severity=Severity.INFO if lower is None else one.severity,
+                message=one.message.replace("and it limits nothing", f"and {bounded.effect}"),
+                related=bounded.related,
+                severity=Severity.INFO if bounded.confidence is None else one.severity,
+                confidence=bounded.confidence,
             )
 
     def _missing(
@@ -208,47 +222,76 @@ class NoEffectiveLimit(RuleInParts):
         row: LedgerRow,
         view: ActuatorView | None,
         written: tuple[float, float] | None,
+        of_joint: tuple[float, float] | None,
         clamp: tuple[float, float] | None,
     ) -> Iterator[Finding]:
-        """Of an actuator without a limit, with the ranges of its force and of its control that are not in force."""
+        """Of an actuator without a limit, with the ranges of force, joint and control that are not in force."""
         noun = "force" if row.kind is JointKind.SLIDE else "torque"
         bound, how = _bound(row, view) if view is not None else (None, "")
-        severity = self.severity
-        lower: LedgerRow | None = None
-        if bound is None:
-            effect = f"its {noun} is unlimited"
-        else:
-            effect, lower = _by_command(
-                case, row, bound, how, "command" if _input(view) == "ctrl" else "activation"
-            )
-            if lower is None:
-                severity = Severity.INFO
+        bounded = _Bounded(f"its {noun} is unlimited", None, self.confidence)
+        if bound is not None:
+            bounded = self._by_command(case, row, view, bound, how)
+        name, off, times = "force", written, 1.0 if view is None else abs(view.gear)
         if written is None:
+            name, off, times = "actuatorfrc", of_joint, 1.0
+        if off is None:
             what = "no force range or joint limit limits this actuator"
             if bound is None:
                 what = f"no force range, joint limit or {_INPUTS[_input(view)]} range limits this actuator"
             if clamp is not None:
-                off = _switched_off(_input(view), clamp)
-                what = f"no force range or joint limit limits this actuator, and {off}"
+                vain = _switched_off(_input(view), clamp)
+                what = f"no force range or joint limit limits this actuator, and {vain}"
         else:
-            what = _switched_off("force", written)
-            if bound is not None and view is not None and bound <= abs(view.gear) * largest(written):
+            what = _switched_off(name, off)
+            if bound is not None and view is not None and bound <= times * largest(off):
                 return
-            severity = self.severity
         yield Finding(
             self.code,
-            f"{what}: {effect}",
+            f"{what}: {bounded.effect}",
             row.span,
             row.joint,
-            help="leave forcelimited out, or the range"
-            if written is not None
+            help=f"leave {name}limited out, or the range"
+            if off is not None
             else "add actuatorfrcrange to the joint, or forcerange to the actuator"
             + (f", or leave {_input(view)}limited out" if clamp is not None else ""),
-            related=() if lower is None else (lower.place("effort_limit"),),
+            related=bounded.related,
             fields=("effort_limit",),
-            severity=severity,
+            severity=Severity.INFO if bounded.confidence is None and off is None else self.severity,
+            confidence=None if off is not None else bounded.confidence,
             about="" if bound is None else shown(row, "effort_limit", bound),
         )
+
+    def _by_command(
+        self, case: Case, row: LedgerRow, view: ActuatorView | None, bound: float, how: str
+    ) -> _Bounded:
+        """What a clamped command or activation bounds, and what limits the joint far below: another file, or what is
+        published.
+        """
+        clamped = "command" if _input(view) == "ctrl" else "activation"
+        noun = "force" if row.kind is JointKind.SLIDE else "torque"
+        if _is_in_doubt(case, row):
+            effect = f"the {noun} that its clamped {clamped} allows is unknown: a range is in the wrong unit (UNT101)"
+            return _Bounded(effect, None, None)
+        effect = f"its clamped {clamped} bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
+        partners = (other for other in partner_rows(case, row, *MODELS) if not is_exporters(other))
+        others = (other for other in partners if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER)
+        # The largest limit of those files that lie nearest.
+        nearest = max(
+            others,
+            key=lambda other: (_common(other.file, row.file), other.effort_limit or 0.0),
+            default=None,
+        )
+        if nearest is not None:
+            if bound < _TIMES * (nearest.effort_limit or 0.0):
+                return _Bounded(effect, None, None)
+            limit = shown(row, "effort_limit", nearest.effort_limit, 6)
+            there = nearest.place("effort_limit").path
+            return _Bounded(f"{effect}, and {there} limits the joint to {limit}", nearest, self.confidence)
+        name, published = case.once(_published).get((row.artifact, row.joint), ("", math.inf))
+        if bound < _TIMES * published:
+            return _Bounded(effect, None, None)
+        limit = shown(row, "effort_limit", published, 6)
+        return _Bounded(f"{effect}, and {limit} is published for {name}", None, Confidence.MEDIUM)
 
     def _is_placeholder(self, case: Case, row: LedgerRow, field: str) -> bool:
         return is_nobodys(row, field, self.option(case, "least"))
@@ -407,27 +450,13 @@ def _input(view: ActuatorView | None) -> str:
     return "act" if view is not None and view.input == "activation" else "ctrl"
 
 
-def _by_command(
-    case: Case, row: LedgerRow, bound: float, how: str, clamped: str = "command"
-) -> tuple[str, LedgerRow | None]:
-    """What a clamped command or activation bounds, in words; and another file's row that limits the joint far below."""
-    noun = "force" if row.kind is JointKind.SLIDE else "torque"
-    if _is_in_doubt(case, row):
-        return (
-            f"the {noun} that its clamped {clamped} allows is unknown: a range is in the wrong unit (UNT101)",
-            None,
-        )
-    effect = f"its clamped {clamped} bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
-    partners = (other for other in partner_rows(case, row, *MODELS) if not is_exporters(other))
-    others = (other for other in partners if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER)
-    # The largest limit of those files that lie nearest.
-    nearest = max(
-        others, key=lambda other: (_common(other.file, row.file), other.effort_limit or 0.0), default=None
-    )
-    if nearest is None or bound < _TIMES * (nearest.effort_limit or 0.0):
-        return effect, None
-    limit = shown(row, "effort_limit", nearest.effort_limit, 6)
-    return f"{effect}, and {nearest.place('effort_limit').path} limits the joint to {limit}", nearest
+def _published(case: Case) -> dict[tuple[int, str], tuple[str, float]]:
+    """Joints of known robots: the robot's name, and the most that is published of the joint [N*m or N]."""
+    return {
+        (one.index, row.joint): (one.robot.name, max(max(one.robot.efforts(name)) for name in names))
+        for one in case.once(likenesses)
+        for row, names in one.joints
+    }
 
 
 def _is_in_doubt(case: Case, row: LedgerRow) -> bool:
@@ -547,5 +576,5 @@ def _is_empty(ends: tuple[float, float] | None) -> bool:
 
 
 def _switched_off(name: str, ends: tuple[float, float]) -> str:
-    """That a range of `force`, `ctrl` or `act` is written in vain."""
+    """That a range of `force`, `actuatorfrc`, `ctrl` or `act` is written in vain."""
     return f'{name}range="{ends[0]:g} {ends[1]:g}" is switched off by {name}limited="false"'

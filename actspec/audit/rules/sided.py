@@ -23,6 +23,9 @@ _RIGHT = {
 
 SIDE_WORDS = frozenset(word for sides in _SIDES for word in sides)
 
+_ENDS = frozenset({"front", "fore", "rear", "back", "hind", "middle", "mid"})
+"""Words for the ends of a robot on legs or wheels. Chosen: as above."""
+
 _OF_FILES = {"left": {"left", "l", "lh"}, "right": {"right", "r", "rh"}}
 """Words for the side that a file is of. Chosen: others are names of folders and robots (`rl`, `ml`, `fr3`, `rm65`)."""
 
@@ -52,6 +55,12 @@ def mirrors(name: str) -> tuple[str, ...]:
         for chosen in (*([index] for index in at), at)
         if chosen
     )
+
+
+def of_its_leg(name: str) -> str:
+    """A joint's name without what tells its leg or wheel from the others: that of `FL_hip` and of `RR_hip`."""
+    words = WORD.findall(name)
+    return "".join("-" if word.lower() in SIDE_WORDS | _ENDS else word for word in words)
 
 
 def robots_of_one_side(case: Case) -> tuple[Robot, ...]:

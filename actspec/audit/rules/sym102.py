@@ -8,7 +8,9 @@ from operator import attrgetter
 from actspec.audit.case import MODELS
 from actspec.audit.difference import axis_text
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.sided import of_its_leg
 from actspec.audit.rules.sym101 import pairs
+from actspec.diagnostics import listed
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView, JointView
@@ -36,13 +38,13 @@ class _Pair:
 
     Attributes:
         left: Its rows; `right` likewise.
-        axes: Of the left and of the right joint, in the base's frame.
+        joints: The left and the right joint, whose axes are known.
         turns: For each plane whether the right axis is the left's mirror image (1), its opposite (-1) or neither (0).
     """
 
     left: Sequence[LedgerRow]
     right: Sequence[LedgerRow]
-    axes: tuple[tuple[float, float, float], tuple[float, float, float]]
+    joints: tuple[JointView, JointView]
     turns: tuple[int, ...]
 
 
@@ -96,6 +98,14 @@ class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
             assert one is not None and other is not None
             odd, other = sorted((one, other), key=attrgetter("gear"))
             yield self._gear(odd, other, others)
+        for alike in _of_equal_legs(found):
+            for way in (1, -1):
+                turned = [leg for leg in alike if way * _along(leg[1], alike[0][1]) < 0.0]
+                rest = [leg for leg in alike if way * _along(leg[1], alike[0][1]) > 0.0]
+                if len(turned) == 1 and not (
+                    _is_turned(view(turned[0][0])) and not _is_turned(view(rest[0][0]))
+                ):
+                    yield self._axis(turned[0][1], [joint for _, joint in rest])
 
     def _gear(self, odd: ActuatorView, other: ActuatorView, others: int) -> Finding:
         return Finding(
@@ -110,24 +120,92 @@ class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
             related=(other.places.get("gear", other.span),),
         )
 
-    def _range(self, pair: _Pair, others: int) -> Finding:
-        left, right = pair.left[0], pair.right[0]
-        assert left.position_range is not None and right.position_range is not None
-        one, its = (axis_text([round(part, 2) for part in axis]) for axis in pair.axes)
-        ranges = [
-            f"{format_quantity(low, '', 3)} to {format_quantity(high, 'rad', 3)}"
-            for low, high in (left.position_range, right.position_range)
-        ]
+    def _axis(self, odd: JointView, others: Sequence[JointView]) -> Finding:
+        assert odd.axis is not None and others[0].axis is not None
+        mine, its = (axis_text([round(part, 2) for part in axis]) for axis in (odd.axis, others[0].axis))
         return Finding(
             self.code,
-            f"this is no mirror image of {left.joint}: about {its} in the base's frame it goes from {ranges[1]}, and "
-            f"{left.joint} about {one} from {ranges[0]}, the other way; {others} other pairs of this model mirror",
-            right.place("position_range"),
-            right.joint,
-            help="of one of the two the axis or the range is turned round: turn it back, and see which way it bends",
-            related=(left.place("position_range"),),
-            about=f"{ranges[0]} {ranges[1]}",
+            f"the axis is {mine} in the base's frame, and {its} at {listed([one.name for one in others], 3)}: what "
+            "turns those one way turns this the other",
+            odd.places.get("axis", odd.span),
+            odd.name,
+            help="turn the axis round; where the robot's own motor is turned, a comment can say so",
+            related=(others[0].places.get("axis", others[0].span),),
+            about=f"axis {mine}",
         )
+
+    def _range(self, pair: _Pair, others: int) -> Finding:
+        field, odd = _departs(pair)
+        places = [one.places.get(field, one.span) for one in pair.joints]
+        if places[0] == places[1]:
+            # Both are a class's: what differs is how the bodies are turned.
+            places = [one.span for one in pair.joints]
+        axes, ranges = [], []
+        for joint in pair.joints:
+            assert joint.axis is not None and joint.range is not None
+            axes.append(axis_text([round(part, 2) for part in joint.axis]))
+            low, high = joint.range
+            ranges.append(f"{format_quantity(low, '', 3)} to {format_quantity(high, 'rad', 3)}")
+        other = pair.joints[1 - odd].name
+        return Finding(
+            self.code,
+            f"this is no mirror image of {other}: about {axes[odd]} in the base's frame it goes from {ranges[odd]}, "
+            f"and {other} about {axes[1 - odd]} from {ranges[1 - odd]}, the other way; "
+            f"{others} other pairs of this model mirror",
+            places[odd],
+            pair.joints[odd].name,
+            help="of one of the two the axis or the range is turned round: turn it back, and see which way it bends",
+            related=(places[1 - odd],),
+            about=" ".join(ranges),
+        )
+
+
+def _of_equal_legs(found: Sequence[_Pair]) -> Iterator[Sequence[tuple[Sequence[LedgerRow], JointView]]]:
+    """Joints of legs or wheels, four or more, with one symmetrical range, or none, about parallel axes.
+
+    Their ranges do not tell which way they turn, and all front and rear legs of a robot are alike.
+    """
+    legs: dict[str, list[tuple[Sequence[LedgerRow], JointView]]] = {}
+    for pair in found:
+        sides = zip((pair.left, pair.right), pair.joints, strict=True)
+        legs.setdefault(of_its_leg(pair.joints[0].name), []).extend(sides)
+    for alike in legs.values():
+        first = alike[0][1]
+        if len(alike) > _OTHERS and all(_is_like(joint, first) for _, joint in alike):
+            yield alike
+
+
+def _is_like(one: JointView, first: JointView) -> bool:
+    """Whether a joint has the symmetrical range of another, and an axis along its."""
+    if one.tree != first.tree or abs(_along(one, first)) <= _ALONG:
+        return False
+    if one.range is None or first.range is None:
+        return one.range is first.range
+    same = all(abs(a - b) <= _SAME for a, b in zip(one.range, first.range, strict=True))
+    return same and abs(sum(one.range)) < _LOPSIDED
+
+
+def _along(one: JointView, other: JointView) -> float:
+    """Cosine between two axes."""
+    return sum(a * b for a, b in zip(one.axis or (), other.axis or (), strict=True))
+
+
+def _is_turned(view: ActuatorView | None) -> bool:
+    """Whether a motor turns its command round."""
+    return view is not None and view.gear < 0.0
+
+
+def _departs(pair: _Pair) -> tuple[str, int]:
+    """Which of range and axis departs, and at which side (0: left): what one class states of both is no slip.
+
+    Where nothing tells, it is the right one's range.
+    """
+    for field in ("axis", "range"):
+        own = [one.places.get(field, one.span) == one.span for one in pair.joints]
+        if own[0] is not own[1]:
+            return field, own.index(True)
+    range_of = [one.places.get("range") for one in pair.joints]
+    return ("axis" if range_of[0] is not None and range_of[0] == range_of[1] else "range"), 1
 
 
 def _joint(case: Case, row: LedgerRow) -> JointView | None:
@@ -150,7 +228,7 @@ def _pair(
     for plane in _PLANES:
         along = sum(a * b * sign for a, b, sign in zip(one.axis, other.axis, plane, strict=True))
         turns.append((along > _ALONG) - (along < -_ALONG))
-    return _Pair(left, right, (one.axis, other.axis), tuple(turns))
+    return _Pair(left, right, (one, other), tuple(turns))
 
 
 def _planes(found: Sequence[_Pair]) -> tuple[int, ...]:

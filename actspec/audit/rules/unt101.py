@@ -8,12 +8,12 @@ from typing import ClassVar
 
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.actuator_texts import written_actuators
+from actspec.audit.rules.actuator_texts import compiler_of, written_actuators
 from actspec.audit.rules.joints import by_joint, shown
 from actspec.diagnostics import Span
 from actspec.fields import is_power_of_ten
 from actspec.ir import JointKind
-from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.artifact import Artifact, FileKind, without_comments
 from actspec.readings.compare import DEGREES
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
@@ -72,7 +72,19 @@ class RangeInDegrees(RuleInParts):
         # One range that is radians by its servo tells that all of the file are, endless joints' too.
         radians = Counter(row.artifact for row in found if not _turns(row))
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
+        of_parts: dict[tuple[int, str], list[LedgerRow]] = {}
         for row in found:
+            place, artifact = row.place("position_range"), case.artifacts[row.artifact]
+            if _turns(row) or (_is_part(artifact, place) and radians[row.artifact] == 1):
+                continue
+            if _is_in_radians(artifact, place.path):
+                of_parts.setdefault((row.artifact, place.path), []).append(row)
+        for (index, part), rows in of_parts.items():
+            yield (_graded(self._of_includer(case, index, part, rows), case.artifacts[index]),)
+        told_of = {row.span: row for rows in of_parts.values() for row in rows}
+        for row in found:
+            if told_of.get(row.span) is row:
+                continue
             assert row.command_range is not None and row.position_range is not None
             is_part = _is_part(case.artifacts[row.artifact], row.place("position_range"))
             if _turns(row) and row.artifact not in radians:
@@ -98,12 +110,18 @@ class RangeInDegrees(RuleInParts):
                 continue
             hinges = _limited_hinges(artifact)
             if index in locked:
-                yield (_graded(self._of_file(_moving(hinges), artifact), artifact),)
+                yield (_graded(self._of_file(case, index, _moving(hinges)), artifact),)
                 continue
             virtual = _placeholder_ranges(artifact)
+            # Several angles that are no turns are no joints of many turns.
+            several = {hinge.range for hinge in hinges if self._is_far(case, hinge)} - virtual
+            several = {ends for ends in several if not all(map(_is_turns, ends or ()))}
+            far = sum(hinge.range in several for hinge in hinges)
+            in_radians = artifact.kind is FileKind.URDF or artifact.states(b"radian")
+            all_of_it = in_radians and len(several) >= _SEVERAL and 2 * far >= len(_moving(hinges))
             for hinge in hinges:
                 quiet = hinge.range in virtual or (index, hinge.name) in by_servo
-                yield () if quiet else self._of_joint(case, hinge, index in told)
+                yield () if quiet else self._of_joint(case, hinge, index in told or all_of_it)
 
     def _of_range(
         self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], is_part: bool
@@ -119,6 +137,21 @@ class RangeInDegrees(RuleInParts):
             "rad",
             largest(command),
             'write the range in degrees, or add <compiler angle="radian"/>',
+        )
+
+    def _of_includer(self, case: Case, index: int, part: str, rows: Sequence[LedgerRow]) -> Finding:
+        """Of a model without the angle of a part that it includes, all of whose ranges are in radians."""
+        row = rows[0]
+        assert row.position_range is not None
+        place, why = _lacks_angle(case, index, part)
+        low, high = (shown(row, "default_position", end) for end in row.position_range)
+        return Finding(
+            self.code,
+            f"{why}; {row.joint} gets {low} ... {high}, and its servo's control range is {DEGREES:.3g} times that",
+            place,
+            help=_ANGLE_OR_DEGREES,
+            joints=tuple(one.joint for one in rows),
+            related=tuple(dict.fromkeys(one.place("position_range") for one in rows)),
         )
 
     def _of_control(
@@ -196,12 +229,12 @@ class RangeInDegrees(RuleInParts):
         )
 
     def _of_joint(self, case: Case, joint: JointView, told: bool) -> Iterator[Finding]:
-        """A hinge of several turns: of whole radians, or in a file of which a servo tells that it is in degrees."""
+        """A hinge of several turns: of whole or half radians, or in a file that is known to be in degrees."""
         ends = joint.range or (0.0, 0.0)
         most = largest(ends)
-        if not self.option(case, "least") <= most <= self.option(case, "most"):
+        if not self._is_far(case, joint):
             return
-        if not told and not all(math.isclose(end, round(end), abs_tol=1e-9) for end in ends):
+        if not told and not all(math.isclose(2.0 * end, round(2.0 * end), abs_tol=1e-9) for end in ends):
             return
         yield Finding(
             self.code,
@@ -216,12 +249,17 @@ class RangeInDegrees(RuleInParts):
             confidence=Confidence.MEDIUM,
         )
 
-    def _of_file(self, joints: list[JointView], artifact: Artifact) -> Finding:
-        first = joints[0]
+    def _is_far(self, case: Case, joint: JointView) -> bool:
+        """Whether a hinge may turn as many turns as an angle in degrees would be."""
+        most = largest(joint.range or (0.0, 0.0))
+        return self.option(case, "least") <= most <= self.option(case, "most")
+
+    def _of_file(self, case: Case, index: int, joints: list[JointView]) -> Finding:
+        first, artifact = joints[0], case.artifacts[index]
         place = first.places.get("range", first.span)
         ends = first.range or (0.0, 0.0)
         most = max(largest(joint.range or (0.0, 0.0)) for joint in joints) * DEGREES
-        return Finding(
+        found = Finding(
             self.code,
             f"none of the {len(joints)} limited hinges may move by more than {most:.3g} degrees from 0, the first from "
             f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees"
@@ -234,6 +272,11 @@ class RangeInDegrees(RuleInParts):
             'add <compiler angle="radian"/>',
             joints=tuple(joint.name for joint in joints),
         )
+        if not _is_in_radians(artifact, place.path) or _is_part(artifact, place):
+            return found
+        there, why = _lacks_angle(case, index, place.path)
+        message = f"{why}; {found.message.partition(': radians')[0]}"
+        return replace(found, message=message, span=there, help=_ANGLE_OR_DEGREES, related=(place,))
 
 
 def _told(case: Case) -> tuple[tuple[Finding, ...], ...]:
@@ -243,13 +286,18 @@ def _told(case: Case) -> tuple[tuple[Finding, ...], ...]:
 
 def ranges_in_doubt(case: Case) -> frozenset[tuple[str, str]]:
     """Files and joints with a range that is in another unit than it is read in: no torque follows from it."""
-    found = (one for part in case.once(_told) for one in part)
-    return frozenset((one.span.path, joint) for one in found for joint in one.joints or (one.joint,))
+    return frozenset(
+        (place.path, joint)
+        for part in case.once(_told)
+        for one in part
+        for place in (one.span, *one.related)
+        for joint in one.joints or (one.joint,)
+    )
 
 
 def ranges_told(case: Case) -> frozenset[Span]:
     """Where the ranges are written of which something is said."""
-    return frozenset(one.span for part in case.once(_told) for one in part)
+    return frozenset(place for part in case.once(_told) for one in part for place in (one.span, *one.related))
 
 
 _LOCKED = 3.2 / DEGREES
@@ -261,13 +309,23 @@ above 2 pi / 57.3."""
 
 _SEVERAL = 3
 
+_ANGLE_OR_DEGREES = 'add <compiler angle="radian"/>, or write the ranges in degrees'
+
 _NEAR = 2.5
 """Factor between the span of a control range in degrees and the joint's up to which they are one joint's. Chosen: a
 half or a whole turn is written for a hinge that turns half of it."""
 
 
+_ROUNDED = 0.02
+"""Difference up to which a position is a number of half turns [rad]. Chosen: strangers write 31.4 for 10 pi."""
+
 _TURN = 2.0 * math.pi
 """Chosen: a target beyond a full turn is in degrees; below it is the joint's range that is not."""
+
+
+def _is_turns(end: float) -> bool:
+    """Whether a position is half a turn, or a number of these, as files round them."""
+    return abs(end - math.pi * round(end / math.pi)) <= _ROUNDED
 
 
 def _written(ends: tuple[float, float], factor: float = 1.0) -> str:
@@ -340,6 +398,38 @@ def _are_locked(ranges: Sequence[tuple[float, float]]) -> bool:
     halves = [2.0 * DEGREES * end for ends in ranges for end in ends]
     odd = sum(not math.isclose(half, round(half), abs_tol=1e-6) for half in halves)
     return most <= _LOCKED_TURN and 2 * odd > len(halves)
+
+
+def _lacks_angle(case: Case, index: int, part: str) -> tuple[Span, str]:
+    """Where a model lacks the angle of a part that it includes, and that in words, with a model that has it."""
+    place, angle = compiler_of(case, index)
+    what = f'the angle is "{angle}"' if angle else "no angle is stated"
+    others = (other for at, other in case.of_kind(FileKind.MJCF) if at != index)
+    right = (one.path for one in others if one.states(b"radian") and _data_of(one, part) is not None)
+    beside = next((f", as {path} reads them" for path in right), "")
+    return place, f"{what}, so MuJoCo takes the ranges of {part} for degrees: they are radians{beside}"
+
+
+def _is_in_radians(artifact: Artifact, path: str) -> bool:
+    """Whether a file is a part without `<compiler>` that a model includes, and all ranges in it would lock its joints.
+
+    The file that includes it lacks the angle then: the part is as it should be.
+    """
+    data = _data_of(artifact, path)
+    if path == artifact.path or data is None or b"<compiler" in without_comments(data):
+        return False
+    ranges = [
+        joint.range or (0.0, 0.0)
+        for joint in _moving(_limited_hinges(artifact))
+        if joint.places.get("range", joint.span).path == path
+    ]
+    return bool(ranges) and _are_locked(ranges)
+
+
+def _data_of(artifact: Artifact, path: str) -> bytes | None:
+    """The text of a file that a model includes, or of its own; None: it does not."""
+    files = () if artifact.robot is None else artifact.robot.files
+    return next((file.data for file in files if file.path == path), None)
 
 
 def _limited_hinges(artifact: Artifact) -> list[JointView]:

@@ -2,11 +2,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from operator import itemgetter
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import clamp_of, finite, is_exporters, is_nobodys, partner_rows, shown, unit
 from actspec.diagnostics import Span
+from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.joint import largest
@@ -22,7 +24,7 @@ _HALF_TURN = 0.01
 
 _OWN = "the joint's range"
 
-_Motor = tuple[LedgerRow, JointView]
+_Motor = tuple[LedgerRow, JointView, ActuatorView]
 
 
 class AngleAsTorque(RuleOver[Sequence[_Motor]]):
@@ -46,26 +48,29 @@ class AngleAsTorque(RuleOver[Sequence[_Motor]]):
             for row in case.rows_of(index):
                 joint, view = robot.joint(row.joint) if row.joint else None, views.get(row.span)
                 if joint is not None and view is not None and _passes_on(row, view):
-                    motors.append((row, joint))
+                    motors.append((row, joint, view))
             if motors:
                 yield motors
 
     def judge(self, case: Case, motors: Sequence[_Motor]) -> Iterator[Finding]:
         """Compare the ranges of a model's motors with angles."""
-        angles = [(row, joint, angle) for row, joint in motors if (angle := _angle(row))]
+        angles = [(row, joint, view, angle) for row, joint, view in motors if (angle := _angle(row))]
         if len(angles) < _SEVERAL or 2 * len(angles) < len(motors):
             return
         # One range for all may be their torque, by chance; several that each are the joint's own are not.
-        own = {row.command_range for row, _, angle in angles if angle == _OWN}
-        for row, joint, angle in angles:
+        own = {row.command_range for row, _, _, angle in angles if angle == _OWN}
+        for row, joint, view, angle in angles:
             assert row.command_range is not None
-            bound, stated = largest(row.command_range), _limit(case, row, joint)
+            bound, stated = largest(row.command_range), _limit(case, row, joint, view)
             if stated is None:
                 told = angle == _OWN and len(own) >= _SEVERAL
                 others, share = ", as of others of this file", "at most"
             else:
                 told = stated[0] >= self.option(case, "times") * bound
-                others, share = "", f"of its {shown(row, 'effort_limit', stated[0])}"
+                whose = "its" if stated[1].path == row.place("command_range").path else "the"
+                others, share = "", f"of {whose} {shown(row, 'effort_limit', stated[0])}"
+                if whose == "the":
+                    share += f" that {stated[1].path} gives it"
             if told:
                 yield Finding(
                     self.code,
@@ -104,13 +109,21 @@ def _angle(row: LedgerRow) -> str:
     return "half a turn to both sides" if max(abs(high - math.pi), abs(low + math.pi)) <= _HALF_TURN else ""
 
 
-def _limit(case: Case, row: LedgerRow, joint: JointView) -> tuple[float, Span] | None:
-    """What else limits the joint's torque, and where: the joint itself, else another file."""
-    clamp = clamp_of(joint)
-    if clamp is not None:
-        return clamp, joint.places.get("effort", joint.span)
+def _limit(case: Case, row: LedgerRow, joint: JointView, view: ActuatorView) -> tuple[float, Span] | None:
+    """What else limits the joint's torque, and where: the model itself, else another file."""
+    force = None if "force_range" in view.unknown or view.force_range is None else largest(view.force_range)
+    stated = (
+        (finite(clamp_of(joint)), joint.places.get("effort", joint.span)),
+        (finite(force), view.places.get("forcerange", view.span)),
+    )
+    own = [(limit, place) for limit, place in stated if limit is not None and limit < PLACEHOLDER]
+    if own:
+        return min(own, key=itemgetter(0))
     for other in partner_rows(case, row):
         limit = finite(other.effort_limit)
+        # The same motor as a scene or a copy of the model has it says nothing else.
+        if other.control == row.control and other.command_range == row.command_range:
+            continue
         if limit is not None and not is_exporters(other) and not is_nobodys(other, "effort_limit"):
             return limit, other.place("effort_limit")
     return None
