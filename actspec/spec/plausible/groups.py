@@ -113,7 +113,8 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             reductions.setdefault(name, []).append((reduction and reduction.value) or 1.0)
         for field in ("effort_limit", "velocity_limit"):
             value = getattr(fields, field)
-            if isinstance(value, SpecValue):
+            # What is written as unknown limits nothing that could be compared.
+            if isinstance(value, SpecValue) and value.value is not None:
                 factor = None if reduction is None else reduction.value
                 limit = Limit(value, (*path, field), factor or 1.0, count, train, counted, reduced)
                 limits.setdefault(name, []).append(limit)
