@@ -248,7 +248,9 @@ CHECKS = (
         "where it follows from rotor and gear: a bare flange of a KR 210 has 507), or from ten times "
         "above or below three or more other joints of its group, which are alike, on. Also one that the motor's "
         "torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where it is ten times the links' inertia "
-        "or, of unknown links, kp swings it alone below 6 rad/s. Published: 10 (fingers of the H1) to 30000 rad/s^2, "
+        "or, of unknown links, kp swings it alone below 6 rad/s. What is just rotor inertia times gear squared is judged "
+        "as the motor's (SPEC185), and by the 300 or 1000 times alone: an exoskeleton's wearer is in no model. "
+        "Published: 10 (fingers of the H1) to 30000 rad/s^2, "
         "and 124 times the links at 150 rad/s^2 (gymnasium's ant).",
     ),
     Check(

@@ -537,3 +537,21 @@ def test_a_flange_without_a_tool(links: str, told: bool) -> None:
     """7 kg*cm^2 x 200^2 = 28 kg*m^2, 507 times 0.0552 and 1037 times 0.027."""
     found = said(FLANGE.replace("INERTIA", "7"), model=TURRET.replace("0.154", links))
     assert [item.code for item in found] == ["SPEC191"] * told
+
+
+EXOSKELETON = """actspec: 1
+robot: {name: exo, model: leg.xml}
+motors:
+  m: {side: motor, gear_ratio: 160, efficiency: 0.7, torque_constant: 53.4 mN*m/A, nominal_current: 4.72 A,
+      peak_current: 15 A, no_load_speed: 4250 rpm, nominal_voltage: 24 V, rotor_inertia: 1210 g*cm^2}
+actuators: {exo: {joints: [turret], motor: m, level: ideal_pd, kp: 400, kd: 40, effort_limit: continuousARMATURE}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("armature", "told"), [("", False), (", armature: 3.1", False), (", armature: 4", True)]
+)
+def test_an_exoskeleton_whose_wearer_is_in_no_model(armature: str, told: bool) -> None:
+    """1.21e-4 x 160^2 = 3.0976 kg*m^2 are 229 times 0.0135: 28.2 N*m turn them with 9.1 rad/s^2. 4 are another's."""
+    found = said(EXOSKELETON.replace("ARMATURE", armature), model=TURRET.replace("0.154", "0.0135"))
+    assert [item.code for item in found] == ["SPEC191"] * told
