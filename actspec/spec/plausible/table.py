@@ -248,8 +248,8 @@ CHECKS = (
         "where it follows from rotor and gear: a bare flange of a KR 210 has 507), or from ten times "
         "above or below three or more other joints of its group, which are alike, on. Also one that the motor's "
         "torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where it is ten times the links' inertia "
-        "or, of unknown links, kp swings it alone below 6 rad/s. What is just rotor inertia times gear squared is judged "
-        "as the motor's (SPEC185), and by the 300 or 1000 times alone: an exoskeleton's wearer is in no model. "
+        "or, of unknown links, kp swings it alone below 6 rad/s. What is just rotor inertia times gear squared is the "
+        "motor's matter (SPEC185), and judged by the 300 or 1000 times alone: an exoskeleton's wearer is in no model. "
         "Published: 10 (fingers of the H1) to 30000 rad/s^2, "
         "and 124 times the links at 150 rad/s^2 (gymnasium's ant).",
     ),
@@ -264,7 +264,8 @@ CHECKS = (
         "from. Of joints with a motor also kd over kp below 0.5 ms (0.3 ms without friction), a kp that needs an "
         "error of more than 50 rad for the effort limit (2.2 rad), or of less than 0.015 rad with kd over kp below 2 "
         "ms (an so101 with 998 N*m/rad); and, by the inertia of links and armature at the reference pose: below 6 "
-        "rad/s where the limit needs an error of more than 10 rad, or below 1 rad/s (published: 6.2 rad/s and up; an "
+        "rad/s where the limit needs an error of more than 10 rad, or dry friction holds one of 0.1 rad and viscous "
+        "friction is above kd, or below 1 rad/s (published: 6.2 rad/s and up; an "
         "error of 25 rad at most, at 16 rad/s); above 150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or "
         "more (95 rad/s; 203 at 0.1 rad); a damping ratio below 0.015 with friction (0.064) or above 60 (12). Servos "
         "without a motor are often a simulator's own: Isaac Lab's G1 has arms of 1482 rad/s. Of them only the 0.015 "
