@@ -70,13 +70,13 @@ def driven(joint: str, fresh: FileFigures, built: FileFigures) -> bool:
     return built.controls.get(joint) != "none" or fresh.controls.get(joint) == "none"
 
 
-def figure_text(value: float | None, unit: str) -> str:
+def figure_text(value: float | None, unit: str, digits: int = 6) -> str:
     """A figure with its unit; `none` where there is no limit."""
     if value is None:
         return "unknown"
     if math.isinf(value):
         return "none"
-    return format_quantity(value, unit)
+    return format_quantity(value, unit, digits)
 
 
 def _missing(
@@ -108,6 +108,9 @@ def _settings(
         ok = error is not None and error <= tolerance
         unit = "" if name == "decimation" else "s"
         asked, said = figure_text(expected, unit), figure_text(got, unit)
+        if asked == said:
+            # Six digits do not tell them apart: 1/60 s and 0.0166667 s.
+            asked, said = figure_text(expected, unit, 12), figure_text(got, unit, 12)
         message = f"the {SETTING_NOUNS.get(name, name)} is {said}, and should be {asked}"
         yield Row(
             *(target.name, "", "", 0, name, unit, error, tolerance, ok, expected, got),

@@ -95,6 +95,18 @@ TIMED = (
 
 
 @pytest.mark.parametrize("target", ["isaaclab", "mjlab"])
+@pytest.mark.parametrize("rate", [60, 300, 480])
+def test_a_step_that_no_six_digits_give(rate: int, target: str) -> None:
+    """1/60 s, the step of Isaac Lab's reach tasks, is read back as 1/60 s, not as 0.0166667 s; verify allows 1e-6."""
+    text = TIMED.replace("4 ms", f"{1.0 / rate!r} s").replace("8 ms", f"{2.0 / rate!r} s")
+    Path("leg.yaml").write_text(text, encoding="utf-8")
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 0
+    found = step_of(Path(f"out/{target}/leg_cfg.py").read_bytes())
+    assert found is not None
+    assert found[0] == pytest.approx(1.0 / rate, rel=1e-10)
+
+
+@pytest.mark.parametrize("target", ["isaaclab", "mjlab"])
 def test_the_step_that_lags_count(target: str) -> None:
     """A configuration that actspec wrote says how long its steps are: 2 steps of 4 ms are 8 ms."""
     Path("leg.yaml").write_text(TIMED, encoding="utf-8")

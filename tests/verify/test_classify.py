@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from actspec.verify.classify import WrongFigure, classify
+from actspec.verify.layout import _settings
+from actspec.verify.readback import FileFigures
 
 ASKED = {
     "kp": 40.0,
@@ -111,3 +115,21 @@ def test_a_mapping_that_forgets_and_a_gear() -> None:
     """What a mapping leaves out is 0, and no lost limit; a gear in the file explains all numbers of the drive."""
     assert of("effort_limit", 0.0, forgotten=True)[0] == "VFY109"
     assert of("kp", 3240.0, geared=True)[0] == "VFY103"
+
+
+@pytest.mark.parametrize(
+    ("got", "said"),
+    [
+        (1.0 / 60.0, None),
+        (0.0166667, "the physics step is 0.0166667 s, and should be 0.0166666666667 s"),
+        (0.02, "the physics step is 0.02 s, and should be 0.0166667 s"),
+    ],
+)
+def test_a_step_is_told_with_the_digits_that_differ(got: float, said: str | None) -> None:
+    asked: Any = SimpleNamespace(
+        decimation=None, physics_dt=SimpleNamespace(value=1.0 / 60.0), control_period=None
+    )
+    fresh, built = (FileFigures("cfg.py", settings={"physics_dt": step}) for step in (1.0 / 60.0, got))
+    target: Any = SimpleNamespace(name="isaaclab")
+    (row,) = _settings(target, asked, fresh, built)
+    assert (row.ok, row.message) == (said is None, said or "")

@@ -9,6 +9,7 @@ from dataclasses import replace
 from actspec.diagnostics import Span
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.models import Motor
+from actspec.spec.plausible.drive import gear_of, number
 from actspec.spec.plausible.groups import turns
 from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.swing import SOFT
@@ -37,6 +38,8 @@ TOO_HEAVY = 300.0
 TOO_HEAVY_OF_MOTOR = 1000.0
 """The same of an armature that follows from rotor and gear, which are judged by themselves. Chosen: the flange of a
 KR 210's wrist, without a tool, has 507."""
+OWN_GEAR = 0.01
+"""An armature is that of rotor and gear alone by this part; beside it are a reduction, more motors, stages."""
 SLOW = 0.5
 """Time in which the motor's torque turns the armature to its speed [s], as of rotors in SPEC185 (published: to 0.052):
 noticed where it is `DOMINANT` times the links or, of unknown ones, where kp swings it alone below `SOFT`."""
@@ -113,6 +116,8 @@ def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> I
     rate = limit.value / value if limit.value else None
     links = None if joint.inertia_held is None else joint.inertia_held.high - value
     words = None
+    # Rotor and gear are judged by themselves (SPEC185). What turns with an exoskeleton's joint stands in no model.
+    of_rotor = drive is not None and _is_of_rotor(value, drive)
     # What has such a torque is no finger, whatever its links are.
     unknown_large = joint.inertia_held is None and (limit.value or 0.0) >= STRONG
     large = joint.kind is JointKind.HINGE and (unknown_large if links is None else links >= SMALL_LINK)
@@ -133,7 +138,7 @@ def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> I
         )
     elif large and links is not None:
         most = TOO_HEAVY_OF_MOTOR if armature.origin is Origin.DERIVED else TOO_HEAVY
-        heavy = HEAVY if rate is not None and rate < HEAVY_RATE else most
+        heavy = HEAVY if rate is not None and rate < HEAVY_RATE and not of_rotor else most
         if value >= heavy * links:
             words = (
                 f"an armature of {shown(armature)} is {format_quantity(value / links, '', 3)} times the inertia of "
@@ -141,7 +146,7 @@ def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> I
             )
     stall = 0.0 if line is None or line.stall_torque is None else line.stall_torque.value or 0.0
     strong, kp = max(limit.value or 0.0, stall), 0.0 if joint.kp is None else joint.kp.value or 0.0
-    if words is None and fast and 0.0 < strong < math.inf and joint.kind is JointKind.HINGE:
+    if words is None and not of_rotor and fast and 0.0 < strong < math.inf and joint.kind is JointKind.HINGE:
         takes = value * fast / strong
         heavy = value >= DOMINANT * links if links is not None and large else 0.0 < kp < SOFT**2 * value
         if takes > SLOW and heavy:
@@ -169,6 +174,14 @@ def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> I
         limit,
         motor,
         None if line is None else line.no_load_speed,
+    )
+
+
+def _is_of_rotor(armature: float, motor: Motor) -> bool:
+    """Whether an armature is just the rotor's inertia through the motor's own gear [kg*m^2]."""
+    rotor, gear = number(motor.rotor_inertia), gear_of(motor)
+    return bool(rotor and gear) and math.isclose(
+        armature, (rotor or 0.0) * (gear or 0.0) ** 2, rel_tol=OWN_GEAR
     )
 
 

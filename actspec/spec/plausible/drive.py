@@ -26,7 +26,7 @@ class Limit:
     """An effort or velocity limit of joints that a motor drives.
 
     Attributes:
-        value: As stated.
+        value: As stated, with a number.
         path: Where it stands; its last part tells which of the two it is.
         reduction: From the motor's output to the joint, where no transmission stands there.
         motors: How many drive one joint.

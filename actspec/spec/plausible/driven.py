@@ -10,7 +10,8 @@ from actspec.diagnostics import Path
 from actspec.ir import JointActuator, Level, Origin, Quantity
 from actspec.spec.document import SourceMap
 from actspec.spec.gears import Stage
-from actspec.spec.plausible.drive import Drive, Output, number, scaled, stage_path
+from actspec.spec.models import Motor
+from actspec.spec.plausible.drive import GEARED, Drive, Limit, Output, number, scaled, stage_path
 from actspec.spec.plausible.relations import KGF_CM, Relation
 from actspec.spec.plausible.slips import lengths
 from actspec.spec.plausible.table import Doubt, Found, at, found_at, shown
@@ -37,6 +38,12 @@ LIMIT_ABOVE = 3.0
 LIMIT_FAR_ABOVE = 30.0
 LIMIT_BELOW = 0.125
 """Effort limit over the least of peak and continuous torque. Chosen: published are 0.59 and more, a slip of ten 0.1."""
+NOT_BELOW = 0.5
+"""The same of a limit that is one of the motor's torques at the rotor, to the digit: through the gear it is that."""
+ROUND_DIGITS = 2
+"""Digits of a limit that may be anybody's choice: 5 N*m is an eighth of 40 N*m, 4.44 N*m is what a gear of 9 leaves."""
+NEARLY = 3e-3
+"""A torque that is divided by its gear, in three digits, is that by this part."""
 LIMIT_BELOW_STALL = 0.02
 """Effort limit over a stall torque that stands alone: of a winding it is many times what the drive gives."""
 WITNESS = 5.0
@@ -282,10 +289,18 @@ def limit_relations(drive: Drive, output: Output) -> Iterator[Relation]:
                 ),
                 about=f"servo {limit.path}",
             )
+        # A gripper may be held far below what its drive gives.
+        low = LIMIT_BELOW_STALL if train else below
+        at_rotor = None if train else _of_rotor(limit, motor, output)
         for about, most, bounds, usual, beyond in (
             ("above", output.torque, (0.0, LIMIT_ABOVE), (0.0, 1.1), LIMIT_FAR_ABOVE),
-            # A gripper may be held far below what its drive gives.
-            ("below", least, (LIMIT_BELOW_STALL if train else below, math.inf), (0.5, math.inf), math.inf),
+            (
+                "below",
+                at_rotor or least,
+                (NOT_BELOW if at_rotor else low, math.inf),
+                (0.5, math.inf),
+                math.inf,
+            ),
         ):
             if not stated or not most:
                 continue
@@ -307,6 +322,33 @@ def limit_relations(drive: Drive, output: Output) -> Iterator[Relation]:
                 beyond=(0.0, beyond),
                 about=f"{about} {limit.path}",
             )
+
+
+def _of_rotor(limit: Limit, motor: Motor, output: Output) -> float | None:
+    """The torque at the gearbox output that an effort limit has as the rotor's, to the digit; None: it has none.
+
+    A figure of the rotor's own sheet is that in any case; one of the output has to be as odd as what a gear makes.
+    """
+    stated, gear = number(limit.value), output.gear or 1.0
+    if not stated or gear < GEARED or motor.side is None:
+        return None
+    figures = [motor.peak_torque, motor.continuous_torque]
+    if motor.peak_torque is None:
+        figures += [motor.stall_torque, None if motor.curve is None else motor.curve.drive_torque]
+    sheet = motor.side == "motor"
+    if not sheet and math.isclose(stated, float(f"{stated:.{ROUND_DIGITS}g}"), rel_tol=1e-6):
+        return None
+    ways = (
+        ((1.0, gear * output.efficiency),)
+        if sheet
+        else ((1.0 / gear, 1.0), (1.0 / gear / output.efficiency, 1.0))
+    )
+    for figure in figures:
+        torque = number(figure)
+        for to_rotor, to_output in ways if torque else ():
+            if math.isclose(stated, (torque or 0.0) * to_rotor, rel_tol=JUST if sheet else NEARLY):
+                return (torque or 0.0) * to_output
+    return None
 
 
 def unreached_limit(joint: JointActuator) -> Iterator[Found]:

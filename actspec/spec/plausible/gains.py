@@ -57,6 +57,9 @@ USUAL_ERRORS = {JointKind.HINGE: USUAL_ERROR, JointKind.SLIDE: (1e-3, 1.0)}
 USUAL_SPEED = (2.5, 300.0)
 """Effort limit over kd of a hinge [rad/s]: where kd alone asks for all of it. Between two explanations it decides.
 Published: 3.5 to 148, and of a simulator's own servos from 0.07 on."""
+OWN_SPEED = 0.2
+"""The least that is usual of that over the joint's own speed, where the joint is slow. Chosen: a strain wave drive of
+4.2 rad/s with 0.08 s of kd over kp has 0.22."""
 LEAST_KNOWN_ERROR = 2e-3
 """Effort limit over kp of a weak joint whose kd nobody states [rad]. Published: 3.5e-3."""
 LEAST_SLIDE_ERROR = 1e-4
@@ -92,6 +95,7 @@ class Gains:
         stiff: kd over kp below which a limit that is reached at `LEAST_ERROR` is noticed [s]; 0: never.
         kind: Of the joint.
         soft: Times `LARGEST_ERROR` from which on a kp is noticed.
+        speed: That the motor lets the joint have [rad/s]; None: unknown.
     """
 
     kp: float
@@ -102,6 +106,7 @@ class Gains:
     stiff: float
     kind: JointKind
     soft: float = 1.0
+    speed: float | None = None
 
     @property
     def shown_kp(self) -> str:
@@ -187,7 +192,8 @@ def _relations(gains: Gains) -> Iterator[Relation]:
     )
     if kd and hinge:
         # Any may be; of two explanations it tells which.
-        yield _relation(gains.limit / kd, _ANY, USUAL_SPEED, "", "speed")
+        usual = (min(USUAL_SPEED[0], OWN_SPEED * (gains.speed or math.inf)), USUAL_SPEED[1])
+        yield _relation(gains.limit / kd, _ANY, usual, "", "speed")
     # Each of these is broken where both of its figures are below their bounds.
     strong = hinge and gains.limit >= STRONG
     if strong and error >= SOFT_ERROR and kd:

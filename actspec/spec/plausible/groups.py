@@ -114,7 +114,8 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             reductions.setdefault(name, []).append((reduction and reduction.value) or 1.0)
         for field in ("effort_limit", "velocity_limit"):
             value = getattr(fields, field)
-            if isinstance(value, SpecValue):
+            # What is written as unknown limits nothing that could be compared.
+            if isinstance(value, SpecValue) and value.value is not None:
                 factor = None if reduction is None else reduction.value
                 limit = Limit(value, (*path, field), factor or 1.0, count, train, counted, reduced)
                 limits.setdefault(name, []).append(limit)
@@ -185,7 +186,8 @@ def group_doubts(
             kind = JointKind.SLIDE if slide else JointKind.HINGE
             # Without a motor the robot's file may have such a servo, which is read at its joints.
             stiff, soft = (STIFF_RETURN, 1.0) if driven else (0.0, math.inf)
-            gains = Gains(kp.value or 0.0, kd.value, viscous, known, driven, stiff, kind, soft)
+            speed = _speed_of(stated, model)
+            gains = Gains(kp.value or 0.0, kd.value, viscous, known, driven, stiff, kind, soft, speed)
             paths = {"kp": kp_path, "kd": kd_path}
             found = gain_words(gains, {key: spans.value(path) for key, path in paths.items()})
             if found is not None:
@@ -296,6 +298,16 @@ def _most_of(
     times = float(factor * (count or 1))
     place = reduced if factor >= (count or 1) else counted
     return _Most(torque * times, times, None if times == 1.0 else place)
+
+
+def _speed_of(stated: Callable[[str], tuple[Any, Path, bool]], model: SpecModel) -> float | None:
+    """What a motor that turns lets a hinge have without load [rad/s]; None where that is unknown."""
+    name, reduction = stated("motor")[0], stated("reduction")[0]
+    motor = model.motors.get(name)
+    if motor is None or stated("transmission")[0] is not None or not turns(motor):
+        return None
+    speed = output_of(name, motor).speed
+    return None if not speed else speed / ((reduction and reduction.value) or 1.0)
 
 
 def _force_of(name: str, motor: Motor, model: SpecModel, way: Path) -> float | None:

@@ -65,6 +65,9 @@ MICRO_ACCELERATION = 5e7
 """The most of a micro motor. Chosen: torque over inertia grows as the size falls."""
 SMALL = 0.01
 """A rotor of less is a small one [N*m]."""
+USUAL_SLOW = (2e4, 1e4)
+"""The least that a rotor usually has, and one behind a gear [rad/s^2]. Published: 29400 (legs); strain wave gears have
+5000 and more."""
 USUAL_SMALL = 1e6
 """The most that such a one usually has. Chosen: motors of 8 mm have 7e5."""
 STRONG = 1.0
@@ -431,7 +434,10 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             "SPEC185",
             rate,
             (low, high),
-            (2e4, USUAL_SMALL if own < SMALL * (1.0 if at_rotor else turns) else 2e5)
+            (
+                USUAL_SLOW[is_geared(output)],
+                USUAL_SMALL if own < SMALL * (1.0 if at_rotor else turns) else 2e5,
+            )
             if at_rotor or gear
             else (50.0, 2e4),
             f"{what} of {given} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} with only "

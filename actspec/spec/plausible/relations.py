@@ -34,6 +34,8 @@ TIE = 0.02
 """Corrections of two numbers are both told if they differ by no more than this [powers of ten]."""
 TIE_OF_UNITS = 0.05
 """The same of two that have a reason: what is usual hardly parts two units."""
+TIE_OF_INERTIA = 0.2
+"""The same of the points of an inertia: rotors of one torque differ by two powers of ten."""
 TIE_OF_PRODUCT = 0.2
 """The same of the points of a speed and a voltage: constant times speed is all that is known of the two."""
 _FACTORS = frozenset(("no_load_speed", "nominal_voltage"))
@@ -189,10 +191,11 @@ def _told(
     refuted: Collection[tuple[object, ...]],
 ) -> Repair:
     """A correction, without its figure where another power of ten is as good, or the robot's file is not met."""
+    tie = TIE_OF_INERTIA if str(repair.paths[0][-1]).endswith("inertia") else TIE
     others = (
         other
         for other_cost, other in found
-        if other is not repair and other.paths == repair.paths and abs(other_cost - cost) <= TIE
+        if other is not repair and other.paths == repair.paths and abs(other_cost - cost) <= tie
     )
     vague = any(other.is_point for other in others) or (
         bool(refuted)

@@ -411,13 +411,14 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         if in_other and fits:
             # Whoever writes a unit has the point where the sheet has it.
             made = fits
-        yield from made
         if field == "rotor_inertia" and across is not None:
-            help = "is it the inertia at the output? Then write `reflected_inertia`; or a wrong unit, g*cm^2"
-            rare = RARE if in_other and fits else 0.0
+            # No slip of an inertia is more usual; behind a gear of 100 it is just what kg*cm^2 are.
+            help = "is it the inertia at the output? Then write `reflected_inertia`"
+            rare = RARE + SIDED if in_other and fits else 0.0
             update = {field: None, "reflected_inertia": inertia}
-            yield changed(motor.model_copy(update=update), [(field,)], help, rare + 0.15)
-        elif field == "reflected_inertia" and gear is not None and gear >= GEARED and not travels:
+            yield changed(motor.model_copy(update=update), [(field,)], help, rare)
+        yield from made
+        if field == "reflected_inertia" and gear is not None and gear >= GEARED and not travels:
             help = "is it the rotor's own, before the gear? Then write `rotor_inertia`"
             yield changed(motor.model_copy(update={field: None, "rotor_inertia": inertia}), [(field,)], help)
         elif field == "reflected_inertia" and gear is None:

@@ -146,7 +146,7 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
     kd, held, limit = joint.kd, joint.inertia_held, joint.effort_limit
     if not (is_stated(kp) or is_stated(kd)) or joint.command is not Command.POSITION:
         return
-    active = None if kd is None else kd.value
+    active, speed = None if kd is None else kd.value, own_speed(joint)
     gains = Gains(
         kp.require(),
         active,
@@ -156,6 +156,7 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
         _noticed_return(joint, kp),
         joint.kind,
         _noticed_softness(joint),
+        None if speed is None else speed.value,
     )
     places = {"kp": kp.span, "kd": None if kd is None else kd.span}
     if joint.kind is JointKind.SLIDE and gain_words(replace(gains, limit=None), places) is None:
@@ -281,7 +282,7 @@ def _by_frequency(
     kp: Quantity, kd: Quantity | None, joint: JointActuator, gains: Gains, inertia: float
 ) -> tuple[str, str, float] | None:
     """Message, help and size where the natural frequency is no joint's."""
-    words = frequency_words(gains, inertia)
+    words = frequency_words(gains, inertia, joint.friction_coulomb.value or 0.0)
     if words is None:
         return None
     message, help, size = words

@@ -16,7 +16,7 @@ SERVO = 10.0
 """Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
 PER_AMPERE = 0.05
 """So much likelier than a torque a torque constant is in kgf*cm: sheets of servos have kgf*cm/A."""
-INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"), (1e-3, "g*m^2"))
+INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"))
 """Units of datasheets [kg*m^2]."""
 SPEEDS = {"rpm": RPM, "rad/s": 1.0, "deg/s": DEGREE}
 """Units of speeds [rad/s]."""

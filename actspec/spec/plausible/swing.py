@@ -17,6 +17,9 @@ links."""
 SOFT_ERROR = 10.0
 """Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`, or dry friction holds the joint.
 Published, with a motor: to 2.2."""
+HELD_ERROR = 0.1
+"""Dry friction over kp [rad]: noticed where viscous friction is above kd and the natural frequency below `SOFT`.
+Chosen: arms are held within 0.003 rad, legs within 0.03."""
 SLACK = ((10.0, 10.0), (5.0, 5.0))
 """Effort limit over kp [rad] above which, and natural frequency [rad/s] below which, a drive without a motor is as weak
 that both gains may be per degree. Published, of 11577 drives: 22 rad at 13 rad/s (wrist of a YAM), 7.5 at 10, 5.7 at
@@ -43,12 +46,13 @@ DAMPING_RATIO = (0.015, 60.0)
 """kd and viscous friction over 2 sqrt(kp I)."""
 
 
-def frequency_words(gains: Gains, inertia: float) -> tuple[str, str, float] | None:
+def frequency_words(gains: Gains, inertia: float, dry: float = 0.0) -> tuple[str, str, float] | None:
     """Message, help and size where the natural frequency of a hinge is no joint's; None where it may be one's.
 
     Args:
         gains: Of the hinge.
         inertia: With the other joints held, armature included [kg*m^2].
+        dry: Friction [N*m].
     """
     unit = units_of(gains.kind)
     frequency = math.sqrt(gains.kp / inertia)
@@ -58,7 +62,11 @@ def frequency_words(gains: Gains, inertia: float) -> tuple[str, str, float] | No
     slack = error is not None and error > SOFT_ERROR
     tight = error is not None and error < STIFF_ERROR
     soft = frequency < TOO_SOFT and (gains.driven or heavy)
-    if soft or (gains.driven and frequency < SOFT and slack):
+    held = dry / gains.kp > HELD_ERROR and (gains.kd or 0.0) < gains.viscous
+    if held:
+        message += f"; the dry friction of {format_quantity(dry, unit.torque, 4)} alone holds it within "
+        message += format_quantity(dry / gains.kp, unit.position, 3)
+    if soft or (gains.driven and frequency < SOFT and (slack or held)):
         degrees = format_quantity(gains.kp / DEGREE, unit.stiffness, 4)
         return (
             message,

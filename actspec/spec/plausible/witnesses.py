@@ -152,17 +152,14 @@ def _is_far(joint: JointActuator, field: str, ratio: float) -> bool:
 def _slip_of_effort(joint: JointActuator, model: SpecModel, ratio: float) -> str | None:
     """What an effort limit may be that is so many times the file's; None where it may be meant.
 
-    A smaller limit is often the truer one: only what is the rotor's, or a power of ten, is told of it. A larger one is
-    the motor's matter where its torque is known.
+    A smaller limit is often the truer one: only what is the rotor's by the gear, or a power of ten, is told of it. A
+    larger one is the motor's matter where its torque is known.
     """
     stated, motor = joint.effort_limit, model.motors.get(joint.motor or "")
-    if motor is not None and motor.side == "motor" and (gear := gear_of(motor) or 0.0) >= GEARED:
-        own = (number(motor.peak_torque), number(motor.continuous_torque), number(motor.stall_torque))
-        quoted = any(torque and math.isclose(stated.require(), torque, rel_tol=1e-3) for torque in own)
-        if 1.0 / NEAR_FILE < ratio * gear < NEAR_FILE or (ratio < 1.0 / WITNESS and quoted):
-            passed = efficiency_of(motor)
-            there = format_quantity(stated.require() * gear * passed, stated.unit, 4)
-            return f"is it quoted at the rotor? At the joint it is {there}, by the gear ratio of {gear:g}"
+    gear = 0.0 if motor is None or motor.side != "motor" else gear_of(motor) or 0.0
+    if motor is not None and gear >= GEARED and 1.0 / NEAR_FILE < ratio * gear < NEAR_FILE:
+        there = format_quantity(stated.require() * gear * efficiency_of(motor), stated.unit, 4)
+        return f"is it quoted at the rotor? At the joint it is {there}, by the gear ratio of {gear:g}"
     if stated.source is not None:
         return None
     tens = round(math.log10(ratio))

@@ -14,6 +14,7 @@ from actspec.targets.isaaclab.fields import CfgField
 from actspec.targets.isaaclab.joint_cfg import CUSTOM, JointCfg
 from actspec.targets.kit.provenance import sections, written_by
 from actspec.targets.kit.python_text import (
+    DIGITS,
     WIDTH,
     comment_lines,
     environment,
@@ -297,9 +298,9 @@ def _header(
     if model:
         yield from comment_lines(f"model {model}")
     if _counts_steps(groups) or not actuators.assumed_step:
-        yield from comment_lines(
-            f"physics_dt {format_quantity(actuators.physics_dt.value, actuators.physics_dt.unit)}"
-        )
+        # It is read back (`readings.versions.step_of`): with the digits that numbers have below.
+        step = format_quantity(actuators.physics_dt.value, actuators.physics_dt.unit, DIGITS)
+        yield from comment_lines(f"physics_dt {step}")
     heading = "Approximations (what these classes cannot hold):"
     said = sections(actuators, approximations, heading, digits=4)
     yield from section_lines(said, bullet="  ", hang="    ")

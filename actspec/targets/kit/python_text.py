@@ -27,6 +27,9 @@ K = TypeVar("K")
 WIDTH = 120
 """Columns of the text, as the frameworks' own code has."""
 
+DIGITS = 12
+"""Of a number: they hide the last bit of an arithmetic, and a step of 1/60 s is read back as what it was."""
+
 
 @cache
 def environment(kind: str) -> Environment:
@@ -64,8 +67,8 @@ def py(value: Any) -> str:
         number = float(value)
         if not math.isfinite(number):
             raise ValueError(f"{number!r} cannot be written")
-        # Twelve digits hide the last bit of an arithmetic; -0.0 is 0.0.
-        return repr(float(f"{number:.12g}") + 0.0)
+        # -0.0 is 0.0.
+        return repr(float(f"{number:.{DIGITS}g}") + 0.0)
     if isinstance(value, tuple):
         return f"({', '.join(map(py, value))}{',' if len(value) == 1 else ''})"
     if isinstance(value, list):

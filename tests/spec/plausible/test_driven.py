@@ -250,10 +250,8 @@ OUTPUT = "side: joint, peak_torque: 198, continuous_torque: 11, gear_ratio: 6.6,
         ("3200", None, 200, None, None),
         ("{value: 1000, sure: true}", None, 320, None, None),
         # 30 x 6.6 = 198.
-        ("30", ROTOR, 320, "6.67 times below", "is it quoted at the rotor? At the joint it is 198 N*m, by the gear"),
-        # The continuous torque to the digit: 11 x 6.6 = 72.6.
-        ("11", ROTOR, 320, "18.2 times below", "is it quoted at the rotor? At the joint it is 72.6 N*m, by the gear"),
-        ("{value: 30, source: sheet}", ROTOR, 320, "6.67 times below", "is it quoted at the rotor? At the joint it is"),
+        ("30.1", ROTOR, 320, "6.64 times below", "is it quoted at the rotor? At the joint it is 198.66 N*m, by the"),
+        ("{value: 30.1, source: sheet}", ROTOR, 320, "6.64 times below", "is it quoted at the rotor? At the joint it"),
         ("20", ROTOR, 320, "10 times below", "is the point in the wrong place? Then it is 200 N*m"),
         ("35", ROTOR, 320, None, None),
         ("30", OUTPUT, 320, None, None),

@@ -182,7 +182,8 @@ def test_the_sheet_is_sound() -> None:
             "rotor_inertia",
             "is it in kg*cm^2? 0.06 kg*cm^2 is 6e-06 kg*m^2",
         ),
-        ({"rotor_inertia": "6e-9 kg*m^2"}, "SPEC185", "rotor_inertia", "did you mean 6e-06 kg*m^2?"),
+        # 6e-6 or 6e-5 kg*m^2: 100000 or 10000 rad/s^2.
+        ({"rotor_inertia": "6e-9 kg*m^2"}, "SPEC185", "rotor_inertia", "is the point in the wrong place?"),
     ],
 )
 def test_the_wrong_number_is_blamed(wrong: dict[str, str], code: str, place: str, help: str) -> None:
@@ -428,3 +429,42 @@ def test_a_speed_that_the_voltage_refutes_is_not_offered() -> None:
     assert found.help == "did you mean 3000 rpm (314.2 rad/s)?; or did you mean 300 rad/s?"
     (found,) = said(sheet=sheet.format(48))
     assert "quoted at the gearbox output? At the rotor it is 628.3 rad/s" in (found.help or "")
+
+
+OUTPUT = "is it the inertia at the output? Then write `reflected_inertia`"
+
+
+@pytest.mark.parametrize(
+    ("gear", "peak", "inertia", "help"),
+    [
+        # The rotor's 4.96e-5, 2.4e-4, 7.2e-5 and 1e-4 kg*m^2, times the gear squared.
+        ("22.5", "139", "0.0251", OUTPUT),
+        ("9", "40", "0.0194", OUTPUT),
+        ("6", "17", "0.00259", OUTPUT),
+        ("10", "48", "0.01", OUTPUT),
+        # 1.15e-4 and 3.3e-4: behind gears of 51 and 100 that many kg*cm^2 are a rotor's, too.
+        ("51", "150", "0.3", f"{OUTPUT}; or is it in kg*cm^2? 0.3 kg*cm^2 is 3e-05 kg*m^2"),
+        ("100", "230", "3.3", f"{OUTPUT}; or is it in kg*cm^2? 3.3 kg*cm^2 is 0.00033 kg*m^2"),
+        # Behind a gear of 9 2.4 kg*m^2 are 0.03 at the rotor, which its torque turns with 150 rad/s^2.
+        ("9", "40", "2.4", "is it in kg*cm^2? 2.4 kg*cm^2 is 0.00024 kg*m^2"),
+        # Two powers of ten fit: 2.4e-5 and 2.4e-4.
+        ("9", "40", "2.4e-7", "is the point in the wrong place?"),
+    ],
+)
+def test_the_inertia_at_the_output(gear: str, peak: str, inertia: str, help: str) -> None:
+    sheet = (
+        f"side: joint, gear_ratio: {gear}, peak_torque: {peak}, continuous_torque: {float(peak) / 2.2:.3g}, "
+    )
+    (found,) = said(sheet=f"{sheet}no_load_speed: {4000 / float(gear):.3g} rpm, rotor_inertia: {inertia}")
+    assert (found.code, found.where, found.help) == ("SPEC185", "motors.m.rotor_inertia", help)
+
+
+def test_an_inertia_of_a_slow_rotor() -> None:
+    """1.4 N*m / 3.06e-4 kg*m^2 are 4575 rad/s^2 of an EC 90 flat: 3060 g*cm^2, whose kg*mm^2 would be a hundredth."""
+    sheet = (
+        "side: motor, gear_ratio: 26, efficiency: 0.83, no_load_speed: 3190 rpm, stall_torque: 4.67, peak_torque: 1.4, "
+        "continuous_torque: 0.444, torque_constant: 0.0705, nominal_current: 6.06 A, nominal_voltage: 24 V"
+    )
+    assert said(sheet=f"{sheet}, rotor_inertia: 3060 g*cm^2") == []
+    (found,) = said(sheet=f"{sheet}, rotor_inertia: 3.06")
+    assert "is it in kg*cm^2? 3.06 kg*cm^2 is 0.000306 kg*m^2" in (found.help or "")

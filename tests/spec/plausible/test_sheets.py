@@ -552,3 +552,52 @@ def test_a_flange_without_a_tool(links: str, told: bool) -> None:
     """7 kg*cm^2 x 200^2 = 28 kg*m^2, 507 times 0.0552 and 1037 times 0.027."""
     found = said(FLANGE.replace("INERTIA", "7"), model=TURRET.replace("0.154", links))
     assert [item.code for item in found] == ["SPEC191"] * told
+
+
+EXOSKELETON = """actspec: 1
+robot: {name: exo, model: leg.xml}
+motors:
+  m: {side: motor, gear_ratio: 160, efficiency: 0.7, torque_constant: 53.4 mN*m/A, nominal_current: 4.72 A,
+      peak_current: 15 A, no_load_speed: 4250 rpm, nominal_voltage: 24 V, rotor_inertia: 1210 g*cm^2}
+actuators: {exo: {joints: [turret], motor: m, level: ideal_pd, kp: 400, kd: 40, effort_limit: continuousARMATURE}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("armature", "told"), [("", False), (", armature: 3.1", False), (", armature: 4", True)]
+)
+def test_an_exoskeleton_whose_wearer_is_in_no_model(armature: str, told: bool) -> None:
+    """1.21e-4 x 160^2 = 3.0976 kg*m^2 are 229 times 0.0135: 28.2 N*m turn them with 9.1 rad/s^2. 4 are another's."""
+    found = said(EXOSKELETON.replace("ARMATURE", armature), model=TURRET.replace("0.154", "0.0135"))
+    assert [item.code for item in found] == ["SPEC191"] * told
+
+
+STIFF_ARM = """actspec: 1
+robot: {name: arm, model: leg.xml}
+motors:
+  fha25: {side: joint, gear_ratio: 100, peak_torque: 230 N*m, continuous_torque: 90 N*m, no_load_speed: 40 rpm,
+          torque_constant: 40 N*m/A, peak_current: 5.75 A, reflected_inertia: 3.3 kg*m^2}
+actuators:
+  arm: {joints: [turret], motor: fha25, level: ideal_pd, kp: 3000, kd: 250, effort_limit: peak,
+        friction: {coulomb: 9 N*m, viscous: 6 N*m*s/rad}}
+"""
+PER_DEGREE = "is it per degree? Per radian it is 3002 N*m/rad, and kd 57.3 times as well"
+
+
+@pytest.mark.parametrize(
+    ("changes", "help"),
+    [
+        ((), None),
+        # 230 N*m / 250 N*m*s/rad are 0.92 rad/s, of 4.19: slower than others, and yet no wrong point.
+        ((("kp: 3000, kd: 250", "kp: 250, kd: 3000"),), "are the two exchanged?"),
+        # 9 / 52.4 = 0.17 rad; sqrt(52.4 / 5.1) = 3.2 rad/s; a kd of 4.36 beside a viscous friction of 6.
+        ((("kp: 3000, kd: 250", "kp: 52.4, kd: 4.36"),), PER_DEGREE),
+        ((("kp: 3000, kd: 250", "kp: 52.4, kd: 6.1"),), None),
+        # 4.7 / 52.4 = 0.09 rad.
+        ((("kp: 3000, kd: 250", "kp: 52.4, kd: 4.36"), ("coulomb: 9", "coulomb: 4.7")), None),
+    ],
+)
+def test_gains_of_a_stiff_arm(changes: tuple[tuple[str, str], ...], help: str | None) -> None:
+    found = [item.help or "" for item in said(STIFF_ARM, *changes, model=TURRET.replace("0.154", "1.8"))]
+    assert len(found) == (help is not None)
+    assert not found or found[0].startswith(help or "")

@@ -451,11 +451,56 @@ SIDED = "level: ideal_pd, kp: 60, kd: 1.5"
             "actuators.legs.effort_limit",
             "is it quoted at the rotor? At the joint it is 24.864 N*m",
         ),
+        # 1.4 x 26 x 0.83 = 30.212 N*m. It is 0.146 of the continuous 9.58 N*m there, which less might be meant to be.
+        (
+            "side: motor, peak_torque: 1.4, continuous_torque: 0.444, no_load_speed: 3190 rpm, gear_ratio: 26, "
+            "efficiency: 0.83, torque_constant: 0.0705, nominal_current: 6.06 A",
+            "1.4",
+            "actuators.legs.effort_limit",
+            "is it quoted at the rotor? At the joint it is 30.212 N*m",
+        ),
+        # 40 / 9 = 4.444 N*m.
+        (
+            "side: joint, peak_torque: 40, continuous_torque: 20, no_load_speed: 320 rpm, gear_ratio: 9",
+            "4.44",
+            "actuators.legs.effort_limit",
+            "is it quoted at the rotor? At the joint it is 39.96 N*m",
+        ),
+        # Without a speed the torque may as well be the joint's.
+        (
+            "side: motor, peak_torque: 4.2, gear_ratio: 9",
+            "4.2",
+            "motors.m.side",
+            "one of 2 values is wrong. side: are the figures those of the gearbox output? Then write `side: joint`. Or "
+            "peak_torque (s.yaml:3:40): is it quoted at the gearbox output? At the rotor 4.2 N*m is about 0.4667 N*m",
+        ),
     ],
 )
 def test_the_other_side_of_the_gear(motor: str, limit: str, where: str, help: str) -> None:
     (found,) = told_of(f"legs: {{joints: [hip], motor: m, {SIDED}, effort_limit: {limit}}}", motor)
     assert (found.where, found.help) == (where, help)
+
+
+@pytest.mark.parametrize(
+    ("motor", "limit"),
+    [
+        # A round eighth, and 4.5 N*m: less than the motor gives is often right.
+        ("side: joint, peak_torque: 40, continuous_torque: 20, no_load_speed: 320 rpm, gear_ratio: 8", "5"),
+        (
+            "side: joint, peak_torque: 40.5, continuous_torque: 20, no_load_speed: 320 rpm, gear_ratio: 9",
+            "4.5",
+        ),
+        # Behind a gear of 2 rotor and output are hardly told apart.
+        ("side: motor, peak_torque: 4.2, no_load_speed: 500 rpm, gear_ratio: 2", "4.2"),
+        # 1.5 N*m is none of the rotor's figures.
+        (
+            "side: motor, peak_torque: 1.4, continuous_torque: 0.444, no_load_speed: 3190 rpm, gear_ratio: 26",
+            "1.5",
+        ),
+    ],
+)
+def test_a_small_limit_that_may_be_meant(motor: str, limit: str) -> None:
+    assert told_of(f"legs: {{joints: [hip], motor: m, {SIDED}, effort_limit: {limit}}}", motor) == []
 
 
 @pytest.mark.parametrize(
