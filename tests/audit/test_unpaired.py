@@ -288,3 +288,20 @@ def test_a_scene_has_the_more_exact_name(tmp_path: Path, monkeypatch: pytest.Mon
     case = audit(["picker", "picker_2", "picker_2.yaml"], Settings()).case
     members = [{case.artifacts[index].path for index in robot.artifacts} for robot in case.robots]
     assert {"picker_2.yaml", "picker_2/picker_2.xml", "picker_2/scene.xml"} in members
+
+
+def test_a_cfg_and_a_mapping_without_a_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The robot is a USD: the knee of the deploy file has 90 / 9 = 10 times the cfg's kp, and names alone tell that."""
+    monkeypatch.chdir(tmp_path)
+    for pattern in ("", ".*_"):
+        Path("rover_cfg.py").write_text(CFG.format(f'"{pattern}hip", "{pattern}knee"'))
+        mapped = f"kp: {{{pattern}hip: 9, {pattern}knee: 90}}\nkd: {{{pattern}hip: 1, {pattern}knee: 1}}\n"
+        Path("rover_deploy.yaml").write_text(mapped)
+        report = audit(["rover_cfg.py", "rover_deploy.yaml"], Settings(select=("SRC103",)))
+        (one,) = report.findings
+        assert (one.finding.joint, one.finding.value, one.finding.expected) == (f"{pattern}knee", 90.0, 9.0)
+        assert (one.severity, one.finding.span.path, one.finding.span.line) == (
+            Severity.WARNING,
+            "rover_deploy.yaml",
+            1,
+        )
