@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NoReturn, SupportsFloat
 
-from actspec.diagnostics import AuditError, Collector, listed
+from actspec.diagnostics import AuditError, Collector, Diagnostic, listed
 from actspec.fields import FIELDS, Role
 from actspec.readings.compare import COPIED, Deviation, Figure, compare, same, times
 from actspec.units import format_quantity
@@ -43,6 +43,8 @@ class Comparison:
         unknown: Joints, and a figure of the spec that the other does not state, so that it is not compared.
         undriven: Joints of the spec that no actuator drives in the other, where others have one.
         periods: Control period of the other and of the spec [s], where both state it and they differ.
+        not_taken: What the other's reader cannot take as it is written, of the figures that are compared: text for a
+            number, a list with more values than names.
         faster: Joints, a URDF's velocity limit of twice their no-load speed or more, and that speed, where the spec
             states no velocity limit.
     """
@@ -56,12 +58,13 @@ class Comparison:
     undriven: Joints = ()
     periods: tuple[Figure, Figure] | None = None
     faster: tuple[tuple[Joints, Figure, Figure], ...] = ()
+    not_taken: tuple[Diagnostic, ...] = ()
 
     def __str__(self) -> str:
         return "\n".join((*self.wrong(), *self.left_out()))
 
     def wrong(self) -> list[str]:
-        """A line for each figure that differs, for the control period, and for joints missing or without a drive."""
+        """A line for each figure that differs or is not read, for the control period, and for joints not driven."""
         lines = [f"{', '.join(joints)}: {_words(one)}" for joints, one in self.differences]
         for joints, mine, wanted in self.faster:
             whose = "it turns" if len(joints) == 1 else "they turn"
@@ -76,6 +79,9 @@ class Comparison:
             mine, wanted = self.periods
             ratio = times(mine.value, wanted.value)
             lines.insert(0, f"the control period is {_shown(mine)}, {_shown(wanted)} in the spec{ratio}")
+        for item in self.not_taken:
+            where = f"{item.where}: " if item.where else ""
+            lines.append(f"{item.span}: {where}{item.message} ({item.code})")
         return lines
 
     def left_out(self) -> list[str]:
@@ -121,7 +127,8 @@ def assert_agrees(
 
     Raises:
         AssertionError: a figure or the control period differs, with both, their units and their places; a joint is
-            missing, or has no actuator in a model where others have one; nothing at all could be compared.
+            missing, or has no actuator in a model where others have one; the file states a figure that its reader
+            cannot take (AUD022 of the audit); nothing at all could be compared.
         ActspecError: the spec or the file cannot be read, or it is not known which robot is meant.
         TypeError: the spec, or the object, is none of those above.
         ValueError: an unknown field, a pattern of joints that is none, or a tolerance that is no number of 0 or more.
@@ -182,6 +189,9 @@ def compared(
     for pattern in [joints] if isinstance(joints, str) else joints:
         chosen += match_names(pattern, every) or _no_joint(pattern, every, mine.file)
     found = _comparison(mine, other, tuple(dict.fromkeys(chosen)), names, tolerance)
+    found = replace(
+        found, not_taken=_not_taken(theirs[0], case.artifacts[pair[1]], names, chosen, bool(fields))
+    )
     if "velocity_limit" in names:
         found = replace(found, faster=_faster(case, pair, chosen))
     ends = None if fields else _periods(*(case.artifacts[i] for i in pair))
@@ -292,6 +302,30 @@ def _faster(
         if figures is not None:
             found.setdefault((figures[0].value, figures[1].value), ([], *figures))[0].append(name)
     return tuple((tuple(names), mine, wanted) for names, mine, wanted in found.values())
+
+
+def _not_taken(
+    reading: FileReading, other: Artifact, fields: Sequence[str], joints: Sequence[str], some: bool
+) -> tuple[Diagnostic, ...]:
+    """See `Comparison.not_taken`; not what the reader says of another robot of the file, of another field or joint.
+
+    Of a model it says of what is no figure of a drive too, which is left where some fields are asked for.
+    """
+    from actspec.readings.artifact import FileKind
+    from actspec.readings.deploy import PER_JOINT
+
+    own = {key: field for field, keys in PER_JOINT.items() for key in keys}
+    others = {note for one in reading.artifacts if one.config is not None for note in one.config.notes}
+    others -= set(other.config.notes) if other.config is not None else set()
+    found = []
+    for item in reading.not_taken:
+        if other.robot is not None:
+            asked = not some and (reading.kind is not FileKind.URDF or not item.where or item.where in joints)
+        else:
+            asked = own.get(item.where, fields[0]) in fields
+        if asked and item not in others:
+            found.append(item)
+    return tuple(found)
 
 
 def _periods(spec: Artifact, other: Artifact) -> tuple[Figure, Figure] | None:

@@ -180,6 +180,68 @@ def test_a_difference_names_both_sides(leg: Path) -> None:
     ]
 
 
+_GOOD = "joint_names: [hip, knee]\nkp: [40, 40]\nkd: [2, 2]\n"
+_BY_NAME = "kp: {hip: 40, knee: 40}\nkd: {hip: 2, knee: 2}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            _GOOD.replace("40, 40", '40, "400"'),
+            '2:10: kp: knee has "400", which is no number as YAML reads it',
+        ),
+        (
+            _BY_NAME.replace("knee: 40", "knee: 4O0"),
+            "1:21: kp: knee has 4O0, which is no number as YAML reads it",
+        ),
+        (_GOOD.replace("[2, 2]", "0,5"), "3:5: kd: it has 0,5, which is no number as YAML reads it"),
+        (_GOOD.replace("40, 40", "40"), "2:5: kp: it has 1 value for 2 joint names"),
+        (_BY_NAME.replace("knee: 40", "kne: 400"), "2:20: kd: it has 'knee' where kp has 'kne'"),
+        (f"kp: [400, 400]\n{_GOOD}", "3:1: 'kp' stands a second time, with another value than in line 1"),
+        (
+            "joint_names: [hip, knee, hip]\nkp: [40, 40, 400]\nkd: {hip: 2, knee: 2}\n",
+            "1:26: the joint names have 'hip' twice, first at 1:15",
+        ),
+    ],
+    ids=["text", "text by name", "one text", "too few", "misspelt", "a key twice", "a name twice"],
+)
+def test_a_figure_that_is_not_read_fails(text: str, told: str, leg: Path) -> None:
+    """What is left agrees, and the robot may run another number: the reader's own sentence, at its place."""
+    (leg / "leg_deploy.yaml").write_text(text)
+    with pytest.raises(AssertionError) as error:
+        assert_agrees("leg.yaml", "leg_deploy.yaml")
+    first, second = str(error.value).splitlines()
+    assert first.startswith("leg_deploy.yaml does not agree with leg.yaml (")
+    assert second.startswith(f"  leg_deploy.yaml:{told}")
+    assert len(compared("leg.yaml", "leg_deploy.yaml").not_taken) == 1
+
+
+def test_what_is_not_read_of_something_else(leg: Path) -> None:
+    """Text in a field that is not asked for, in another robot's block, or in a range where only kp is asked for."""
+    (leg / "leg_deploy.yaml").write_text(_GOOD.replace("[2, 2]", "0,5"))
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml", fields="kp").count == 2
+    two = f"leg:\n  {_GOOD}arm:\n  {_GOOD.replace('[2, 2]', '0,5')}".replace("\nk", "\n  k")
+    (leg / "leg_deploy.yaml").write_text(two)
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml", robot="leg").count == 4
+    (leg / "leg.xml").write_text(MODEL.replace('name="hip"', 'name="hip" range="1 -1"', 1))
+    assert assert_agrees("leg.yaml", "leg.xml", fields="kp").count == 2
+    with pytest.raises(AssertionError, match=r'leg.xml:\d+:\d+: hip: range="1 -1" begins above its end'):
+        assert_agrees("leg.yaml", "leg.xml")
+
+
+def test_text_in_a_configuration_fails(leg: Path) -> None:
+    """As in a deploy file."""
+    cfg = (
+        "from isaaclab.actuators import IdealPDActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        'LEG_CFG = ArticulationCfg(actuators={"leg": IdealPDActuatorCfg(joint_names_expr=["hip", "knee"], '
+        'stiffness="400", damping=2.0)})\n'
+    )
+    (leg / "leg_cfg.py").write_text(cfg)
+    with pytest.raises(AssertionError, match=r"leg_cfg.py:3:\d+: .*\(CFG003\)"):
+        assert_agrees("leg.yaml", "leg_cfg.py")
+
+
 @pytest.mark.parametrize(("tolerance", "agrees"), [(1e-3, True), (1e-5, False)])
 def test_tolerance_is_relative(leg: Path, tolerance: float, agrees: bool) -> None:
     """39.99 is 2.5e-4 off 40."""

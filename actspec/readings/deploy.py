@@ -10,7 +10,6 @@ Read by PyYAML's composer alone: nothing is constructed, tags are looked at and 
 
 from __future__ import annotations
 
-import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,8 +18,7 @@ from typing import Any, TypeAlias
 
 import yaml
 
-from actspec.diagnostics import Collector, Span, listed, many, one_line, shortened
-from actspec.files import place_of
+from actspec.diagnostics import Collector, Diagnostic, Span, listed, many, shortened
 from actspec.readings.artifact import (
     STEP_OF_WHAT,
     ActuatorGroup,
@@ -32,22 +30,27 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
-from actspec.readings.deploy_missing import MISSPELT, NO_GAINS, misspelt, slip, why_without_gains
+from actspec.readings.deploy_keys import joint_lists, own_gains
+from actspec.readings.deploy_missing import (
+    MISSPELT,
+    NO_GAINS,
+    Lack,
+    blocks_of,
+    misspelt,
+    slip,
+    why_without_gains,
+)
+from actspec.readings.deploy_numbers import NO_NUMBER, is_meant_for_one, no_number
 from actspec.readings.deploy_steps import nearest, steps_of
 from actspec.readings.leftover import Leftover, node_span
 from actspec.readings.twice import keys_twice, name_twice
+from actspec.readings.yaml_nodes import MOST_DEPTH, MOST_STEPS, Unfit, compose, number_of, position
 from actspec.robot.view import ModelFile
-from actspec.spec.yaml_problems import too_deep
 
-MOST_STEPS = 200_000
-"""Chosen: values visited in one file, aliases counted each time."""
 MOST_JOINTS = 2000
 """Chosen: joints that one list names; every field's list is held against every name."""
 LEAST_JOINTS = 3
 """Chosen: entries of a list without names from which on it is one of joints; two may be the ends of a range."""
-MOST_DEPTH = 40
-"""Chosen: deepest nesting that is followed."""
-
 PER_JOINT = {
     "kp": (
         "kp",
@@ -112,6 +115,9 @@ NAMES = (
 )
 """Keys of the list that names the joints."""
 
+_COMMANDS = frozenset(("pos", "position", "vel", "velocity", "torque", "effort"))
+"""Keys of a mapping that is by what is commanded, as `action_scale: {pos: 0.25}`, and not by joint."""
+
 _Block: TypeAlias = "dict[str, yaml.Node]"
 """A mapping of the file: key to value."""
 
@@ -119,7 +125,8 @@ _Block: TypeAlias = "dict[str, yaml.Node]"
 _GAIN_KEYS = (*PER_JOINT["kp"], *PER_JOINT["kd"])
 
 _GAINS = re.compile(
-    rb"(?:^[^\w#\n]*|[{,][ \t]{0,9}[\"']?)(?:%s)[\"']?[ \t]*:" % "|".join(_GAIN_KEYS).encode(),
+    rb"(?:^[^\w#\n]*|[{,][ \t]{0,9}[\"']?)(?:%s|(?:\w+_)?[kK][pPdD][sS]?(?:_\w+)?)[\"']?[ \t]*:"
+    % "|".join(_GAIN_KEYS).encode(),
     re.MULTILINE,
 )
 
@@ -169,70 +176,22 @@ def read_deploy(path: str, data: bytes) -> FileReading:
 
 def _without_gains(file: ModelFile, root: yaml.Node | None, reader: _Reader) -> FileReading:
     """A file of which nothing is taken as gains."""
+    if reader.no_numbers:
+        first = reader.no_numbers[0]
+        more = len(reader.no_numbers) - 1
+        why = f"{first.where}: {first.message.partition(': ')[0]}"
+        why += f" (and {more} more)" if more else ""
+        return FileReading(file.path, None, why, files=(file,), refused=first.span)
     reader.steps = 0
+    gains = {gain: PER_JOINT[gain] for gain in ("kp", "kd")}
     try:
-        why, node = why_without_gains(root, _GAIN_KEYS, reader.mapping, _number)
+        lack = why_without_gains(root, gains, NAMES, reader.mapping, number_of)
     except Unfit:
-        why, node = NO_GAINS, None
-    span = None if node is None else node_span(file.path, node)
-    return FileReading(file.path, None, why, files=(file,), refused=span, without_gains=True)
-
-
-class Unfit(Exception):
-    """The file is no YAML that can be read, or too much of it.
-
-    Attributes:
-        at: Line and column, from 1; 0 where there is none.
-    """
-
-    def __init__(self, message: str, at: tuple[int, int] = (0, 0)) -> None:
-        super().__init__(message)
-        self.at = at
-
-    def span(self, path: str) -> Span:
-        """The place in a file."""
-        return Span(path, *self.at)
-
-
-def compose(data: bytes) -> yaml.Node | None:
-    """The nodes of a YAML text, nothing constructed; None for an empty one.
-
-    Raises:
-        Unfit: it is no YAML, or too much of it.
-    """
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as err:
-        at = err.start + len(data) - len(err.object)
-        raise Unfit(f"it is not UTF-8, byte 0x{err.object[err.start]:02x}", place_of(data, at)) from None
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    try:
-        depth = 0
-        # libyaml's composer recurses on the C stack: a deep file would end the process.
-        for count, event in enumerate(yaml.parse(text, Loader=loader)):
-            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            if depth > MOST_DEPTH:
-                raise Unfit(f"it is nested more than {MOST_DEPTH} deep", _at(event.start_mark))
-            if count > MOST_STEPS:
-                raise Unfit(f"it has more than {MOST_STEPS} values", _at(event.start_mark))
-        node: yaml.Node | None = yaml.compose(text, Loader=loader)
-    except yaml.MarkedYAMLError as err:
-        mark = err.problem_mark or err.context_mark
-        place = _at(mark) if mark else (0, 0)
-        if too_deep(err.problem or ""):
-            raise Unfit(f"it is nested more than {MOST_DEPTH} deep", place) from None
-        raise Unfit(f"it is not YAML: {one_line(err.problem or 'malformed')}", place) from None
-    except yaml.reader.ReaderError as err:
-        before = text[: err.position]
-        place = before.count("\n") + 1, len(before) - before.rfind("\n")
-        raise Unfit(f"it is not YAML: {one_line(err.reason)}", place) from None
-    except (yaml.YAMLError, ValueError) as err:
-        raise Unfit(f"it is not YAML: {one_line(str(err))}") from None
-    return node
-
-
-def _at(mark: Any) -> tuple[int, int]:
-    return mark.line + 1, mark.column + 1
+        lack = Lack(NO_GAINS)
+    span = None if lack.node is None else node_span(file.path, lack.node)
+    return FileReading(
+        file.path, None, lack.why, files=(file,), refused=span, without_gains=not lack.of_joints
+    )
 
 
 class _Reader:
@@ -243,15 +202,25 @@ class _Reader:
         self.steps = 0
         self.refused: list[yaml.SequenceNode] = []
         """Lists of joint names of the block at hand that have one twice, the nearest first."""
+        self.no_numbers: list[Diagnostic] = []
+        """What stands for figures, and is none, in blocks of which nothing is read."""
+        self.own: set[frozenset[str]] | None = None
+        """Lists of joint names of a file that has no known key of gains, where those of its author's are looked for."""
+        self.keys: Mapping[str, tuple[str, ...]] = PER_JOINT
+        """Field to the keys of the block at hand."""
 
     def whole(self, root: yaml.Node, name: str) -> tuple[RobotConfig, ...]:
         """Every block that has gains, with what no figure is made from."""
         found = tuple(self.configs(root, (), name, 0))
+        if not found and not self.no_numbers:
+            self.steps = 0
+            self.own = joint_lists(blocks_of(root, self.mapping))
+            found = tuple(self.configs(root, (), name, 0))
         if not found:
             return ()
         self.steps = 0
         try:
-            return Leftover(found, self.path, _number, self.mapping, LEAST_JOINTS).kept(root)
+            return Leftover(found, self.path, number_of, self.mapping, LEAST_JOINTS).kept(root)
         except Unfit as err:
             # Too much to compare, and its gains are read all the same.
             rest = {"the rest of the file": Setting(None, err.span(self.path), str(err))}
@@ -270,7 +239,7 @@ class _Reader:
         """
         self._step(node)
         if depth > MOST_DEPTH:
-            raise Unfit(f"it is nested more than {MOST_DEPTH} deep", _at(node.start_mark))
+            raise Unfit(f"it is nested more than {MOST_DEPTH} deep", position(node.start_mark))
         if isinstance(node, yaml.SequenceNode):
             for item in node.value:
                 yield from self.configs(item, above, name, depth + 1)
@@ -279,8 +248,10 @@ class _Reader:
         block = self.mapping(node)
         if self._has_gains(block):
             config = self._config(node, block, above, name)
-            if config.groups or any(note.code != STEP_OF_WHAT for note in config.notes):
+            if config.groups or any(note.code not in (STEP_OF_WHAT, NO_NUMBER) for note in config.notes):
                 yield config
+            else:
+                self.no_numbers += [note for note in config.notes if note.code == NO_NUMBER]
             return
         for key, value in block.items():
             yield from self.configs(value, (*above, block), key if depth == 0 else name, depth + 1)
@@ -288,12 +259,21 @@ class _Reader:
     def _has_gains(self, block: _Block) -> bool:
         """Whether a block has gains by joint, or one kp and one kd beside the list of joint names that both are for.
 
+        Where no block has them, by keys of an author's own: `kp_walk` and `kd_walk`, where nothing beside them, as
+        `kp_stand`, leaves open which ones the joints run, and where names tell that they are of joints.
+
         Single numbers elsewhere are those of a controller that stands up, of a Cartesian one, of a group of actuators.
         """
+        if self.own is not None:
+            own = own_gains(block, self.own, self.mapping, number_of)
+            if len(own) != 1 or not own[0].named or not own[0].name:
+                return False
+            self.keys = {**PER_JOINT, "kp": (own[0].kp,), "kd": (own[0].kd,)}
+            return True
         if any(_is_per_joint(block.get(key)) for field in ("kp", "kd") for key in PER_JOINT[field]):
             return True
         gains = [nearest((block,), PER_JOINT[field]) for field in ("kp", "kd")]
-        single = all(found is not None and _number(found[1]) is not None for found in gains)
+        single = all(found is not None and is_meant_for_one(found[1]) for found in gains)
         return single and any(self._texts(block.get(key)) for key in NAMES)
 
     def mapping(self, node: yaml.MappingNode) -> _Block:
@@ -329,7 +309,7 @@ class _Reader:
         lists: dict[str, NamelessList] = {}
         mapped: dict[str, dict[str, Setting]] = {}
         scopes = (block, *reversed(above))
-        for field, keys in PER_JOINT.items():
+        for field, keys in self.keys.items():
             found = nearest(scopes, keys)
             values = {} if found is None else self._per_joint(*found, joints, out)
             if values:
@@ -383,7 +363,7 @@ class _Reader:
         self, scopes: Sequence[_Block], fields: Mapping[str, Any]
     ) -> dict[str, tuple[Setting, ...]]:
         """Gains of joints without names, whichever each is of: kp and kd of one length, as a pair may be a range."""
-        lists = {field: nearest(scopes, PER_JOINT[field]) for field in ("kp", "kd")}
+        lists = {field: nearest(scopes, self.keys[field]) for field in ("kp", "kd")}
         nodes = {field: found[1] for field, found in lists.items() if found is not None}
         counts = {len(node.value) if isinstance(node, yaml.SequenceNode) else 0 for node in nodes.values()}
         if len(nodes) < 2 or len(counts) > 1 or max(counts) < LEAST_JOINTS:
@@ -392,7 +372,7 @@ class _Reader:
             field: tuple(
                 Setting(value, self._span(item))
                 for item in node.value
-                if (value := _number(item)) is not None
+                if (value := number_of(item)) is not None
             )
             for field, node in nodes.items()
             if field not in fields
@@ -409,7 +389,7 @@ class _Reader:
             found: dict[str, Setting] = {}
             for joint, item in zip(joints, node.value, strict=True):
                 self._step(item)
-                value = item.value if name == "command" else _number(item)
+                value = item.value if name == "command" else number_of(item)
                 if isinstance(value, (str, float)):
                     found[joint] = Setting(value, self._span(item))
             yield name, found
@@ -453,7 +433,7 @@ class _Reader:
         node = next((scope["joint_mapping"] for scope in scopes if "joint_mapping" in scope), None)
         if names is None or not isinstance(node, yaml.SequenceNode) or len(node.value) != len(names):
             return names
-        places = [_number(item) for item in node.value]
+        places = [number_of(item) for item in node.value]
         if sorted(place for place in places if place is not None) != list(range(len(names))):
             return names
         pairs = list(names.items())
@@ -463,7 +443,7 @@ class _Reader:
         if not isinstance(node, yaml.SequenceNode) or not node.value:
             return None
         if len(node.value) > MOST_JOINTS and all(isinstance(item, yaml.ScalarNode) for item in node.value):
-            raise Unfit(f"the list of joints has more than {MOST_JOINTS} names", _at(node.start_mark))
+            raise Unfit(f"the list of joints has more than {MOST_JOINTS} names", position(node.start_mark))
         found: dict[str, Span] = {}
         for item in node.value:
             self._step(item)
@@ -483,17 +463,19 @@ class _Reader:
         span = self._span(node)
         if isinstance(node, yaml.MappingNode):
             return self._by_name(key, node, joints, out)
-        single = _number(node)
+        single = number_of(node)
         if single is not None:
             return {joint: Setting(single, span) for joint in joints or (".*",)}
         if not isinstance(node, yaml.SequenceNode):
+            if is_meant_for_one(node):
+                no_number(key, [("it", node)], self.path, out)
             return {}
         values: list[tuple[float | None, Span]] = []
         for item in node.value:
             self._step(item)
-            values.append((_number(item), self._span(item)))
+            values.append((number_of(item), self._span(item)))
         if joints is not None and len(joints) == len(values):
-            self._no_numbers(key, node, joints, out)
+            no_number(key, [*zip(joints, node.value, strict=True)], self.path, out)
             return {
                 joint: Setting(value, at)
                 for joint, (value, at) in zip(joints, values, strict=True)
@@ -520,32 +502,20 @@ class _Reader:
             out.info("DEPLOY002", message, where=key, span=span, help=help)
         return {}
 
-    def _no_numbers(self, key: str, node: yaml.SequenceNode, joints: tuple[str, ...], out: Collector) -> None:
-        """Say which of a list of numbers are none: text, `.nan`, `.inf`; `null` is nobody's figure."""
-        odd = [
-            (joint, item)
-            for joint, item in zip(joints, node.value, strict=True)
-            if _number(item) is None and item.tag != "tag:yaml.org,2002:null" and item.value != "unknown"
-        ]
-        if len(odd) == len(node.value) and not any(item.tag == "tag:yaml.org,2002:float" for _, item in odd):
-            # A list of words is none of numbers.
-            return
-        for joint, item in odd:
-            what = shortened(str(item.value)) if isinstance(item, yaml.ScalarNode) else "a list"
-            # `1e5` without a dot is text to YAML 1.1.
-            why = (
-                "no finite number" if item.tag == "tag:yaml.org,2002:float" else "no number as YAML reads it"
-            )
-            message = f"{joint} has {what}, which is {why}: it is not judged"
-            out.warning("DEPLOY003", message, where=key, span=self._span(item))
-
     def _by_name(
         self, name: str, node: yaml.MappingNode, joints: tuple[str, ...] | None, out: Collector
     ) -> dict[str, Setting]:
         found: dict[str, Setting] = {}
         odd: dict[str, Setting] = {}
-        for key, value_node in self.mapping(node).items():
-            value = _number(value_node)
+        block = self.mapping(node)
+        if block.keys() <= _COMMANDS:
+            return {}
+        # A mapping below is no joint's figure, but has some of its own.
+        no_number(
+            name, [one for one in block.items() if not isinstance(one[1], yaml.MappingNode)], self.path, out
+        )
+        for key, value_node in block.items():
+            value = number_of(value_node)
             if value is None:
                 continue
             setting = Setting(value, self._span(value_node))
@@ -566,7 +536,7 @@ class _Reader:
 
     def _setting(self, node: yaml.Node) -> Setting | None:
         """A number with its place; None for anything else."""
-        value = _number(node)
+        value = number_of(node)
         return None if value is None else Setting(value, self._span(node))
 
     def _span(self, node: yaml.Node) -> Span:
@@ -575,7 +545,7 @@ class _Reader:
     def _step(self, node: yaml.Node) -> None:
         self.steps += 1
         if self.steps > MOST_STEPS:
-            raise Unfit(f"it has more than {MOST_STEPS} values", _at(node.start_mark))
+            raise Unfit(f"it has more than {MOST_STEPS} values", position(node.start_mark))
 
 
 def _is_per_joint(node: yaml.Node | None) -> bool:
@@ -583,17 +553,3 @@ def _is_per_joint(node: yaml.Node | None) -> bool:
     if isinstance(node, yaml.SequenceNode):
         return bool(node.value) and all(isinstance(item, yaml.ScalarNode) for item in node.value)
     return isinstance(node, yaml.MappingNode) and bool(node.value)
-
-
-def _number(node: yaml.Node) -> float | None:
-    """A finite number; None for anything else, a word that Python's YAML takes for text included."""
-    whole = node.tag == "tag:yaml.org,2002:int"
-    if not isinstance(node, yaml.ScalarNode) or not (whole or node.tag == "tag:yaml.org,2002:float"):
-        return None
-    construct: Any = yaml.constructor.SafeConstructor()
-    try:
-        # As the robot's own YAML reader does it: `010` is eight there.
-        value = float(construct.construct_yaml_int(node) if whole else construct.construct_yaml_float(node))
-    except (ValueError, OverflowError):
-        return None
-    return value if math.isfinite(value) else None

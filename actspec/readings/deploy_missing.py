@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import yaml
 
-from actspec.diagnostics import Collector, nearest, shortened
+from actspec.diagnostics import Collector, listed, nearest, shortened
 from actspec.readings.artifact import Setting
+from actspec.readings.deploy_keys import gain_of, joint_lists, own_gains
 from actspec.readings.dict_keys import PLAIN
 
 MISSPELT = "DEPLOY006"
@@ -25,33 +27,85 @@ _OF_A_RUN = (
 )
 
 
+@dataclass(frozen=True, slots=True)
+class Lack:
+    """Why nothing of a file is taken as gains.
+
+    Attributes:
+        why: In a sentence, with what to do.
+        node: What it is about; None: the file.
+        of_joints: Whether the file has gains of joints, whatever they are called.
+    """
+
+    why: str
+    node: yaml.Node | None = None
+    of_joints: bool = False
+
+
 def why_without_gains(
     root: yaml.Node | None,
-    keys: Collection[str],
+    gains: Mapping[str, Sequence[str]],
+    names: Sequence[str],
     mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]],
     number: Callable[[yaml.Node], float | None],
-) -> tuple[str, yaml.Node | None]:
-    """Why nothing of a file is taken as gains, with what to do, and where; the first key of gains decides.
+) -> Lack:
+    """Why nothing of a file is taken as gains; the first key of gains of joints decides, else the first like one.
 
     Args:
         root: The file; None: it is empty.
-        keys: All names of gains.
+        gains: `kp` and `kd` to all keys of either.
+        names: Keys of the list of joint names.
         mapping: A mapping's own and merged keys.
         number: A node as a number; None for any other.
     """
-    for block in _blocks(root, mapping):
+    lists = joint_lists(blocks_of(root, mapping))
+    for block in blocks_of(root, mapping):
+        own = own_gains(block, lists, mapping, number)
+        if len(own) > 1:
+            keys = listed(dict.fromkeys(shortened(one.kp) for one in own))
+            why = f"it has gains as {keys}, and does not say which the joints run: write those as kp and kd"
+            return Lack(why, own[0].node, True)
+        if own:
+            return Lack(_other_key(own[0].kp), own[0].node, True)
+    known = [key for keys in gains.values() for key in keys]
+    for block in blocks_of(root, mapping):
         for key, value in block.items():
-            if number(value) is not None and key in keys:
-                if any(name in block for name in _SELECT):
-                    return _OF_A_RUN, value
-                beside = f"write joint_names: [...] there, or {key}: {{JOINT: NUMBER, ...}}"
-                return (
-                    f"its {key} is one number, and no list of joint names stands beside kp and kd: {beside}",
-                    value,
-                )
-            if key not in keys and key.lower() in keys and isinstance(value, yaml.CollectionNode):
-                return f"'{shortened(key)}' is no key that is read: write {key.lower()}", value
-    return NO_GAINS, None
+            if key in known and number(value) is not None:
+                return Lack(_of_one_number(key, block, gains, names), value)
+            if key in known or not isinstance(value, yaml.CollectionNode):
+                continue
+            if key.lower() in known:
+                return Lack(_other_key(key), value)
+            if gain_of(key) is not None:
+                why = f"{NO_GAINS}: '{shortened(key)}' is no key that is read"
+                return Lack(why, value)
+    return Lack(NO_GAINS)
+
+
+def _other_key(key: str) -> str:
+    found = gain_of(key)
+    return (
+        f"'{shortened(key)}' is no key that is read: write {found[0] if found and found[1] else key.lower()}"
+    )
+
+
+def _of_one_number(
+    key: str, block: Mapping[str, yaml.Node], gains: Mapping[str, Sequence[str]], names: Sequence[str]
+) -> str:
+    """Why one number is no gain of joints."""
+    if any(name in block for name in _SELECT):
+        return _OF_A_RUN
+    of_joints = f"{key}: {{JOINT: NUMBER, ...}}"
+    lists = [name for name in names if isinstance(block.get(name), yaml.SequenceNode)]
+    other = next(gain for gain, keys in gains.items() if key not in keys)
+    if lists and not any(one in block for one in gains[other]):
+        return (
+            f"its {key} is one number, and no {other} stands beside it: write {other} there, or {of_joints}"
+        )
+    if lists:
+        return f"its {key} is one number, and {lists[0]} is no list with each joint's name once"
+    beside = f"write joint_names: [...] there, or {of_joints}"
+    return f"its {key} is one number, and no list of joint names stands beside kp and kd: {beside}"
 
 
 _LONGER = 2
@@ -91,7 +145,7 @@ def slip(name: str, names: Iterable[str]) -> str | None:
     return None if short in long and len(long) - len(short) > _LONGER else meant
 
 
-def _blocks(
+def blocks_of(
     root: yaml.Node | None, mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]]
 ) -> Iterator[Mapping[str, yaml.Node]]:
     """Every mapping of a file once, in its order; an alias may be one that it is in."""

@@ -17,10 +17,11 @@ from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.files import FAULTS, read_regular, why
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.deploy import MOST_STEPS, NAMES, Unfit, compose
+from actspec.readings.deploy import NAMES
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
 from actspec.readings.read import MOST_YAML_BYTES, YAML, PendingFiles
+from actspec.readings.yaml_nodes import MOST_STEPS, Unfit, compose
 from actspec.robot.view import JointView
 
 Joints: TypeAlias = "tuple[JointView | str, ...]"

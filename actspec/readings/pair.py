@@ -17,6 +17,7 @@ from actspec.ir import JointKind
 from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import Artifact, Framework, Robot, RobotConfig
 from actspec.readings.body import BODY, SHARE, Figures, are_alike, figures_of, share_a_body
+from actspec.readings.pair_mappings import with_mappings
 
 VARIANT = 0.5
 """Patterns that must match where the names say that it is the same robot. Chosen: a cfg for a robot with hands
@@ -60,7 +61,8 @@ def pair(
     robot's name; a file that is called nothing belongs to those of its folder, or to the only one with its joints. A
     configuration joins the robot whose file it names, or that of its name where at least half of its patterns match a
     joint, else the one whose joints all of its patterns match and that nothing tells from it, such as another name that
-    it shares with its own file; where several do, none: nothing is guessed. Ranges of randomisation without actuators
+    it shares with its own file; where several do, none: nothing is guessed; without a robot,
+    the deploy file that has its keys. Ranges of randomisation without actuators
     join the robot that their file's name tells, or the only one. Models that somebody named are one robot where they
     have one body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never compared with
     `arm1.xml`, nor one in `my_arm.xml`.
@@ -133,7 +135,7 @@ def pair(
     configs = [i for i in unnamed if not _is_events(artifacts[i])]
     for index in configs:
         joints_of = [[n for i in group for n in names[i] or ()] for group in named]
-        only = len(_same_file(artifacts, configs, index)) == 1
+        only = sum(artifacts[i].path == artifacts[index].path for i in configs) == 1
         if bound and only and fits(artifacts[index].config, held or ()):
             next(group for group in groups if min(bound) in group).append(index)
             continue
@@ -154,6 +156,7 @@ def pair(
             groups.append([index])
         else:
             groups[choice[0]].append(index)
+    groups = with_mappings(groups, artifacts, _overlap, agree)
     for index in unnamed:
         if _is_events(artifacts[index]):
             called = words[index] | telling(_stem(artifacts[index].path))
@@ -440,10 +443,6 @@ def matching(framework: Framework, pattern: str, joints: Sequence[str]) -> tuple
         return match_names(pattern, joints)
     except PatternError:
         return ()
-
-
-def _same_file(artifacts: Sequence[Artifact], configs: Sequence[int], index: int) -> list[int]:
-    return [i for i in configs if artifacts[i].path == artifacts[index].path]
 
 
 def _name(artifacts: Sequence[Artifact], words: Sequence[frozenset[str]], group: Sequence[int]) -> str:

@@ -368,3 +368,20 @@ def test_engines_tell_capital_letters_apart() -> None:
     with pytest.raises(ValueError, match="unknown transmission target"):
         mujoco.MjModel.from_xml_string(both.replace('<joint name="Lift"', '<joint name="LIFT"'))
     assert matching(Framework.MJLAB, "li.*", ("lift", "Lift")) == ("lift",)
+
+
+def test_a_cfg_and_a_mapping_without_a_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The robot is a USD: the knee of the deploy file has 90 / 9 = 10 times the cfg's kp, and names alone tell that."""
+    monkeypatch.chdir(tmp_path)
+    for pattern in ("", ".*_"):
+        Path("rover_cfg.py").write_text(CFG.format(f'"{pattern}hip", "{pattern}knee"'))
+        mapped = f"kp: {{{pattern}hip: 9, {pattern}knee: 90}}\nkd: {{{pattern}hip: 1, {pattern}knee: 1}}\n"
+        Path("rover_deploy.yaml").write_text(mapped)
+        report = audit(["rover_cfg.py", "rover_deploy.yaml"], Settings(select=("SRC103",)))
+        (one,) = report.findings
+        assert (one.finding.joint, one.finding.value, one.finding.expected) == (f"{pattern}knee", 90.0, 9.0)
+        assert (one.severity, one.finding.span.path, one.finding.span.line) == (
+            Severity.WARNING,
+            "rover_deploy.yaml",
+            1,
+        )

@@ -224,3 +224,20 @@ def test_a_broken_configuration_alone_in_its_folder() -> None:
     Path("cfgs/leg_cfg.py").write_text("# actspec: ignore-file[AUD008] half a merge\n" + CFG)
     report = audit(["cfgs"], Settings())
     assert (found(report), [item.reason for item in report.suppressed]) == ([], ["half a merge"])
+
+
+def test_one_slip_in_several_joints() -> None:
+    """Is told once with their names; another text is another finding. Each keeps its place for a baseline."""
+    ends = '<parent link="a"/><child link="{0}_l"/><limit effort="{1}" velocity="1"/>'
+    joint = f'<joint name="{{0}}" type="revolute">{ends}</joint>'
+    joints = (("hip", "3O0"), ("knee", "3O0"), ("ankle", "1,7"))
+    links = "".join(f'<link name="{name}_l"/>' for name, _ in joints)
+    text = "\n".join(joint.format(name, effort) for name, effort in joints)
+    Path("arm.urdf").write_text(f'<robot name="arm"><link name="a"/>{links}\n{text}\n</robot>')
+    report = audit(["arm.urdf"], Settings())
+    found = [(one.finding.joint, one.finding.span.line) for one in report.findings]
+    assert found == [("hip", 2), ("knee", 3), ("", 4)]
+    said = render(report, "concise", ReportOptions())
+    assert said.count("AUD008") == 2
+    assert "hip, knee: the file cannot be read: <limit effort> must be a number, got '3O0' (ROBOT120)" in said
+    assert "the file cannot be read: ankle: <limit effort> must be a number, got '1,7' (ROBOT120)" in said

@@ -242,7 +242,11 @@ _SINGLE = (
     [
         ("kp: 10\nkd: 0.5\n", _SINGLE, (1, 5)),
         ("joint_names: [a, b]\nstand:\n  kp: 400\n  kd: 5\n", _SINGLE, (3, 7)),
-        ("joint_names: [a, b]\nkp: 400\n", _SINGLE, (2, 5)),
+        (
+            "joint_names: [a, b]\nkp: 400\n",
+            "its kp is one number, and no kd stands beside it: write kd there, or kp: {JOINT: NUMBER, ...}",
+            (2, 5),
+        ),
         ("joints:\n  - {name: a, kp: 10, kd: 0.5}\n", _SINGLE, (2, 19)),
         ("joint_names: [a, b]\nKp: [1, 2]\nKd: [1, 2]\n", "'Kp' is no key that is read: write kp", (2, 5)),
         (
@@ -392,3 +396,144 @@ def test_a_file_without_gains_of_joints_in_a_folder(tmp_path: Path) -> None:
     assert named.refused is not None and "its damping is one number" in (named.reason or "")
     found = audit([str(tmp_path)], Settings(as_named=True)).findings
     assert [Path(one.finding.span.path).name for one in found] == ["broken.yaml"]
+
+
+_TEXT = "which is no number as YAML reads it"
+_TWICE = "its kp is one number, and joint_names is no list with each joint's name once"
+
+
+@pytest.mark.parametrize(
+    ("text", "found", "told"),
+    [
+        ("kp: {hip: 25, knee: 25O}", {"hip": 25.0}, [f"kp: knee has 25O, {_TEXT}"]),
+        ('kp: {hip: 25, knee: "25"}', {"hip": 25.0}, [f'kp: knee has "25", {_TEXT}']),
+        ("kp: {hip: 25, knee: 25 N*m/rad}", {"hip": 25.0}, [f"kp: knee has 25 N*m/rad, {_TEXT}"]),
+        ("kp: {hip: 25, knee: high}", {"hip": 25.0}, [f"kp: knee has high, {_TEXT}"]),
+        ("kp: {hip: 25, knee: [25]}", {"hip": 25.0}, [f"kp: knee has a list, {_TEXT}"]),
+        ("kp: {hip: 25, knee: .nan}", {"hip": 25.0}, ["kp: knee has .nan, which is no finite number"]),
+        ("kp:\n  hip: 25\n  knee:\n", {"hip": 25.0}, ["kp: knee has no value"]),
+        # Nobody's figure, a mapping of another level.
+        ("kp: {hip: 25, knee: null, ankle: ~, toe: unknown, arm: {elbow: 3}}", {"hip": 25.0}, []),
+        # Isaac Gym: what is drawn by which rule.
+        ("kp: {range: [0.5, 1.5], operation: scaling, distribution: uniform, schedule_steps: 3}", {}, []),
+        ("joint_names: [hip]\nkp: 25\nkd: 1, 5", {"hip": 25.0}, [f"kd: it has 1, 5, {_TEXT}"]),
+        (
+            "joint_names: [hip]\nkp: [25]\nkd: [1]\ntorque_limit: 23.7 N*m",
+            {"hip": 25.0},
+            [f"torque_limit: it has 23.7 N*m, {_TEXT}"],
+        ),
+        ("joint_names: [hip]\nkp: [25]\nkd: ${gains.kd}", {"hip": 25.0}, []),
+    ],
+)
+def test_what_is_no_number_in_a_mapping_or_alone(
+    text: str, found: dict[str, float], told: list[str], tmp_path: Path
+) -> None:
+    """It is said as of a list's entry, with the joint; what is read beside it stays."""
+    path = tmp_path / "deploy.yaml"
+    path.write_text(text)
+    reading = read_file(str(path))
+    config = reading.artifacts[0].config
+    assert config is not None
+    kp = {group.name: group.settings["kp"].value for group in config.groups if "kp" in group.settings}
+    assert {joint: value for joint, value in kp.items() if joint != "schedule_steps"} == found
+    said = [f"{one.where}: {one.message}" for one in reading.not_taken]
+    assert said == [f"{one}: it is not judged" for one in told]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason", "at"),
+    [
+        (
+            'joint_names: [a, b]\nkp: ["25", "25"]\nkd: ["1", "1"]\n',
+            f'kp: a has "25", {_TEXT} (and 3 more)',
+            (2, 6),
+        ),
+        ("joint_names: [a, b]\nkp: 25,0\nkd: 1,0\n", f"kp: it has 25,0, {_TEXT} (and 1 more)", (2, 5)),
+        ("joint_names: [a, b]\nkp: [left, right]\nkd: 1,0\n", f"kd: it has 1,0, {_TEXT}", (3, 5)),
+        ("joint_names: [a, a]\nkp: 25\nkd: 1\n", _TWICE, (2, 5)),
+    ],
+)
+def test_a_file_with_no_number_says_so(
+    text: str, reason: str, at: tuple[int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And not that it has no gains, or no list of joint names; in a folder of one's own it counts too."""
+    monkeypatch.chdir(tmp_path)
+    Path("deploy.yaml").write_text(text)
+    reading = read_file("deploy.yaml")
+    assert (reading.reason, reading.refused) == (reason, Span("deploy.yaml", *at))
+    found = audit(["."], Settings(as_named=True)).findings
+    assert [one.finding.code for one in found] == ([] if "a, a" in text else ["AUD008"])
+
+
+_WALK = "joint_names: [hip, knee]\nkp_walk: [25, 60]\nkd_walk: [1, 2]\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        _WALK,
+        _WALK.replace("kp_walk", "motor_kp").replace("kd_walk", "motor_kd"),
+        # The names of a mapping's keys need no order.
+        "joint_names_sim: [knee, hip]\nkps_rl: {hip: 25, knee: 60}\nkds_rl: {hip: 1, knee: 2}\n",
+        # No gains of a joint's position.
+        f"{_WALK}kp_range: [0.9, 1.1]\nkd_range: [0.9, 1.1]\nkp_foot: [100, 100]\nkd_foot: [9, 9]\n",
+    ],
+)
+def test_gains_under_keys_of_an_authors_own(text: str, tmp_path: Path) -> None:
+    """One kp and one kd beside the names of as many joints are those that run."""
+    _, found, said = _read(tmp_path, text)
+    assert (found, said) == ({"hip": {"kp": 25.0, "kd": 1.0}, "knee": {"kp": 60.0, "kd": 2.0}}, [])
+
+
+def test_a_list_of_names_for_another_order_gives_none(tmp_path: Path) -> None:
+    """legged_rl_lab, g1_walk.yaml: the gains are in the policy's order, the one list of names in MuJoCo's."""
+    _, found, said = _read(tmp_path, _WALK.replace("joint_names", "joint_names_mujoco"))
+    assert found == {}
+    assert [line.partition(":")[0] for line in said] == ["it is a list without joint names"] * 2
+    config = _config(tmp_path, _WALK.replace("joint_names", "joint_names_mujoco").replace("25, 60", "40, 40"))
+    assert [(group.name, group.settings["kp"].value) for group in config.groups] == [(".*", 40.0)]
+    assert config.settings["joint_count"].value == 2.0
+
+
+@pytest.mark.parametrize(
+    ("text", "reason", "told"),
+    [
+        (
+            f"{_WALK}kp_stand: [40, 40]\nkd_stand: [1, 1]\n",
+            "it has gains as kp_walk, kp_stand, and does not say which the joints run: write those as kp and kd",
+            1,
+        ),
+        (
+            "kp_rl: [1, 2, 3, 4, 5, 6, 7]\nkd_rl: [1, 2, 3, 4, 5, 6, 7]\n",
+            "'kp_rl' is no key that is read: write kp",
+            1,
+        ),
+        ("joint_names: [hip, knee]\nKp: [1, 2]\nKd: [1, 2]\n", "'Kp' is no key that is read: write kp", 1),
+        # Six are a pose in space as well, a foot is none.
+        (
+            "kp_rl: [1, 2, 3, 4, 5, 6]\nkd_rl: [1, 2, 3, 4, 5, 6]\n",
+            "it has no gains (kp, kps, stiffness, ...): 'kp_rl' is no key that is read",
+            0,
+        ),
+        (
+            "joint_names: [hip, knee]\nkp_foot: [1, 2]\nkd_foot: [1, 2]\n",
+            "it has no gains (kp, kps, stiffness, ...)",
+            0,
+        ),
+    ],
+)
+def test_gains_of_several_modes_are_told(
+    text: str, reason: str, told: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the file is named, and where its folder is one's own and they are of joints."""
+    monkeypatch.chdir(tmp_path)
+    Path("deploy.yaml").write_text(text)
+    assert read_file("deploy.yaml").reason == reason
+    assert len(audit(["."], Settings(as_named=True)).findings) == told
+
+
+def test_a_scale_by_command_is_no_joints(tmp_path: Path) -> None:
+    """legged_rl_lab: a joint called pos is in no model, and the gains would be of none."""
+    config = _config(tmp_path, "kp: [40, 40, 40]\nkd: [1, 1, 1]\naction_scale: {pos: 0.25}\n")
+    assert [group.name for group in config.groups] == [".*"]
+    assert config.others["action_scale.pos"].value == 0.25

@@ -366,3 +366,32 @@ def test_a_cfg_is_of_the_robot_whose_file_it_names() -> None:
         (0, 2),
         (1,),
     ]
+
+
+def _mapped(path: str, keys: Sequence[str]) -> Artifact:
+    """A deploy file that names its joints by the keys of its mappings."""
+    stem = path.rpartition("/")[2].partition(".")[0]
+    found = config(path, stem, keys, Framework.DEPLOY)
+    return replace(found, kind=FileKind.DEPLOY)
+
+
+def test_a_cfg_and_a_mapping_with_its_keys() -> None:
+    """Without a model, equal texts are of the same joints; another robot's name, or a second file, leaves it open."""
+    cfg = config("t/go2_cfg.py", "GO2_CFG", ["hip", "knee"])
+    assert _together(cfg, _mapped("t/go2_deploy.yaml", ["hip", "knee"])) == [(0, 1)]
+    # They are alone.
+    assert _together(cfg, _mapped("t/walk.yaml", ["hip", "knee"])) == [(0, 1)]
+    # One of two keys is less than 0.8; what a pattern selects is not asked.
+    assert _together(cfg, _mapped("t/go2_deploy.yaml", ["hip", "ankle"])) == [(0,), (1,)]
+    patterns = config("t/go2_cfg.py", "GO2_CFG", [".*hip", ".*knee"])
+    assert _together(patterns, _mapped("t/go2_deploy.yaml", ["hip", "knee"])) == [(0,), (1,)]
+    assert _together(patterns, _mapped("t/go2_deploy.yaml", [".*hip", ".*knee"])) == [(0, 1)]
+    everything = config("t/go2_cfg.py", "GO2_CFG", [".*"])
+    assert _together(everything, _mapped("t/go2_deploy.yaml", [".*"])) == [(0,), (1,)]
+    other = config("t/go1_cfg.py", "GO1_CFG", ["hip", "knee"])
+    assert _together(cfg, other, _mapped("t/go2_deploy.yaml", ["hip", "knee"])) == [(0, 2), (1,)]
+    two = [_mapped(f"t/go2_{name}.yaml", ["hip", "knee"]) for name in ("walk", "stand")]
+    assert _together(cfg, *two) == [(0,), (1,), (2,)]
+    # A model has the say, as ever.
+    robot = model("t/go2.xml", "go2", ["hip", "knee"])
+    assert _together(robot, cfg, _mapped("t/go2_deploy.yaml", ["hip", "knee"])) == [(0, 1, 2)]

@@ -30,13 +30,14 @@ class Unreadable(Rule):
         # In a folder it may be no robot, a template, or whole at its destination; whoever loads it is told at once.
         noted = not (named or lost)
 
-        def finding(message: str, place: Span, help: str | None, about: str) -> Finding:
+        def finding(message: str, place: Span, help: str | None, about: str, joint: str = "") -> Finding:
             # The audit makes a note of it in a folder, and counts it as one that is an error in a folder of one's own.
             severity = Severity.INFO if noted and not case.is_met_at(place) else None
             return Finding(
                 self.code,
                 message,
                 place,
+                joint,
                 help=help,
                 severity=severity,
                 noted_in_folders=noted,
@@ -44,14 +45,21 @@ class Unreadable(Rule):
             )
 
         # Of a file that somebody has in a folder, one reason is enough to pass over it or to look at it.
+        said = [item.message for item in reasons]
         for item in reasons if named else reasons[:1]:
-            where = f"{item.where}: " if item.where else ""
+            # One slip in seven joints is told once, with their names.
+            alike = file.kind is FileKind.URDF and said.count(item.message) > 1
+            where = f"{item.where}: " if item.where and not alike else ""
             count = len(reasons) - 1
             more = f"{count} more reason{'s' * (count != 1)}: audit the file by its name"
             help = item.help if named or len(reasons) == 1 else more
             message = f"the file cannot be read: {where}{item.message} ({item.code})"
             yield finding(
-                message, item.span or Span(file.path), help, " ".join((item.code, *quoted(item.message)))
+                message,
+                item.span or Span(file.path),
+                help,
+                " ".join((item.code, *quoted(item.message))),
+                item.where if alike else "",
             )
         if lost or not errors:
             message = f"the file cannot be read: {file.reason}"

@@ -1,0 +1,107 @@
+"""Gains of a deploy file under keys of its author's own: `kp_walk` beside `kd_walk`, `motor_kp`, `Kp`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass
+
+import yaml
+
+_LIKE = re.compile(r"(?:(?P<before>\w+)_)?(?P<gain>k[pd])s?(?:_(?P<after>\w+))?", re.IGNORECASE)
+
+# fmt: off
+_OTHER = frozenset((
+    "range", "ranges", "limit", "limits", "scale", "scales", "factor", "factors", "min", "max", "low", "lower", "high",
+    "upper", "std", "noise", "ratio", "weight", "weights", "rand", "randomization", "error", "mult", "multiplier",
+    "cartesian", "cart", "task", "foot", "feet", "body", "com", "base", "ori", "orient", "orientation", "rot", "lin",
+    "ang", "contact", "force", "torque", "vel", "velocity",
+))
+# fmt: on
+"""Words of a key whose numbers are no gains of joints' positions: of what may be drawn, of a foot, of the body."""
+
+LEAST = 7
+"""Chosen: entries of lists of kp and kd from which on they are told to be of joints though no list of as many names is
+in the file: fewer are of a leg, of a foot, of a pose in space."""
+
+_OF_SPACE = 36
+"""Entries of a matrix of stiffness in space."""
+
+
+@dataclass(frozen=True, slots=True)
+class OwnGains:
+    """A kp and a kd of joints that stand beside each other under keys of an author's own.
+
+    Attributes:
+        name: What their keys call them, `walk`; empty for `Kp` and `Kd`.
+        kp: Key of the one, as written.
+        kd: Key of the other.
+        node: The kp.
+        named: Whether a list of as many names of joints, or one with the names of these mappings, is in the file.
+    """
+
+    name: str
+    kp: str
+    kd: str
+    node: yaml.Node
+    named: bool
+
+
+def gain_of(key: str) -> tuple[str, str] | None:
+    """`kp` or `kd`, and what an author's own key calls it: `kp` and `walk` of `kp_walk`; None of any other key."""
+    parts = _LIKE.fullmatch(key)
+    if parts is None or key in ("kp", "kps", "kd", "kds"):
+        return None
+    name = "_".join(part for part in (parts["before"], parts["after"]) if part).lower()
+    return None if _OTHER & set(name.split("_")) else (parts["gain"].lower(), name)
+
+
+def own_gains(
+    block: Mapping[str, yaml.Node],
+    names: Collection[frozenset[str]],
+    mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]],
+    number: Callable[[yaml.Node], float | None],
+) -> list[OwnGains]:
+    """Every kp and kd of joints of a mapping under keys of an author's own, in its order.
+
+    Args:
+        block: The mapping.
+        names: What `joint_lists` has of the file.
+        mapping: A mapping's own and merged keys.
+        number: A node as a number; None for any other.
+    """
+    keys: dict[str, dict[str, str]] = {}
+    for key in block:
+        found = gain_of(key)
+        if found is not None:
+            keys.setdefault(found[1], {}).setdefault(found[0], key)
+    gains = []
+    for name, own in keys.items():
+        if len(own) < 2:
+            continue
+        kp, kd = (block[own[gain]] for gain in ("kp", "kd"))
+        if isinstance(kp, yaml.SequenceNode) and isinstance(kd, yaml.SequenceNode):
+            count = len(kp.value)
+            numbers = all(number(item) is not None for item in (*kp.value, *kd.value))
+            named = any(len(each) == count for each in names)
+            told = named or (count >= LEAST and count != _OF_SPACE)
+            if numbers and count == len(kd.value) and told:
+                gains.append(OwnGains(name, own["kp"], own["kd"], kp, named))
+        elif isinstance(kp, yaml.MappingNode) and isinstance(kd, yaml.MappingNode):
+            values = {**mapping(kp), **mapping(kd)}
+            if any(set(values) <= each for each in names):
+                gains.append(OwnGains(name, own["kp"], own["kd"], kp, True))
+    return gains
+
+
+def joint_lists(blocks: Iterator[Mapping[str, yaml.Node]]) -> set[frozenset[str]]:
+    """The lists of names that a file has under keys that speak of joints, `joint_names_mujoco` too, each name once."""
+    found = set()
+    for block in blocks:
+        for key, node in block.items():
+            if not isinstance(node, yaml.SequenceNode) or not re.search("joint|dof", key, re.IGNORECASE):
+                continue
+            texts = [item.value for item in node.value if item.tag == "tag:yaml.org,2002:str"]
+            if len(node.value) == len(set(texts)) > 1:
+                found.add(frozenset(texts))
+    return found

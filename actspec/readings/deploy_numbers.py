@@ -1,0 +1,68 @@
+"""Figures of a deploy file that are meant for numbers and are none: text, `.nan`, a joint without one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import yaml
+
+from actspec.diagnostics import Collector, shortened
+from actspec.readings.leftover import node_span
+from actspec.readings.yaml_nodes import number_of
+
+NO_NUMBER = "DEPLOY003"
+"""Code of a value that is no number and stands where one is meant."""
+
+_FIGURE = re.compile(r"\s*[-+]?\.?\d")
+"""How a text begins that is meant for a number: `0,5`, `25 N*m/rad`, `4O0`, `1e5`."""
+
+_YAML = "tag:yaml.org,2002:"
+
+
+def is_meant_for_one(node: yaml.Node) -> bool:
+    """Whether a value is a number, or was meant for one: text that begins with a figure, `.nan`, `.inf`."""
+    if not isinstance(node, yaml.ScalarNode):
+        return False
+    figure = node.tag == f"{_YAML}str" and _FIGURE.match(node.value) is not None
+    return figure or node.tag in (f"{_YAML}int", f"{_YAML}float")
+
+
+def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], path: str, out: Collector) -> None:
+    """Say which figures of a key are no numbers; `null` and `unknown` are nobody's figure, nor are words among words.
+
+    Args:
+        key: As it stands in the file.
+        values: Joint, or `it`, to its value.
+        path: The file.
+        out: Is told.
+    """
+    odd = [(joint, node) for joint, node in values if number_of(node) is None and not _is_left_open(node)]
+    figures = [one for one in odd if is_meant_for_one(one[1])]
+    if len(values) - len(odd) + len(figures) < len(odd) - len(figures):
+        # Words and lists with a number among them are no gains by joint: Isaac Gym's `stiffness: {range: [0.5, 1.5],
+        # operation: scaling, schedule_steps: 3000}`.
+        odd = figures
+    for joint, node in odd:
+        out.warning(
+            NO_NUMBER, f"{joint} has {_what(node)}: it is not judged", where=key, span=node_span(path, node)
+        )
+
+
+def _is_left_open(node: yaml.Node) -> bool:
+    """Whether somebody says that there is no figure: a word for it, and not nothing at all."""
+    if not isinstance(node, yaml.ScalarNode):
+        return False
+    return node.value == "unknown" or (node.tag == f"{_YAML}null" and node.value != "")
+
+
+def _what(node: yaml.Node) -> str:
+    if not isinstance(node, yaml.ScalarNode):
+        return "a list, which is no number as YAML reads it"
+    if node.tag == f"{_YAML}null":
+        return "no value"
+    if node.tag == f"{_YAML}float":
+        return f"{shortened(node.value)}, which is no finite number"
+    quote = node.style if node.style in ("'", '"') else ""
+    # `1e5` without a dot is text to YAML 1.1.
+    return f"{quote}{shortened(node.value)}{quote}, which is no number as YAML reads it"
