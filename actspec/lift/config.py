@@ -113,7 +113,7 @@ def lift_config(
             physics_dt=own_step,
             decimation=_decimation(config),
             control_dt=_time(config, "control_dt"),
-            diagnostics=config.notes,
+            diagnostics=config.unrolled.notes,
         ),
         tuple(alone),
         {name: tuple(said) for name, said in notes.items()},

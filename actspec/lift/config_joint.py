@@ -94,7 +94,7 @@ class ConfigJoint:
         used = {name: setting for name, setting in group.settings.items() if name not in self._idle}
         acting = replace(group, settings=used)
         self._figures = figures_of(
-            replace(config, settings={**config.settings, **config.looped}),
+            config.unrolled,
             acting,
             self.joint,
             self.pattern,

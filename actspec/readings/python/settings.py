@@ -118,7 +118,8 @@ def setting(value: Value, name: str = "") -> Setting:
         return Setting(value.data.name, value.span)
     found, reason = plain(value)
     if reason is not None:
-        return Setting(None, value.span, reason)
+        filled = value.data.filled if isinstance(value.data, Table) else None
+        return Setting(None, value.span, reason, looped=None if filled is None else setting(filled))
     places = {}
     if isinstance(value.data, Table):
         # A constant's own line is not the key's, and stands before the dict or in another file.

@@ -15,7 +15,7 @@ import re
 import sys
 import warnings
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span, one_line
@@ -256,6 +256,29 @@ def parse(path: str, package: tuple[str, ...], include: str, most: int) -> Sourc
         raise
     # Python's parser ends lines here, str.splitlines at form feeds too.
     return Source(path, package, data, tree, include, re.split("\r\n|\r|\n", text))
+
+
+def definitions(body: Sequence[ast.stmt]) -> dict[str, ast.AST]:
+    """Where each name of a file is bound at its top level, imports excepted, and of its classes as `Class.name`; the
+    last place counts."""
+    places: dict[str, ast.AST] = {}
+    waiting = list(body)[::-1]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            places[node.name] = node
+        if isinstance(node, ast.ClassDef):
+            places.update((f"{node.name}.{name}", place) for name, place in definitions(node.body).items())
+        elif isinstance(node, ast.Assign):
+            for target in node.targets:
+                bound = [one for one in ast.walk(target) if isinstance(one, ast.Name)]
+                places.update({one.id: node for one in bound if isinstance(one.ctx, ast.Store)})
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            places[node.target.id] = node
+        elif isinstance(node, (ast.If, ast.Try, ast.With)):
+            inner = [one for one in ast.iter_child_nodes(node) if isinstance(one, ast.stmt)]
+            waiting.extend(inner[::-1])
+    return places
 
 
 def _tree(text: str) -> ast.Module:
