@@ -269,6 +269,8 @@ class RobotConfig:
         edited: What its program calls and sets before the simulator has the model: names of methods and attributes of
             the function that loads it (`add_equality`, `damping`), whatever they are of.
         by_call: Whether it is what a function of the file makes without arguments, whose name it has.
+        robot_missing: Where an environment leaves its robot to a class that is derived from it (`MISSING`); None: it
+            does not.
     """
 
     framework: Framework
@@ -287,6 +289,7 @@ class RobotConfig:
     looped: Mapping[str, Setting] = field(default_factory=dict)
     edited: frozenset[str] = frozenset()
     by_call: bool = False
+    robot_missing: Span | None = None
 
     @property
     def unrolled(self) -> RobotConfig:

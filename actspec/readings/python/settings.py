@@ -180,6 +180,7 @@ class Draft:
     actions: list[ActionTerm] = field(default_factory=list)
     notes: Collector = field(default_factory=Collector)
     edited: frozenset[str] = frozenset()
+    robot_missing: Span | None = None
 
     def config(self, framework: Framework, name: str, span: Span) -> RobotConfig:
         """All of it as a configuration."""
@@ -193,6 +194,7 @@ class Draft:
             tuple(self.actions),
             tuple(self.notes),
             edited=self.edited,
+            robot_missing=self.robot_missing,
         )
 
     def note(self, where: str, reason: str, span: Span) -> None:
