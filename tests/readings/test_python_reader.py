@@ -896,3 +896,75 @@ EVENTS = {
         ("kp", "not known without running it: KP comes from my_lab, which is not beside this file"),
         ("kd", "not known without running it: a range is two numbers"),
     ]
+
+
+FORK = """from isaaclab.utils import configclass
+from . import actuator_pd
+from .actuator_base_cfg import ActuatorBaseCfg
+from dataclasses import MISSING
+
+@configclass
+class IdealPDActuatorCfg(ActuatorBaseCfg):
+    class_type: type = actuator_pd.IdealPDActuator
+
+@configclass
+class DCMotorCfg(IdealPDActuatorCfg):
+    saturation_effort: float = MISSING
+
+@configclass
+class IdentifiedActuatorCfg(DCMotorCfg):
+    friction_static: float = MISSING
+    damping: float = 0.7
+"""
+FORKED = """from isaaclab.actuators import IdentifiedActuatorCfg, IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+LEG_CFG = ArticulationCfg(actuators={
+    "legs": IdentifiedActuatorCfg(
+        joint_names_expr=["hip"], effort_limit=20.0, saturation_effort=30.0, velocity_limit=9.0, stiffness=40.0),
+    "arms": IdealPDActuatorCfg(joint_names_expr=["arm"], effort_limit=5.0, stiffness=4.0, damping=0.1),
+})
+"""
+
+
+@pytest.mark.parametrize("layout", ["isaaclab", "omni.isaac.lab"])
+def test_an_actuator_that_a_fork_of_isaac_lab_has_added(tmp_path: Path, layout: str) -> None:
+    """It is read by its base and its defaults, in 2.x's folders and 1.x's; Isaac Lab's own are known by their names."""
+    parts = layout.split(".")
+    actuators = tmp_path.joinpath("source", layout, *parts, "actuators")
+    actuators.mkdir(parents=True)
+    (actuators / "actuator_cfg.py").write_text(FORK, encoding="utf-8")
+    (actuators / "actuator_base_cfg.py").write_text("class ActuatorBaseCfg:\n    armature: float = 0.02\n")
+    (actuators / "__init__.py").write_text("from .actuator_cfg import *\n", encoding="utf-8")
+    robots = tmp_path.joinpath("source", f"{layout}_assets", *parts[:-1], f"{parts[-1]}_assets")
+    robots.mkdir(parents=True)
+    (robots / "__init__.py").write_text("", encoding="utf-8")
+    (robots / "leg.py").write_text(
+        FORKED.replace("isaaclab.actuators", f"{layout}.actuators"), encoding="utf-8"
+    )
+    reading = read_python(str(robots / "leg.py"))
+    (artifact,) = reading.artifacts
+    assert artifact.config is not None
+    legs, arms = artifact.config.groups
+    assert legs.bases == ("DCMotorCfg", "IdealPDActuatorCfg", "ActuatorBaseCfg")
+    assert (legs.settings["damping"].value, legs.settings["armature"].value) == (0.7, 0.02)
+    assert (arms.cls, arms.bases, arms.settings.keys() & {"armature"}) == ("IdealPDActuatorCfg", (), set())
+    assert [Path(file.path).name for file in reading.files] == [
+        "leg.py", "__init__.py", "actuator_cfg.py", "actuator_base_cfg.py"
+    ]  # fmt: skip
+
+
+def test_a_fork_behind_a_link_is_not_read(tmp_path: Path) -> None:
+    """A link to another place is none that the named file's repository has."""
+    elsewhere = tmp_path / "elsewhere" / "isaaclab" / "actuators"
+    elsewhere.mkdir(parents=True)
+    (elsewhere / "__init__.py").write_text(FORK, encoding="utf-8")
+    robots = tmp_path / "source" / "isaaclab_assets" / "isaaclab_assets"
+    robots.mkdir(parents=True)
+    (tmp_path / "source" / "isaaclab").symlink_to(tmp_path / "elsewhere")
+    (robots / "__init__.py").write_text("", encoding="utf-8")
+    (robots / "leg.py").write_text(FORKED, encoding="utf-8")
+    reading = read_python(str(robots / "leg.py"))
+    (artifact,) = reading.artifacts
+    assert artifact.config is not None
+    assert artifact.config.groups[0].bases == ()
+    assert [Path(file.path).name for file in reading.files] == ["leg.py"]
