@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Span, one_line
 from actspec.fields import units_of
 from actspec.ir import (
     AsymmetricCurve,
@@ -290,6 +290,8 @@ class ConfigJoint:
 
     def _no_limit(self) -> str | None:
         if self.config.framework is Framework.ISAACLAB and self._control != "implicit":
+            if self.group.bases and not self._own:
+                return f"no effort_limit, and what {one_line(self.group.cls)} clips at is not known here"
             return f"{CLIPPING_AT_SOLVERS} do not clip then, others at the USD's"
         return self._kept("limit") if self.config.framework is Framework.ISAACLAB else None
 

@@ -157,3 +157,35 @@ def test_an_environment_whose_robot_a_derived_one_sets(tmp_path: Path) -> None:
     """Beside a base of its file it is the robot, with the base's decimation."""
     (reading,) = read_robot_files(written(tmp_path, base_py=BASE + DERIVED), None, Versions())[0]
     assert [joint.joint for joint in reading.lifted.actuators.joints] == ["hip", "knee"]
+
+
+TWO = """from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+LEG_CFG = ArticulationCfg(actuators={"legs": IdealPDActuatorCfg(
+    joint_names_expr=["hip", "knee"], stiffness=20.0, damping=3.0, effort_limit=30.0)})
+STIFF_LEG_CFG = LEG_CFG.copy()
+STIFF_LEG_CFG.actuators["legs"].stiffness = 80.0
+"""
+
+
+@pytest.mark.parametrize("module", ["two", "elsewhere.robots"])
+@pytest.mark.parametrize(("name", "kp"), [("LEG_CFG", 20.0), ("STIFF_LEG_CFG", 80.0)])
+def test_an_environment_says_which_of_two_robots_it_takes(
+    tmp_path: Path, module: str, name: str, kp: float
+) -> None:
+    """From the file itself, or from a module that is not found, under another name; --robot counts before it."""
+    task = BASE.replace("= MISSING", "= LEG").replace(
+        "from dataclasses import MISSING", f"from {module} import {name} as LEG"
+    )
+    paths = written(tmp_path, env_py=task, two_py=TWO)
+    for asked, stiffness in ((None, kp), ("LEG_CFG", 20.0)):
+        readings, _ = read_robot_files(paths, asked, Versions())
+        found = {
+            joint.kp.value
+            for one in readings
+            for joint in one.lifted.actuators.joints
+            if joint.kp is not None
+        }
+        assert found == {stiffness} or (asked and module == "two")
+    with pytest.raises(AuditError):
+        read_robot_files(written(tmp_path, two_py=TWO), None, Versions())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -968,3 +969,44 @@ def test_a_fork_behind_a_link_is_not_read(tmp_path: Path) -> None:
     assert artifact.config is not None
     assert artifact.config.groups[0].bases == ()
     assert [Path(file.path).name for file in reading.files] == ["leg.py"]
+
+
+SPREAD = """from proj.assets.leg import LEG_CFG
+from isaaclab.envs import ManagerBasedRLEnvCfg
+from isaaclab.scene import InteractiveSceneCfg
+class Scene(InteractiveSceneCfg):
+    robot = LEG_CFG.replace(prim_path="{ENV_REGEX_NS}/Robot")
+class LegEnvCfg(ManagerBasedRLEnvCfg):
+    scene = Scene(num_envs=1)
+    decimation = 4
+"""
+
+
+@pytest.mark.parametrize("packages", [(), ("tasks",), ("tasks", "assets")])
+@pytest.mark.parametrize("start", [".", "proj/tasks"])
+def test_a_package_without_init_above_the_file(
+    tmp_path: Path, packages: tuple[str, ...], start: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`from proj.assets.leg import LEG_CFG` in proj/tasks (PEP 420), and what that imports of `proj` itself."""
+    for name in ("tasks", "assets"):
+        (tmp_path / "proj" / name).mkdir(parents=True)
+        if name in packages:
+            (tmp_path / "proj" / name / "__init__.py").write_text("", encoding="utf-8")
+    leg = FORKED.replace(
+        "from isaaclab.actuators import IdentifiedActuatorCfg", "from proj.assets.motor import MotorCfg"
+    )
+    leg = leg.replace(", IdealPDActuatorCfg", "\nfrom isaaclab.actuators import IdealPDActuatorCfg", 1)
+    (tmp_path / "proj/assets/leg.py").write_text(
+        leg.replace("Identified", "Motor").replace("MotorActuator", "Motor")
+    )
+    motor = "from isaaclab.actuators import DCMotorCfg\nclass MotorCfg(DCMotorCfg):\n    damping = 0.7\n"
+    (tmp_path / "proj/assets/motor.py").write_text(motor, encoding="utf-8")
+    (tmp_path / "proj/tasks/env_cfg.py").write_text(SPREAD, encoding="utf-8")
+    monkeypatch.chdir(tmp_path / start)
+    reading = read_python(os.path.relpath(tmp_path / "proj/tasks/env_cfg.py"))
+    env = next(one.config for one in reading.artifacts if one.name == "LegEnvCfg")
+    assert env is not None
+    assert [(group.cls, group.bases, group.settings["damping"].value) for group in env.groups] == [
+        ("MotorCfg", ("DCMotorCfg",), 0.7),
+        ("IdealPDActuatorCfg", (), 0.1),
+    ]

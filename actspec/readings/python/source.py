@@ -146,9 +146,8 @@ class Library:
         asked = tuple(module.split(".")) if module else ()
         if not all(part.isidentifier() for part in asked):
             return OUTSIDE
-        if importer.top is not None:
-            # Of a fork of Isaac Lab: what stands beside it.
-            own = importer.package[: len(importer.package) - (level - 1)] if level else ()
+        if importer.top is not None and level:
+            own = importer.package[: len(importer.package) - (level - 1)]
             return self._at(importer.top, own + asked, f"{'.' * level}{module}") if own else OUTSIDE
         for top, parts in self._places(importer, level, asked):
             if len(parts) > 1 and parts[0] in FRAMEWORKS and parts[1] not in FRAMEWORKS[parts[0]]:
@@ -156,7 +155,23 @@ class Library:
             found = self._at(top, parts, f"{'.' * level}{module}")
             if found is not OUTSIDE:
                 return found
+        for top, parts in self._namespaces(asked) if not level else ():
+            found = self._at(top, parts, module, top)
+            if found is not OUTSIDE:
+                return found
         return OUTSIDE
+
+    def _namespaces(self, asked: tuple[str, ...]) -> Iterator[tuple[str, tuple[str, ...]]]:
+        """Folders above the topmost package that an import names, which have no `__init__.py` (PEP 420)."""
+        if not asked or asked[0].partition("_")[0] in FRAMEWORKS or asked[0] in sys.stdlib_module_names:
+            return
+        folders = os.path.abspath(self.top or os.curdir).split(os.sep)
+        for above, name in enumerate(folders[: -MAX_GAP - 1 : -1]):
+            if len(asked) > 1 and name == asked[0]:
+                yield (
+                    os.path.normpath(os.path.join(self.top, *[os.pardir] * above)) if above else self.top,
+                    asked[1:],
+                )
 
     def fork(self, module: str) -> Source | str:
         """The file of a module of Isaac Lab's actuators, of a fork that the named file is in; or why it is not read.
@@ -174,16 +189,16 @@ class Library:
         for above in range(1, _BESIDE + 1):
             top = os.path.normpath(os.path.join(self.top, *[os.pardir] * above, folder))
             if os.path.isdir(os.path.join(top, *name.split("."))):
-                return self._at(top, parts, module)
+                return self._at(top, parts, module, top)
         return OUTSIDE
 
-    def _at(self, top: str, parts: tuple[str, ...], include: str) -> Source | str:
-        """The file of a module below a folder."""
+    def _at(self, top: str, parts: tuple[str, ...], include: str, root: str | None = None) -> Source | str:
+        """The file of a module below a folder, which is within `root` too where that is given."""
         base = os.path.join(top, *parts)
         for path in (os.path.join(base, "__init__.py"), f"{base}.py" if parts else ""):
             if path and os.path.isfile(path):
                 package = parts if path.endswith("__init__.py") else parts[:-1]
-                return self._read(path, package, include, top)
+                return self._read(path, package, include, top, root)
         return OUTSIDE
 
     def _places(
@@ -203,7 +218,7 @@ class Library:
             return
         # A program may be started in any folder of the tree.
         for count in range(len(own), 0, -1):
-            yield self.top, own[:count] + asked
+            yield importer.top or self.top, own[:count] + asked
         if self.beside is not None:
             # `robot.gains` of a file in `robot`, whose parent is no part of the tree.
             folders = tuple(os.path.abspath(self.beside).split(os.sep))
@@ -211,10 +226,12 @@ class Library:
                 if folders[-count:] == asked[:count]:
                     yield self.beside, asked[count:]
 
-    def _read(self, path: str, package: tuple[str, ...], include: str, top: str) -> Source | str:
+    def _read(
+        self, path: str, package: tuple[str, ...], include: str, top: str, root: str | None
+    ) -> Source | str:
         if path not in self.sources:
             other = top not in (self.top, self.beside)
-            if not self._inside(path, top if other else None):
+            if not self._inside(path, top if other else root):
                 return "is a link to outside this folder"
             if len(self.sources) >= MAX_FILES:
                 return f"is not read, because {MAX_FILES} files are"
@@ -230,15 +247,17 @@ class Library:
                 self._problems[path] = f"cannot be read: {err}{place}"
         return self.sources[path] or self._problems[path]
 
-    def _inside(self, path: str, fork: str | None) -> bool:
-        """Whether a file is where its path says, below the topmost package, beside the named file, or in a fork."""
+    def _inside(self, path: str, other: str | None) -> bool:
+        """Whether a file is where its path says: below the topmost package, beside the named file, or in another folder
+        that its import names."""
         roots = [os.path.join(self.top, *self.package[:1])] if self.package else []
         roots += [self.beside] if self.beside is not None else []
         try:
             real = os.path.realpath(path)
             places = list(map(os.path.realpath, roots))
-            if fork is not None:
-                places.append(os.path.join(os.path.realpath(os.path.dirname(fork)), os.path.basename(fork)))
+            if other is not None:
+                above, name = os.path.split(os.path.abspath(other))
+                places.append(os.path.join(os.path.realpath(above), name))
             return any(real.startswith(os.path.join(place, "")) for place in places)
         except OSError:
             return False
