@@ -982,7 +982,7 @@ class LegEnvCfg(ManagerBasedRLEnvCfg):
 """
 
 
-@pytest.mark.parametrize("packages", [(), ("tasks",), ("tasks", "assets")])
+@pytest.mark.parametrize("packages", [("tasks",), ("tasks", "assets")])
 @pytest.mark.parametrize("start", [".", "proj/tasks"])
 def test_a_package_without_init_above_the_file(
     tmp_path: Path, packages: tuple[str, ...], start: str, monkeypatch: pytest.MonkeyPatch

@@ -155,23 +155,19 @@ class Library:
             found = self._at(top, parts, f"{'.' * level}{module}")
             if found is not OUTSIDE:
                 return found
-        for top, parts in self._namespaces(asked) if not level else ():
+        for top, parts in self._namespace(asked) if not level else ():
             found = self._at(top, parts, module, top)
             if found is not OUTSIDE:
                 return found
         return OUTSIDE
 
-    def _namespaces(self, asked: tuple[str, ...]) -> Iterator[tuple[str, tuple[str, ...]]]:
-        """Folders above the topmost package that an import names, which have no `__init__.py` (PEP 420)."""
-        if not asked or asked[0].partition("_")[0] in FRAMEWORKS or asked[0] in sys.stdlib_module_names:
+    def _namespace(self, asked: tuple[str, ...]) -> Iterator[tuple[str, tuple[str, ...]]]:
+        """The folder that holds the topmost package, where an import names it: it has no `__init__.py` (PEP 420)."""
+        if len(asked) < 2 or asked[0].partition("_")[0] in FRAMEWORKS or asked[0] in sys.stdlib_module_names:
             return
-        folders = os.path.abspath(self.top or os.curdir).split(os.sep)
-        for above, name in enumerate(folders[: -MAX_GAP - 1 : -1]):
-            if len(asked) > 1 and name == asked[0]:
-                yield (
-                    os.path.normpath(os.path.join(self.top, *[os.pardir] * above)) if above else self.top,
-                    asked[1:],
-                )
+        # The parent of a folder that is no package is no part of what was named.
+        if self.package and os.path.basename(os.path.abspath(self.top or os.curdir)) == asked[0]:
+            yield self.top, asked[1:]
 
     def fork(self, module: str) -> Source | str:
         """The file of a module of Isaac Lab's actuators, of a fork that the named file is in; or why it is not read.
