@@ -56,6 +56,9 @@ _DESCRIPTORS = "Isaac Lab's IO_descriptors.yaml, "
 
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
 
+_HOLDERS = ("robot", "robot_cfg")
+"""Fields of an environment that have its robot."""
+
 
 def read_robot_files(
     paths: Sequence[str], robot: str | None, versions: Versions, named: str | None = None
@@ -239,12 +242,29 @@ def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> 
         for part in named or full:
             if not any(are_one(part, other) for other in distinct):
                 distinct.append(part)
+        if len(distinct) > 1 and name is None:
+            distinct = _taken(distinct, [part for part in parts if part.path != path])
         if len(distinct) > 1:
             names = listed([one_line(part.name) for part in full if part in distinct], 20)
             message = f"describes {len(distinct)} robots"
             out.error("DRF007", message, span=Span(path), help=f"name one with --robot: {names}")
         yield from distinct
         yield from (part for part in own if part not in full)
+
+
+def _taken(robots: list[Artifact], others: Sequence[Artifact]) -> list[Artifact]:
+    """The one of a file's robots that environments of other files import, from that file or from where nobody looked;
+    all of them where that is not one."""
+    configs = [one for one in others if one.config is not None]
+    named = {
+        name for one in configs if one.config for at, name in one.config.elsewhere.items() if at in _HOLDERS
+    }
+    found = [
+        robot
+        for robot in robots
+        if robot.config is not None and (robot.name in named or any(are_one(robot, one) for one in configs))
+    ]
+    return found if len(found) == 1 else robots
 
 
 def _is_motor_alone(part: Artifact) -> bool:

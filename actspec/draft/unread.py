@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Collector, Diagnostic, one_line
+from actspec.diagnostics import Collector, Diagnostic, Severity, one_line
 from actspec.lift import lift
-from actspec.readings.artifact import Artifact, RobotConfig
+from actspec.readings.artifact import Artifact, Framework, RobotConfig
 
 _DRIVES = "actuators"
 _ROBOTS = ("robot", "robot_cfg", "scene")
@@ -54,6 +54,21 @@ def check_drives(parts: Sequence[Artifact], out: Collector) -> None:
             help = f"name {missing} too" if is_elsewhere else f"write {note.where} out"
             message = f"{one_line(name)}: its {note.where} {'are' if drives else 'is'} {note.message}"
             out.error("DRF002", message, span=note.span, help=help + alone)
+    trained = [one for one in configs if one[1].framework in (Framework.ISAACLAB, Framework.MJLAB)]
+    if len(trained) == len(parts) and not any(item.severity is Severity.ERROR for item in out):
+        _without_robot(trained, out)
+
+
+def _without_robot(configs: Sequence[tuple[str, RobotConfig]], out: Collector) -> None:
+    """Environments whose robot stands nowhere; of several the one that says who sets it."""
+    name, config = next((one for one in configs if one[1].robot_missing is not None), configs[0])
+    if config.robot_missing is not None:
+        message = "its robot is MISSING: an environment that is derived from it sets it"
+        help = "name the file of that environment, or the robot's configuration too"
+    else:
+        message = "it has no robot, and so no joints"
+        help = "name the robot's configuration too, or the environment that has it"
+    out.error("DRF002", f"{one_line(name)}: {message}", span=config.robot_missing or config.span, help=help)
 
 
 def _has_gains(part: Artifact) -> bool:

@@ -165,8 +165,9 @@ _CALLED = {POSE: "the pose", _SCALE: "the action scale"}
 
 def selected_twice(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
     """Keys of values by joint that are for a joint which another key is for: each once, and which of them counts."""
+    config = config.unrolled
     framework, robot = config.framework, one_line(config.name)
-    every = [(name, setting, joints) for name, setting in {**config.settings, **config.looped}.items()]
+    every = [(name, setting, joints) for name, setting in config.settings.items()]
     for group in config.groups:
         own = [joint for joint, _ in selected(config, group, joints)]
         every += [(name, setting, own) for name, setting in group.settings.items()]

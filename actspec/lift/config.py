@@ -18,6 +18,7 @@ from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
 from actspec.readings.config import selected
 from actspec.readings.dict_keys import plain_name
+from actspec.readings.overlap import has_last
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.versions import Versions, friction_unit_of, is_native, meant_for
 from actspec.robot.view import JointView
@@ -80,14 +81,13 @@ def lift_config(
     for name in named:
         chosen = members.get(name, [])
         view = views.get(name)
-        why = _unsupported(config, chosen, view)
+        why = _unsupported(config, chosen, view, versions)
         if why is not None:
             alone.append(LeftAlone(name, why, chosen[-1][0].span if chosen else config.span))
             continue
-        # Isaac Lab 2.x: the group that comes last has the joint.
-        group, pattern = chosen[-1]
+        *earlier, (group, pattern) = chosen
         step = own_step.value or physics_dt
-        drive = ConfigJoint(config, group, name, pattern, named, view, versions, step)
+        drive = ConfigJoint(config, group, name, pattern, named, view, versions, step, earlier)
         found.append(drive.actuator(_randomizations(config, name, named)))
         said = [*_overlapping(chosen), *drive.notes]
         if said:
@@ -113,7 +113,7 @@ def lift_config(
             physics_dt=own_step,
             decimation=_decimation(config),
             control_dt=_time(config, "control_dt"),
-            diagnostics=config.notes,
+            diagnostics=config.unrolled.notes,
         ),
         tuple(alone),
         {name: tuple(said) for name, said in notes.items()},
@@ -121,14 +121,17 @@ def lift_config(
 
 
 def _unsupported(
-    config: RobotConfig, chosen: Sequence[tuple[ActuatorGroup, str]], view: JointView | None
+    config: RobotConfig,
+    chosen: Sequence[tuple[ActuatorGroup, str]],
+    view: JointView | None,
+    versions: Versions,
 ) -> str | None:
     """Why a joint cannot be described by its groups and its robot file, if that is at hand; None when it can."""
     if view is not None and view.mimic is not None:
         return f"follows '{one_line(view.mimic)}' (mimic)"
     if not chosen:
         return "no group of the configuration selects it"
-    if len(chosen) > 1 and config.framework is not Framework.ISAACLAB:
+    if len(chosen) > 1 and not has_last(config.framework, versions):
         return f"{len(chosen)} groups select it: {', '.join(one_line(group.name) for group, _ in chosen)}"
     group = chosen[-1][0]
     cls = one_line(group.cls)
@@ -215,7 +218,7 @@ def _unnamed(config: RobotConfig, named: Sequence[str]) -> Iterator[LeftAlone]:
 def _overlapping(chosen: Sequence[tuple[ActuatorGroup, str]]) -> Iterator[str]:
     if len(chosen) > 1:
         names = ", ".join(one_line(group.name) for group, _ in chosen)
-        yield f"several groups have the joint ({names}): the last one counts, as in Isaac Lab 2.x"
+        yield f"several groups have the joint ({names}): as in Isaac Lab 2.x the last counts, over what others state"
 
 
 def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:

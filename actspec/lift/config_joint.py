@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Span, one_line
 from actspec.fields import units_of
 from actspec.ir import (
     AsymmetricCurve,
@@ -27,8 +27,15 @@ from actspec.ir import (
 )
 from actspec.readings.actions import command_of
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.readings.config import control_of_group, figures_of, is_network, is_own_class, lags_of
+from actspec.readings.config import (
+    control_of_group,
+    figures_of,
+    is_network,
+    is_own_class,
+    lags_of,
+)
 from actspec.readings.dict_keys import Found
+from actspec.readings.isaaclab import idle_speeds
 from actspec.readings.networks import stated_manifest
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
@@ -63,6 +70,7 @@ class ConfigJoint:
         view: The joint in the robot's file; None: there is none.
         versions: What the configuration is written for.
         physics_dt: The simulation's step [s]; None: nobody states it.
+        earlier: Groups before it that have the joint too, each with what selects it.
         notes: What a spec cannot hold, or says otherwise; complete once the actuator is made.
     """
 
@@ -74,23 +82,26 @@ class ConfigJoint:
     view: JointView | None
     versions: Versions
     physics_dt: float | None
+    earlier: Sequence[tuple[ActuatorGroup, str]] = ()
     notes: list[str] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
         """What its class makes of the settings."""
         config, group = self.config, self.group
         self._control = drive_kind(config.framework, group)
-        self._idle = self._without_use()
+        speeds = idle_speeds(config.framework, self._control)
+        self._idle = tuple(name for name in speeds if name in group.settings)
         used = {name: setting for name, setting in group.settings.items() if name not in self._idle}
         acting = replace(group, settings=used)
         self._figures = figures_of(
-            replace(config, settings={**config.settings, **config.looped}),
+            config.unrolled,
             acting,
             self.joint,
             self.pattern,
             self.named,
             self.versions,
             self.physics_dt,
+            self.earlier,
         )
         if config.framework is Framework.MJLAB and self._control == "network":
             # Its learned class is a DC motor. Source: mjlab 1.6.0, learned_actuator.py.
@@ -98,20 +109,6 @@ class ConfigJoint:
             self._figures |= {} if speed is None else {"no_load_speed": speed}
         self._units = units_of(JointKind.HINGE if self.view is None else self.view.kind)
         self._own = is_own_class(group)
-
-    def _without_use(self) -> tuple[str, ...]:
-        """Settings that act nowhere: the speed of an explicit Isaac Lab drive that has no torque-speed line.
-
-        It only goes into `soft_joint_vel_limits`, which rewards read; the solver keeps its own. Source: Isaac Lab
-        2.2.0 and 2.3.2, actuator_base.py (velocity_limit has velocity_limit_sim as default, not the other way
-        round), actuator_pd.py (IdealPD clips by effort alone), articulation.py (writes velocity_limit_sim); 3.0,
-        docs/source/concepts/actuators.rst: renamed alone.
-        """
-        explicit = self._control not in ("implicit", "dc_motor", "network")
-        if self.config.framework is not Framework.ISAACLAB or not explicit:
-            return ()
-        names = (OLD_NAMES.velocity, NEW_NAMES.velocity)
-        return tuple(name for name in names if name in self.group.settings)
 
     def actuator(self, randomize: tuple[Randomization, ...]) -> JointActuator:
         """The joint's actuator.
@@ -271,10 +268,16 @@ class ConfigJoint:
             return found
         name = next(n for n in (OLD_NAMES.solver_effort, NEW_NAMES.solver_effort) if n in self.group.settings)
         clips = f"the solver clips at {solver.value:g} {unit} too ({name})"
-        if "effort_limit" in self._figures or found.value is not None:
+        model = self._figures.get("effort_limit")
+        if found.value is not None or (model is not None and model.stated):
             if solver.value < (found.value or 0.0):
                 self.notes.append(f"{clips}, below effort_limit")
             return found
+        if model is not None:
+            self.notes.append(
+                f"effort_limit is {name}, {solver.value:g} {unit}, where the solver clips; the model: {model.why}"
+            )
+            return self._quantity(solver, unit)
         own = None if self.view is None else self.view.effort_range
         usds = f"outside {CLIPPING_AT_SOLVERS} the model clips at the USD's limit"
         if own is not None and max(own) < solver.value:
@@ -287,6 +290,8 @@ class ConfigJoint:
 
     def _no_limit(self) -> str | None:
         if self.config.framework is Framework.ISAACLAB and self._control != "implicit":
+            if self.group.bases and not self._own:
+                return f"no effort_limit, and what {one_line(self.group.cls)} clips at is not known here"
             return f"{CLIPPING_AT_SOLVERS} do not clip then, others at the USD's"
         return self._kept("limit") if self.config.framework is Framework.ISAACLAB else None
 

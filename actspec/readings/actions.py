@@ -75,8 +75,8 @@ def acted(
         size = "an offset that is not known" if zero.value is None else f"an offset of {zero.value:g}"
         return {SCALE: Found(None, term.place, why=f"{called} adds {size} to the command")}
     scale, beside = term.scale, config.settings.get(SCALE)
-    if scale is not None and scale.unknown is not None and beside is not None:
-        # The constant beside the robot, which the term names.
+    if scale is not None and scale.unknown is not None and beside is not None and beside.unknown is not None:
+        # The constant beside the robot, which the term names: it says more of why.
         scale = beside
     if scale is not None:
         found[SCALE] = _value(config.framework, scale, joint, pattern, named, 1.0)

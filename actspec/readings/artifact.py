@@ -59,12 +59,19 @@ class Setting:
         span: Where it is written.
         unknown: Why it could not be folded (`a loop`, `name FOO comes from another package`); None when known.
         places: Where the value of a key stands, of those that stand in the dict itself.
+        looped: What loops of a module fill it with, for import: to the audit it is unknown.
     """
 
     value: float | str | bool | tuple[object, ...] | Mapping[str, object] | None
     span: Span
     unknown: str | None = None
     places: Mapping[str, Span] = field(default_factory=dict, compare=False)
+    looped: Setting | None = None
+
+    @property
+    def unrolled(self) -> Setting:
+        """It with what loops fill."""
+        return self.looped or self
 
     def place(self, key: str) -> Span:
         """Where a key of by-pattern values stands; the whole where nobody knows."""
@@ -215,7 +222,7 @@ class ActionTerm:
     @property
     def said(self) -> tuple[object, ...]:
         """What it says, wherever it is written."""
-        settings = (self.scale, self.zero, self.clip)
+        settings = (self.scale and self.scale.unrolled, self.zero, self.clip)
         values = (None if one is None else one.unknown or one.value for one in settings)
         return (self.joints, self.command, self.why, *values)
 
@@ -263,6 +270,8 @@ class RobotConfig:
         edited: What its program calls and sets before the simulator has the model: names of methods and attributes of
             the function that loads it (`add_equality`, `damping`), whatever they are of.
         by_call: Whether it is what a function of the file makes without arguments, whose name it has.
+        robot_missing: Where an environment leaves its robot to a class that is derived from it (`MISSING`); None: it
+            does not.
     """
 
     framework: Framework
@@ -282,6 +291,17 @@ class RobotConfig:
     looped: Mapping[str, Setting] = field(default_factory=dict)
     edited: frozenset[str] = frozenset()
     by_call: bool = False
+    robot_missing: Span | None = None
+
+    @property
+    def unrolled(self) -> RobotConfig:
+        """It with what loops fill, for import; what is known then is no note any more."""
+        scales = [term.scale for term in self.actions if term.scale is not None]
+        known = {one.span for one in (*self.settings.values(), *scales) if one.looped is not None}
+        settings = {name: one.unrolled for name, one in self.settings.items()}
+        actions = tuple(replace(term, scale=term.scale and term.scale.unrolled) for term in self.actions)
+        notes = tuple(note for note in self.notes if note.code != "CFG001" or note.span not in known)
+        return replace(self, settings={**settings, **self.looped}, actions=actions, notes=notes)
 
     @property
     def physics_dt(self) -> float | None:

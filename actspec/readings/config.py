@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from actspec.fields import FIELDS
@@ -28,12 +29,12 @@ from actspec.readings.artifact import (
     Setting,
 )
 from actspec.readings.dict_keys import Found, may_match, plain_name, settled, value_of
+from actspec.readings.isaaclab import idle_speeds, settle_friction, take_limits
 from actspec.readings.ledger import LedgerRow, dynamics_at
-from actspec.readings.overlap import has_last, laid_over, last_of_each
+from actspec.readings.overlap import has_last, last_of_each, left_by, taken_by
 from actspec.readings.pair import agreement, joint_names, matching
-from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native, limited_by_solver
+from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointInertia, JointView, ModelFormat, RobotView
-from actspec.simulators.isaaclab import FrictionUnit
 
 _OF_EVERY = {"kp": "stiffness", "kd": "damping", "armature": "armature"}
 
@@ -238,6 +239,7 @@ def figures_of(
     named: Sequence[str] | None,
     versions: Versions,
     step: float | None = None,
+    earlier: Sequence[tuple[ActuatorGroup, str]] = (),
 ) -> dict[str, Found]:
     """What the class of a group makes of its settings for one joint, by the names of `fields.FIELDS`.
 
@@ -255,9 +257,32 @@ def figures_of(
         named: All joints of the robot; None: they are not known.
         versions: Decides what Isaac Lab's `friction` means; unknown without.
         step: Of the simulation, which lags count [s]; None: unknown, and so are they.
+        earlier: Groups before it that have the joint too, each with what selects it: what they leave is its default.
     """
+    left: dict[str, Found] = {}
+    for one, its in earlier:
+        control = control_of_group(config.framework, one)
+        idle = idle_speeds(config.framework, control)
+        acting = replace(one, settings={key: own for key, own in one.settings.items() if key not in idle})
+        taken = taken_by(control, left, versions)
+        figures = _figures_over(taken, config, acting, joint, its, named, versions, step)
+        left = left_by(one.name, one.span, control, figures)
+    taken = taken_by(control_of_group(config.framework, group), left, versions)
+    return _figures_over(taken, config, group, joint, pattern, named, versions, step)
+
+
+def _figures_over(
+    values: dict[str, Found],
+    config: RobotConfig,
+    group: ActuatorGroup,
+    joint: str,
+    pattern: str,
+    named: Sequence[str] | None,
+    versions: Versions,
+    step: float | None,
+) -> dict[str, Found]:
+    """The figures of one group, over those that stand where it states nothing."""
     control = control_of_group(config.framework, group)
-    values: dict[str, Found] = {}
     known = named is not None or plain_name(config.framework, pattern) is not None
     # legged_gym looks both gains up by the keys of one.
     order = group.settings.get("stiffness") if config.framework is Framework.LEGGED_GYM else None
@@ -293,10 +318,10 @@ def figures_of(
     else:
         take("action_scale", "action_scale")
     if config.framework is Framework.ISAACLAB:
-        _isaaclab_limits(control, take, versions)
+        take_limits(control, take, versions)
         take("friction_setting", "friction")
         take("dynamic_friction_setting", "dynamic_friction")
-        _isaaclab_friction(values, versions)
+        settle_friction(values, versions)
         for field, name in _OF_OWN_CLASS.items() if is_own_class(group) else ():
             take(field, name)
     elif config.framework is Framework.MJLAB:
@@ -351,62 +376,6 @@ _OF_GAINS = ("ideal_pd", "velocity")
 """Controls of legged_gym that use its gains."""
 
 
-def _isaaclab_limits(control: str, take: Callable[..., None], versions: Versions) -> None:
-    """The limits by class, in the names of 2.x and 3.0.
-
-    An implicit drive is clamped by the solver's limit, and its `velocity_limit` is ignored; an explicit
-    one clamps in the model, without a limit of its own at the solver's in some releases.
-    `velocity_limit` of a DC motor is the no-load speed.
-    """
-    if control == "implicit":
-        take("effort_limit", "effort_limit_sim", "joint_effort_limit", "effort_limit")
-        take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
-        return
-    solvers = ("effort_limit_sim",) if limited_by_solver(versions) else ()
-    take("effort_limit", "effort_limit", "actuator_effort_limit", *solvers)
-    take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
-    take("solver_effort_limit", "effort_limit_sim", "joint_effort_limit")
-    curve = control in ("dc_motor", "network")
-    take("no_load_speed" if curve else "velocity_limit", "velocity_limit", "actuator_velocity_limit")
-
-
-def _isaaclab_friction(values: dict[str, Found], versions: Versions) -> None:
-    """Put the friction at the joint to what is written for it: `friction` is static where there is a sliding one."""
-    first, second = values.get("friction_setting"), values.get("dynamic_friction_setting")
-    written, unit = first or second, friction_unit_of(versions)
-    viscous = values.get("joint_damping")
-    if (
-        viscous is not None
-        and (viscous.value is not None or viscous.keys)
-        and unit is not None
-        and not unit.viscous
-    ):
-        unwritten = "this Isaac Lab never writes viscous_friction to the solver"
-        values["joint_damping"] = Found(None, viscous.span, False, unwritten)
-    if written is None:
-        return
-    why: str | None = None
-    if unit is FrictionUnit.DEAD:
-        why = "this Isaac Lab never writes friction to the solver"
-    elif written.value == 0.0 and (second is None or second.value == 0.0):
-        # Nothing in any unit.
-        second = written
-    elif unit is None or not unit.torque:
-        factor = unit is not None and unit.coefficient
-        means = "a factor on the joint's load" if factor else "its unit is not known"
-        why = f"friction {written.value} is no torque: {means}"
-    elif not has_dynamic(versions):
-        second, first = first, None
-    elif second is None:
-        why = "the USD's own sliding friction"
-    if why is not None:
-        values["frictionloss"] = Found(None, written.span, False, why)
-    elif second is not None:
-        values["frictionloss"] = second
-    if first is not None and unit is not None and unit.torque:
-        values["friction_static"] = first
-
-
 def lags_of(
     framework: Framework, group: ActuatorGroup, versions: Versions
 ) -> tuple[Setting | None, Setting | None]:
@@ -455,26 +424,24 @@ def rows_of_config(
     robots = [model.robot for model in models if model.robot is not None]
     massive = next((robot for robot in _simulated(config, models) if robot.inertia is not None), None)
     passive = next((robot for robot in robots if robot.format is ModelFormat.MJCF), None)
-    members = [
-        (group, joint, figures_of(config, group, joint, pattern, named, versions, config.physics_dt))
-        for group in config.groups
-        for joint, pattern in (
-            *selected(config, group, named),
-            *(_left(config, group, named) if whole else ()),
-        )
-    ]
     one_has_it = has_last(config.framework, versions)
-    if one_has_it:
-        whole_figures = laid_over(
-            [(control_of_group(config.framework, g), joint, own) for g, joint, own in members]
-        )
-        members = [(g, joint, own) for (g, joint, _), own in zip(members, whole_figures, strict=True)]
+    before: dict[str, list[tuple[ActuatorGroup, str]]] = {}
+    members = []
+    for group in config.groups:
+        left = _left(config, group, named) if whole else ()
+        for joint, pattern in (*selected(config, group, named), *left):
+            earlier = before.setdefault(joint, []) if one_has_it else []
+            own = figures_of(config, group, joint, pattern, named, versions, config.physics_dt, earlier)
+            members.append((group, joint, own))
+            earlier.append((group, pattern))
     inertia = _inertia(massive, {joint: figures.get("armature") for _, joint, figures in members})
     rows = []
     for group, joint, figures in members:
         view = robots[0].joint(joint) if robots else None
-        own = passive.joint(joint) if passive is not None and config.framework is Framework.MJLAB else None
-        rows.append(_of_group(artifact, index, group, joint, figures, view, inertia.get(joint), own))
+        passives = (
+            passive.joint(joint) if passive is not None and config.framework is Framework.MJLAB else None
+        )
+        rows.append(_of_group(artifact, index, group, joint, figures, view, inertia.get(joint), passives))
     if one_has_it:
         rows = last_of_each(rows)
     if named is not None:

@@ -229,6 +229,64 @@ def test_a_loop_fills_the_action_scale(folder: Path, text: str, expected: list[f
     assert [joint.action_scale.value for joint in _resolved()] == pytest.approx(expected, rel=1e-9)
 
 
+TASK = """
+from isaaclab.envs import ManagerBasedRLEnvCfg, mdp
+from isaaclab.scene import InteractiveSceneCfg
+from isaaclab.utils import configclass
+from robot import LEG_CFG, @NAME@
+@configclass
+class Scene(InteractiveSceneCfg):
+    robot = LEG_CFG.replace(prim_path="{ENV_REGEX_NS}/Robot")
+@configclass
+class Actions:
+    joint_pos = mdp.JointPositionActionCfg(asset_name="robot", joint_names=[".*"])
+@configclass
+class LegEnvCfg(ManagerBasedRLEnvCfg):
+    scene: Scene = Scene(num_envs=1)
+    actions: Actions = Actions()
+    def __post_init__(self):
+        self.decimation = 4
+        self.sim.dt = 0.005
+        self.actions.joint_pos.scale = @SCALE@
+"""
+
+
+@pytest.mark.parametrize("name", ["LEG_ACTION_SCALE", "beyondmimic_action_scale"])
+def test_a_loop_of_the_robot_s_file_fills_the_scale_of_its_environment(
+    folder: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """0.25 x 20 / 80 at the hips and 0.25 x 22 / 60 at the knee, as of the robot alone, and nothing is unread."""
+    robot = (KEYS + BY_VALUES).replace("@POSE@", "").replace("LEG_ACTION_SCALE", name)
+    (folder / "robot.py").write_text(robot, encoding="utf-8")
+    for beside in ((), ("robot.py",)):
+        _imported(folder, TASK.replace("@NAME@", name).replace("@SCALE@", name), "leg.urdf", *beside)
+        assert [joint.action_scale.value for joint in _resolved()] == pytest.approx(
+            [0.0625, 0.0625, 5.5 / 60], rel=1e-9
+        )
+        said = capsys.readouterr()
+        assert "CFG001" not in said.out + said.err
+
+
+@pytest.mark.parametrize(
+    ("scale", "more"),
+    [
+        ('LEG_ACTION_SCALE["knee"]', ""),
+        ("{**LEG_ACTION_SCALE, 'knee': 0.1}", ""),
+        ("LEG_ACTION_SCALE", '        self.actions.joint_pos.scale["knee"] = 0.1\n'),
+        ("LEG_ACTION_SCALE", "        self.actions.joint_pos.scale.update(knee=0.1)\n"),
+        ("LEG_ACTION_SCALE", '        LEG_ACTION_SCALE.pop("knee")\n'),
+        ("LEG_ACTION_SCALE", '        del LEG_ACTION_SCALE["knee"]\n'),
+        ("LEG_ACTION_SCALE.copy()", '        self.actions.joint_pos.scale["knee"] = 0.1\n'),
+    ],
+)
+def test_a_scale_that_an_environment_changes_is_unknown(folder: Path, scale: str, more: str) -> None:
+    """A dict that a loop fills is known as that loop leaves it, and no longer."""
+    (folder / "robot.py").write_text((KEYS + BY_VALUES).replace("@POSE@", ""), encoding="utf-8")
+    task = TASK.replace("@NAME@", "LEG_ACTION_SCALE").replace("@SCALE@", scale) + more
+    text = _imported(folder, task)
+    assert "action_scale: unknown" in text and "action_scale: {" not in text
+
+
 @pytest.mark.parametrize(
     ("scale", "after", "why"),
     [

@@ -95,3 +95,97 @@ def test_a_spare_motor_is_no_robot(tmp_path: Path) -> None:
         (robot,) = parts
         hip = robot.lifted.actuators.joints[0]
         assert hip.kp is not None and hip.kp.value == kp
+
+
+BASE = """from dataclasses import MISSING
+from isaaclab.assets import ArticulationCfg
+from isaaclab.envs import ManagerBasedRLEnvCfg, mdp
+from isaaclab.scene import InteractiveSceneCfg
+from isaaclab.utils import configclass
+@configclass
+class Scene(InteractiveSceneCfg):
+    robot: ArticulationCfg = MISSING
+@configclass
+class Actions:
+    joint_pos = mdp.JointPositionActionCfg(asset_name="robot", joint_names=[".*"], scale=0.25)
+@configclass
+class LegEnvCfg(ManagerBasedRLEnvCfg):
+    scene: Scene = Scene(num_envs=1)
+    actions: Actions = Actions()
+    decimation = 4
+"""
+DERIVED = """
+from isaaclab.actuators import IdealPDActuatorCfg
+@configclass
+class MyEnvCfg(LegEnvCfg):
+    def __post_init__(self):
+        self.scene.robot = ArticulationCfg(actuators={"legs": IdealPDActuatorCfg(
+            joint_names_expr=["hip", "knee"], stiffness=90.0, damping=3.0, effort_limit=30.0)})
+"""
+
+
+@pytest.mark.parametrize("named", [None, "hip,knee"])
+@pytest.mark.parametrize(
+    ("text", "line", "message", "help"),
+    [
+        (
+            BASE,
+            7,
+            "LegEnvCfg: its robot is MISSING: an environment that is derived from it sets it",
+            "name the file of that environment, or the robot's configuration too",
+        ),
+        (
+            BASE.replace("    robot: ArticulationCfg = MISSING", "    lamp = 1"),
+            13,
+            "LegEnvCfg: it has no robot, and so no joints",
+            "name the robot's configuration too, or the environment that has it",
+        ),
+    ],
+)
+def test_an_environment_without_its_robot(
+    tmp_path: Path, named: str | None, text: str, line: int, message: str, help: str
+) -> None:
+    """A base environment is told by its file and class; with --joints, the list is not blamed."""
+    with pytest.raises(AuditError) as caught:
+        read_robot_files(written(tmp_path, base_py=text), None, Versions(), named)
+    (error,) = caught.value.diagnostics
+    assert error.span is not None
+    assert (error.code, error.span.line, error.message, error.help) == ("DRF002", line, message, help)
+
+
+def test_an_environment_whose_robot_a_derived_one_sets(tmp_path: Path) -> None:
+    """Beside a base of its file it is the robot, with the base's decimation."""
+    (reading,) = read_robot_files(written(tmp_path, base_py=BASE + DERIVED), None, Versions())[0]
+    assert [joint.joint for joint in reading.lifted.actuators.joints] == ["hip", "knee"]
+
+
+TWO = """from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+LEG_CFG = ArticulationCfg(actuators={"legs": IdealPDActuatorCfg(
+    joint_names_expr=["hip", "knee"], stiffness=20.0, damping=3.0, effort_limit=30.0)})
+STIFF_LEG_CFG = LEG_CFG.copy()
+STIFF_LEG_CFG.actuators["legs"].stiffness = 80.0
+"""
+
+
+@pytest.mark.parametrize("module", ["two", "elsewhere.robots"])
+@pytest.mark.parametrize(("name", "kp"), [("LEG_CFG", 20.0), ("STIFF_LEG_CFG", 80.0)])
+def test_an_environment_says_which_of_two_robots_it_takes(
+    tmp_path: Path, module: str, name: str, kp: float
+) -> None:
+    """From the file itself, or from a module that is not found, under another name; --robot counts before it."""
+    task = BASE.replace("= MISSING", "= LEG").replace(
+        "from dataclasses import MISSING", f"from {module} import {name} as LEG"
+    )
+    paths = written(tmp_path, env_py=task, two_py=TWO)
+    for asked, stiffness in ((None, kp), ("LEG_CFG", 20.0)):
+        readings, _ = read_robot_files(paths, asked, Versions())
+        found = {
+            joint.kp.value
+            for one in readings
+            for joint in one.lifted.actuators.joints
+            if joint.kp is not None
+        }
+        assert found == {stiffness} or (asked and module == "two")
+    with pytest.raises(AuditError):
+        read_robot_files(written(tmp_path, two_py=TWO), None, Versions())

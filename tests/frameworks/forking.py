@@ -39,6 +39,7 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "mjlab_probe.py": MJLAB,
     "mjlab_versions_probe.py": ("torch", "mujoco", "mujoco_warp", "mediapy", "trimesh", "viser"),
     "newton_probe.py": NEWTON,
+    "overlap_probe.py": ISAACLAB,
     "probe_isaaclab.py": ISAACLAB,
     "probe_mjlab.py": MJLAB,
     "probe_newton.py": NEWTON,

@@ -378,7 +378,7 @@ def test_overlapping_groups(tmp_path: Path) -> None:
     hip = by_name(found)["hip"]
     assert hip.kp is not None and hip.kp.value == 9.0
     assert found.notes["hip"] == (
-        "several groups have the joint (g0, g1): the last one counts, as in Isaac Lab 2.x",
+        "several groups have the joint (g0, g1): as in Isaac Lab 2.x the last counts, over what others state",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -895,4 +896,117 @@ EVENTS = {
     assert [(note.where, note.message) for note in config.notes] == [
         ("kp", "not known without running it: KP comes from my_lab, which is not beside this file"),
         ("kd", "not known without running it: a range is two numbers"),
+    ]
+
+
+FORK = """from isaaclab.utils import configclass
+from . import actuator_pd
+from .actuator_base_cfg import ActuatorBaseCfg
+from dataclasses import MISSING
+
+@configclass
+class IdealPDActuatorCfg(ActuatorBaseCfg):
+    class_type: type = actuator_pd.IdealPDActuator
+
+@configclass
+class DCMotorCfg(IdealPDActuatorCfg):
+    saturation_effort: float = MISSING
+
+@configclass
+class IdentifiedActuatorCfg(DCMotorCfg):
+    friction_static: float = MISSING
+    damping: float = 0.7
+"""
+FORKED = """from isaaclab.actuators import IdentifiedActuatorCfg, IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+LEG_CFG = ArticulationCfg(actuators={
+    "legs": IdentifiedActuatorCfg(
+        joint_names_expr=["hip"], effort_limit=20.0, saturation_effort=30.0, velocity_limit=9.0, stiffness=40.0),
+    "arms": IdealPDActuatorCfg(joint_names_expr=["arm"], effort_limit=5.0, stiffness=4.0, damping=0.1),
+})
+"""
+
+
+@pytest.mark.parametrize("layout", ["isaaclab", "omni.isaac.lab"])
+def test_an_actuator_that_a_fork_of_isaac_lab_has_added(tmp_path: Path, layout: str) -> None:
+    """It is read by its base and its defaults, in 2.x's folders and 1.x's; Isaac Lab's own are known by their names."""
+    parts = layout.split(".")
+    actuators = tmp_path.joinpath("source", layout, *parts, "actuators")
+    actuators.mkdir(parents=True)
+    (actuators / "actuator_cfg.py").write_text(FORK, encoding="utf-8")
+    (actuators / "actuator_base_cfg.py").write_text("class ActuatorBaseCfg:\n    armature: float = 0.02\n")
+    (actuators / "__init__.py").write_text("from .actuator_cfg import *\n", encoding="utf-8")
+    robots = tmp_path.joinpath("source", f"{layout}_assets", *parts[:-1], f"{parts[-1]}_assets")
+    robots.mkdir(parents=True)
+    (robots / "__init__.py").write_text("", encoding="utf-8")
+    (robots / "leg.py").write_text(
+        FORKED.replace("isaaclab.actuators", f"{layout}.actuators"), encoding="utf-8"
+    )
+    reading = read_python(str(robots / "leg.py"))
+    (artifact,) = reading.artifacts
+    assert artifact.config is not None
+    legs, arms = artifact.config.groups
+    assert legs.bases == ("DCMotorCfg", "IdealPDActuatorCfg", "ActuatorBaseCfg")
+    assert (legs.settings["damping"].value, legs.settings["armature"].value) == (0.7, 0.02)
+    assert (arms.cls, arms.bases, arms.settings.keys() & {"armature"}) == ("IdealPDActuatorCfg", (), set())
+    assert [Path(file.path).name for file in reading.files] == [
+        "leg.py", "__init__.py", "actuator_cfg.py", "actuator_base_cfg.py"
+    ]  # fmt: skip
+
+
+def test_a_fork_behind_a_link_is_not_read(tmp_path: Path) -> None:
+    """A link to another place is none that the named file's repository has."""
+    elsewhere = tmp_path / "elsewhere" / "isaaclab" / "actuators"
+    elsewhere.mkdir(parents=True)
+    (elsewhere / "__init__.py").write_text(FORK, encoding="utf-8")
+    robots = tmp_path / "source" / "isaaclab_assets" / "isaaclab_assets"
+    robots.mkdir(parents=True)
+    (tmp_path / "source" / "isaaclab").symlink_to(tmp_path / "elsewhere")
+    (robots / "__init__.py").write_text("", encoding="utf-8")
+    (robots / "leg.py").write_text(FORKED, encoding="utf-8")
+    reading = read_python(str(robots / "leg.py"))
+    (artifact,) = reading.artifacts
+    assert artifact.config is not None
+    assert artifact.config.groups[0].bases == ()
+    assert [Path(file.path).name for file in reading.files] == ["leg.py"]
+
+
+SPREAD = """from proj.assets.leg import LEG_CFG
+from isaaclab.envs import ManagerBasedRLEnvCfg
+from isaaclab.scene import InteractiveSceneCfg
+class Scene(InteractiveSceneCfg):
+    robot = LEG_CFG.replace(prim_path="{ENV_REGEX_NS}/Robot")
+class LegEnvCfg(ManagerBasedRLEnvCfg):
+    scene = Scene(num_envs=1)
+    decimation = 4
+"""
+
+
+@pytest.mark.parametrize("packages", [("tasks",), ("tasks", "assets")])
+@pytest.mark.parametrize("start", [".", "proj/tasks"])
+def test_a_package_without_init_above_the_file(
+    tmp_path: Path, packages: tuple[str, ...], start: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`from proj.assets.leg import LEG_CFG` in proj/tasks (PEP 420), and what that imports of `proj` itself."""
+    for name in ("tasks", "assets"):
+        (tmp_path / "proj" / name).mkdir(parents=True)
+        if name in packages:
+            (tmp_path / "proj" / name / "__init__.py").write_text("", encoding="utf-8")
+    leg = FORKED.replace(
+        "from isaaclab.actuators import IdentifiedActuatorCfg", "from proj.assets.motor import MotorCfg"
+    )
+    leg = leg.replace(", IdealPDActuatorCfg", "\nfrom isaaclab.actuators import IdealPDActuatorCfg", 1)
+    (tmp_path / "proj/assets/leg.py").write_text(
+        leg.replace("Identified", "Motor").replace("MotorActuator", "Motor")
+    )
+    motor = "from isaaclab.actuators import DCMotorCfg\nclass MotorCfg(DCMotorCfg):\n    damping = 0.7\n"
+    (tmp_path / "proj/assets/motor.py").write_text(motor, encoding="utf-8")
+    (tmp_path / "proj/tasks/env_cfg.py").write_text(SPREAD, encoding="utf-8")
+    monkeypatch.chdir(tmp_path / start)
+    reading = read_python(os.path.relpath(tmp_path / "proj/tasks/env_cfg.py"))
+    env = next(one.config for one in reading.artifacts if one.name == "LegEnvCfg")
+    assert env is not None
+    assert [(group.cls, group.bases, group.settings["damping"].value) for group in env.groups] == [
+        ("MotorCfg", ("DCMotorCfg",), 0.7),
+        ("IdealPDActuatorCfg", (), 0.1),
     ]

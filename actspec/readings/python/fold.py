@@ -54,6 +54,15 @@ _METHODS = frozenset(
 """Methods that are followed on what is only known to be one of several objects."""
 
 
+_STOCK = frozenset(
+    {
+        "ActuatorBaseCfg", "ActuatorNetLSTMCfg", "ActuatorNetMLPCfg", "DCMotorCfg", "DelayedPDActuatorCfg",
+        "IdealPDActuatorCfg", "ImplicitActuatorCfg", "RemotizedPDActuatorCfg",
+    }
+)  # fmt: skip
+"""Isaac Lab's own actuator cfgs, which are known here. Source: Isaac Lab 2.3.2, isaaclab/actuators/__init__.py."""
+
+
 class Expressions:
     """Looks names up and folds expressions; what runs functions and classes is `Interpreter`.
 
@@ -132,7 +141,16 @@ class Expressions:
         if isinstance(found, Source):
             return Value(Unknown(f"{lazy.name} is not defined in {found.path.rpartition('/')[2]}"), lazy.span)
         outside = f"{dotted}.{lazy.name}" if dotted.strip(".") else f"{dotted}{lazy.name}"
-        return Value(calls.CONSTANTS.get(outside, External(outside, found)), lazy.span)
+        return self._outside(outside, found, lazy.span)
+
+    def _outside(self, dotted: str, why: str, span: Span) -> Value:
+        """A name of a package that is not read, but for an actuator cfg that a fork of Isaac Lab has added."""
+        module, _, name = dotted.rpartition(".")
+        if "Cfg" in name and name not in _STOCK and isinstance(found := self.library.fork(module), Source):
+            added = self._member(self.load(found), name)
+            if added is not None and isinstance(added.data, Cls):
+                return added
+        return Value(calls.CONSTANTS.get(dotted, External(dotted, why)), span)
 
     def _member(self, module: Value, name: str) -> Value | None:
         if isinstance(module.data, Module):
@@ -163,8 +181,7 @@ class Expressions:
                 if found is not None:
                     return found
                 if isinstance(module.data, External) and outside is None:
-                    dotted = f"{module.data.dotted}.{name}"
-                    outside = Value(calls.CONSTANTS.get(dotted, External(dotted, module.data.why)), star.span)
+                    outside = self._outside(f"{module.data.dotted}.{name}", module.data.why, star.span)
         finally:
             self.searching.discard(asked)
         return outside
@@ -192,8 +209,7 @@ class Expressions:
             found_there = self._member(owner, name) or self._submodule(data.scope.source, name)
             return found_there or Value(Unknown(f"{name} is not defined there"), owner.span)
         if isinstance(data, External):
-            dotted = f"{data.dotted}.{name}"
-            return Value(calls.CONSTANTS.get(dotted, External(dotted, data.why)), owner.span)
+            return self._outside(f"{data.dotted}.{name}", data.why, owner.span)
         if isinstance(data, PathText):
             path = calls.path_attribute(data, name)
             if path is not None:

@@ -19,6 +19,7 @@ from actspec.readings.python.settings import (
     is_named,
 )
 from actspec.readings.python.values import (
+    Cls,
     External,
     Obj,
     Seq,
@@ -48,6 +49,9 @@ _EVENTS: Events = {
     "randomize_joint_default_pos": ({"pos_distribution_params": "joint_default_pos"}, "abs"),
 }
 """What randomises actuators. Source: Isaac Lab 2.3.2, isaaclab/envs/mdp/events.py."""
+
+_ROBOT = ("robot_cfg", "robot")
+"""Fields of a scene, or of a direct task, that hold the robot."""
 
 
 def is_mjlab(obj: Obj) -> bool:
@@ -113,7 +117,7 @@ def environment(name: str, value: Value, span: Span) -> RobotConfig:
     # Of a direct task, which has no terms.
     draft.set("action_scale", fields.get("action_scale"))
     draft.events(fields.get("events"), _EVENTS)
-    take_actions(draft, fields.get("actions"), _scene(draft, fields))
+    take_actions(draft, fields.get("actions"), _scene(draft, value, fields))
     return draft.config(Framework.ISAACLAB, name, span)
 
 
@@ -164,30 +168,46 @@ def _group(draft: Draft, name: str, value: Value) -> None:
         draft.group(name, value.data, fields.pop("joint_names_expr", None), fields)
 
 
-def _scene(draft: Draft, fields: dict[str, Value]) -> str:
+def _scene(draft: Draft, value: Value, fields: dict[str, Value]) -> str:
     """The robot: `scene.robot`, else the first articulation of the scene or, in a direct task, of the cfg itself.
 
     Returns: Its key; "" where it is not known.
     """
     scene = fields_of(fields.get("scene"))
     places = {**fields, **scene}
-    robots = sorted({"robot", "robot_cfg"} & set(places), reverse=True)[:1]
+    robots = [name for name in _ROBOT if name in places][:1]
     robots += [name for name, one in places.items() if name not in robots and is_robot(one)]
     for name in robots:
-        value = places[name]
-        if is_robot(value):
-            _robot(draft, name, value)
+        one = places[name]
+        if is_robot(one):
+            _robot(draft, name, one)
             for other in robots[1:]:
                 if is_robot(places[other]):
                     draft.note(other, "a second robot of the scene, left out", places[other].span)
             return name
-        if isinstance(value.data, (Unknown, External)):
-            draft.note(name, reason_of(value.data) or "", value.span)
-        elif isinstance(value.data, Obj) and value.data.open is not None:
-            draft.note(name, value.data.open, value.span)
+        if isinstance(one.data, (Unknown, External)):
+            draft.note(name, reason_of(one.data) or "", one.span)
+        elif isinstance(one.data, Obj) and one.data.open is not None:
+            draft.note(name, one.data.open, one.span)
+    if not robots:
+        classes = [one.data.cls for one in (fields.get("scene"), value) if one and isinstance(one.data, Obj)]
+        draft.robot_missing = next(filter(None, map(_missing_robot, classes)), None)
     if not robots and "scene" in fields and (why := _unread_scene(fields["scene"])):
         draft.note("scene", why, fields["scene"].span)
     return ""
+
+
+def _missing_robot(cls: Cls | External) -> Span | None:
+    """The class that leaves its robot to those that are derived from it."""
+    for one in ancestors(cls) if isinstance(cls, Cls) else ():
+        names = one.scope.names if isinstance(one, Cls) else {}
+        held = [names[name] for name in _ROBOT if name in names]
+        if isinstance(one, Cls) and any(
+            isinstance(value, Value) and isinstance(value.data, External) and value.data.name == "MISSING"
+            for value in held
+        ):
+            return one.span
+    return None
 
 
 def _unread_scene(scene: Value) -> str:

@@ -298,6 +298,7 @@ class Objects(Expressions):
     def _change_table(
         self, owner: Value, table: Table, name: str, args: list[Value], named: dict[str, Value]
     ) -> Value | Data:
+        table.filled = None
         if self.doubt is not None:
             self._spoil(owner, self.doubt)
             return calls.look_up(owner, Unknown(self.doubt))
@@ -354,7 +355,7 @@ class Objects(Expressions):
             return
         value = self.doubted(value)
         if isinstance(data, Table):
-            data.items[key] = value
+            data.items[key], data.filled = value, None
             if isinstance(bounded(data), Unknown):
                 self._spoil(owner, "a dict of too many values")
         elif isinstance(data, Seq) and isinstance(key, int) and -len(data.items) <= key < len(data.items):
@@ -365,7 +366,7 @@ class Objects(Expressions):
         data = owner.data
         self.budget.spend(len(data.items) if isinstance(data, (Seq, Table)) else 0)
         if isinstance(data, Table):
-            data.open = reason
+            data.open, data.filled = reason, None
             inner = Unknown(reason, among=possible(data.items.values()))
             data.items = {key: Value(inner, value.span) for key, value in data.items.items()}
         elif isinstance(data, Seq):

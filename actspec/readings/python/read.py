@@ -22,11 +22,10 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.networks import with_networks
 from actspec.readings.python import isaaclab, legged_gym, mjlab
-from actspec.readings.python.run import Interpreter
 from actspec.readings.python.settings import JOINTS, NOTHING, UNFOLDED, fields_of, has_joints, setting
-from actspec.readings.python.source import Library, Source, UnreadableError, open_library
+from actspec.readings.python.source import Library, Source, UnreadableError, definitions, open_library
 from actspec.readings.python.unapplied import Assigned, sorted_out
-from actspec.readings.python.unrolled import loops_of, unrolled
+from actspec.readings.python.unrolled import SCALE, Unrolling, filled
 from actspec.readings.python.values import (
     MAX_STEPS,
     Cls,
@@ -57,7 +56,7 @@ def read_python(path: str) -> FileReading:
     library = open_library(path)
     try:
         source = library.open(path)
-        interpreter = Interpreter(library)
+        interpreter = Unrolling(library)
         module = interpreter.load(source)
         reader = _Reader(interpreter, source, module)
         configs = list(reader.configs())
@@ -140,11 +139,11 @@ def _step(config: RobotConfig, data: Mapping[str, bytes]) -> dict[str, Setting]:
 class _Reader:
     """Finds the configurations among the names of one module."""
 
-    def __init__(self, interpreter: Interpreter, source: Source, module: Value) -> None:
+    def __init__(self, interpreter: Unrolling, source: Source, module: Value) -> None:
         assert isinstance(module.data, Module)
         self.interpreter = interpreter
         self.source = source
-        self.places = _definitions(source.tree.body)
+        self.places = definitions(source.tree.body)
         self.scope: Scope = module.data.scope
         self.used: set[Span] = set()
         self.names: dict[int, str] = {}
@@ -179,7 +178,10 @@ class _Reader:
         constants.difference_update(name for name, value, _ in own if isinstance(value.data, Cls))
         self.found = len(found)
         self.beside = self._beside()
-        self.scales = dict(self._looped_scales())
+        self.scales = {
+            name.removesuffix(SCALE): setting(value)
+            for name, value in filled(self.interpreter, self.scope).items()
+        }
         drives = [config.name for config in found if config.groups]
         self.only = drives[0] if len(set(drives)) == 1 else ""
         seen: list[object] = []
@@ -238,23 +240,14 @@ class _Reader:
         if not own and config.name == self.only:
             own = list(self.scales.values())
         stated = settings.get("action_scale")
-        looped = len(own) == 1 and config.groups and (stated is None or stated.unknown is not None)
-        return replace(config, settings=settings, looped={"action_scale": own[0]} if looped else {})
-
-    def _looped_scales(self) -> Iterator[tuple[str, Setting]]:
-        """Prefix and action scale of the constants that a loop fills."""
-        body = self.source.tree.body
-        for name, place in list(self.places.items())[:MAX_CONFIGS]:
-            prefix = name.removesuffix("_ACTION_SCALE")
-            looped = prefix != name and loops_of(name, body)
-            if not looped or not isinstance(place, (ast.Assign, ast.AnnAssign)) or place.value is None:
-                continue
-            yield prefix, setting(unrolled(name, place.value, body, self.interpreter, self.scope))
+        open = stated is None or (stated.unknown is not None and stated.looped is None)
+        looped = {"action_scale": own[0]} if len(own) == 1 and config.groups and open else {}
+        return replace(config, settings=settings, looped=looped)
 
     def _beside(self) -> list[tuple[str, str, Value]]:
         """Prefix, setting and value of the constants that belong to a robot by their name."""
         found = []
-        for ending, name in (("_ACTION_SCALE", "action_scale"), ("_JOINT_POS", "default_position")):
+        for ending, name in ((SCALE, "action_scale"), ("_JOINT_POS", "default_position")):
             for constant, value in self.scope.names.items():
                 if constant.endswith(ending):
                     value = self.interpreter.resolved(value, self.scope)
@@ -371,29 +364,6 @@ def _is_ranges(config: RobotConfig) -> bool:
 def _content(config: RobotConfig) -> tuple[object, ...]:
     """What a configuration says, whatever it is called."""
     return config.framework, config.groups, config.settings, config.randomize, config.actions
-
-
-def _definitions(body: Sequence[ast.stmt]) -> dict[str, ast.AST]:
-    """Where each name of a file is bound at its top level, imports excepted, and of its classes as `Class.name`; the
-    last place counts."""
-    places: dict[str, ast.AST] = {}
-    waiting = list(body)[::-1]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
-            places[node.name] = node
-        if isinstance(node, ast.ClassDef):
-            places.update((f"{node.name}.{name}", place) for name, place in _definitions(node.body).items())
-        elif isinstance(node, ast.Assign):
-            for target in node.targets:
-                bound = [one for one in ast.walk(target) if isinstance(one, ast.Name)]
-                places.update({one.id: node for one in bound if isinstance(one.ctx, ast.Store)})
-        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            places[node.target.id] = node
-        elif isinstance(node, (ast.If, ast.Try, ast.With)):
-            inner = [one for one in ast.iter_child_nodes(node) if isinstance(one, ast.stmt)]
-            waiting.extend(inner[::-1])
-    return places
 
 
 def _interesting(data: Data) -> bool:

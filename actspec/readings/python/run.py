@@ -324,6 +324,8 @@ class Interpreter(Objects):
         elif isinstance(target, ast.Subscript) and not isinstance(target.slice, ast.Slice):
             owner = self.eval(target.value, scope).data
             key = calls.key_of(self.eval(target.slice, scope).data)
+            if isinstance(owner, Table):
+                owner.filled = None
             if isinstance(owner, Table) and not isinstance(key, Unknown):
                 if self.doubt is None:
                     owner.items.pop(key, None)

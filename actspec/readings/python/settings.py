@@ -119,7 +119,8 @@ def setting(value: Value, name: str = "") -> Setting:
         return Setting(value.data.name, value.span)
     found, reason = plain(value)
     if reason is not None:
-        return Setting(None, value.span, reason)
+        filled = value.data.filled if isinstance(value.data, Table) else None
+        return Setting(None, value.span, reason, looped=None if filled is None else setting(filled))
     places = {}
     if isinstance(value.data, Table):
         # A constant's own line is not the key's, and stands before the dict or in another file.
@@ -181,6 +182,7 @@ class Draft:
     notes: Collector = field(default_factory=Collector)
     edited: frozenset[str] = frozenset()
     elsewhere: dict[str, str] = field(default_factory=dict)
+    robot_missing: Span | None = None
 
     def config(self, framework: Framework, name: str, span: Span) -> RobotConfig:
         """All of it as a configuration."""
@@ -195,6 +197,7 @@ class Draft:
             tuple(self.notes),
             edited=self.edited,
             elsewhere=self.elsewhere,
+            robot_missing=self.robot_missing,
         )
 
     def note(self, where: str, reason: str, span: Span) -> None:

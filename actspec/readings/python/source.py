@@ -3,7 +3,8 @@
 An import is followed to files of the named file's own tree only: below the topmost package that it is in, or beside
 it when its folder is none. Each folder of that tree above a file may be where its program is started, so that
 `from robot import gains` is followed in a folder `robot` without `__init__.py`, too. Files that a symbolic link leads
-to from there to elsewhere are not read.
+to from there to elsewhere are not read. Of a fork of Isaac Lab the actuators that it has added are, which stand in a
+folder beside that of its robots.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import re
 import sys
 import warnings
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span, one_line
@@ -40,6 +41,13 @@ OUTSIDE = "is not beside this file"
 """Why a module is not read whose file is not there."""
 FRAMEWORKS = {"mjlab": ("asset_zoo", "tasks"), "isaaclab": (), "omni": ()}
 """Frameworks' own packages, and what of them describes robots: the rest is known here by its names alone."""
+
+_ACTUATORS = ("isaaclab.actuators", "omni.isaac.lab.actuators")
+"""Packages of Isaac Lab that a fork adds actuators to."""
+
+_BESIDE = 3
+"""Folders above the topmost package in which a fork's is looked for. Source: Isaac Lab 2.x (source/isaaclab beside
+source/isaaclab_assets) has one, 1.x (omni.isaac.lab beside omni.isaac.lab_assets/omni/isaac) three."""
 
 _CODECS = re.compile(
     r"utf-?8(-sig)?|us-ascii|ascii|latin-?1|iso-?8859-?\d{1,2}|(cp|windows-?)\d{3,5}|gbk|gb2312|gb18030|big5(-?hkscs)?"
@@ -73,6 +81,7 @@ class Source:
         data: Its bytes.
         tree: Its syntax.
         include: The import that named it; "" for the named file.
+        top: Folder that holds its topmost package, where that is not the named file's; None where it is.
     """
 
     path: str
@@ -82,6 +91,7 @@ class Source:
     include: str
     _lines: list[str]
     _inner: dict[int, list[int]] = field(default_factory=dict)
+    top: str | None = None
 
     def span(self, node: ast.AST) -> Span:
         """Where a node begins; columns count characters, where Python's count bytes."""
@@ -136,14 +146,55 @@ class Library:
         asked = tuple(module.split(".")) if module else ()
         if not all(part.isidentifier() for part in asked):
             return OUTSIDE
+        if importer.top is not None and level:
+            own = importer.package[: len(importer.package) - (level - 1)]
+            return self._at(importer.top, own + asked, f"{'.' * level}{module}") if own else OUTSIDE
         for top, parts in self._places(importer, level, asked):
             if len(parts) > 1 and parts[0] in FRAMEWORKS and parts[1] not in FRAMEWORKS[parts[0]]:
                 return "is the framework's own"
-            base = os.path.join(top, *parts)
-            for path in (os.path.join(base, "__init__.py"), f"{base}.py" if parts else ""):
-                if path and os.path.isfile(path):
-                    package = parts if path.endswith("__init__.py") else parts[:-1]
-                    return self._read(path, package if top == self.top else (), f"{'.' * level}{module}")
+            found = self._at(top, parts, f"{'.' * level}{module}")
+            if found is not OUTSIDE:
+                return found
+        for top, parts in self._namespace(asked) if not level else ():
+            found = self._at(top, parts, module, top)
+            if found is not OUTSIDE:
+                return found
+        return OUTSIDE
+
+    def _namespace(self, asked: tuple[str, ...]) -> Iterator[tuple[str, tuple[str, ...]]]:
+        """The folder that holds the topmost package, where an import names it: it has no `__init__.py` (PEP 420)."""
+        if len(asked) < 2 or asked[0].partition("_")[0] in FRAMEWORKS or asked[0] in sys.stdlib_module_names:
+            return
+        # The parent of a folder that is no package is no part of what was named.
+        if self.package and os.path.basename(os.path.abspath(self.top or os.curdir)) == asked[0]:
+            yield self.top, asked[1:]
+
+    def fork(self, module: str) -> Source | str:
+        """The file of a module of Isaac Lab's actuators, of a fork that the named file is in; or why it is not read.
+
+        Isaac Lab's repository has its packages in folders beside each other, of which `isaaclab_assets` has the robots.
+
+        Args:
+            module: `isaaclab.actuators`, or a module in it.
+        """
+        parts = tuple(module.split("."))
+        name = next((name for name in _ACTUATORS if f"{module}.".startswith(f"{name}.")), None)
+        if name is None or not all(part.isidentifier() for part in parts):
+            return OUTSIDE
+        folder = name.removesuffix(".actuators")
+        for above in range(1, _BESIDE + 1):
+            top = os.path.normpath(os.path.join(self.top, *[os.pardir] * above, folder))
+            if os.path.isdir(os.path.join(top, *name.split("."))):
+                return self._at(top, parts, module, top)
+        return OUTSIDE
+
+    def _at(self, top: str, parts: tuple[str, ...], include: str, root: str | None = None) -> Source | str:
+        """The file of a module below a folder, which is within `root` too where that is given."""
+        base = os.path.join(top, *parts)
+        for path in (os.path.join(base, "__init__.py"), f"{base}.py" if parts else ""):
+            if path and os.path.isfile(path):
+                package = parts if path.endswith("__init__.py") else parts[:-1]
+                return self._read(path, package, include, top, root)
         return OUTSIDE
 
     def _places(
@@ -163,7 +214,7 @@ class Library:
             return
         # A program may be started in any folder of the tree.
         for count in range(len(own), 0, -1):
-            yield self.top, own[:count] + asked
+            yield importer.top or self.top, own[:count] + asked
         if self.beside is not None:
             # `robot.gains` of a file in `robot`, whose parent is no part of the tree.
             folders = tuple(os.path.abspath(self.beside).split(os.sep))
@@ -171,14 +222,19 @@ class Library:
                 if folders[-count:] == asked[:count]:
                     yield self.beside, asked[count:]
 
-    def _read(self, path: str, package: tuple[str, ...], include: str) -> Source | str:
+    def _read(
+        self, path: str, package: tuple[str, ...], include: str, top: str, root: str | None
+    ) -> Source | str:
         if path not in self.sources:
-            if not self._inside(path):
+            other = top not in (self.top, self.beside)
+            if not self._inside(path, top if other else root):
                 return "is a link to outside this folder"
             if len(self.sources) >= MAX_FILES:
                 return f"is not read, because {MAX_FILES} files are"
             try:
-                source = parse(path, package, include, MAX_TREE_BYTES - self._bytes)
+                own = package if other or top == self.top else ()
+                source = parse(path, own, include, MAX_TREE_BYTES - self._bytes)
+                source.top = top if other else None
                 self._bytes += len(source.data)
                 self.sources[path] = source
             except UnreadableError as err:
@@ -187,13 +243,18 @@ class Library:
                 self._problems[path] = f"cannot be read: {err}{place}"
         return self.sources[path] or self._problems[path]
 
-    def _inside(self, path: str) -> bool:
-        """Whether a file is where its path says, below the topmost package or beside the named file."""
+    def _inside(self, path: str, other: str | None) -> bool:
+        """Whether a file is where its path says: below the topmost package, beside the named file, or in another folder
+        that its import names."""
         roots = [os.path.join(self.top, *self.package[:1])] if self.package else []
         roots += [self.beside] if self.beside is not None else []
         try:
             real = os.path.realpath(path)
-            return any(real.startswith(os.path.join(os.path.realpath(root), "")) for root in roots)
+            places = list(map(os.path.realpath, roots))
+            if other is not None:
+                above, name = os.path.split(os.path.abspath(other))
+                places.append(os.path.join(os.path.realpath(above), name))
+            return any(real.startswith(os.path.join(place, "")) for place in places)
         except OSError:
             return False
 
@@ -256,6 +317,29 @@ def parse(path: str, package: tuple[str, ...], include: str, most: int) -> Sourc
         raise
     # Python's parser ends lines here, str.splitlines at form feeds too.
     return Source(path, package, data, tree, include, re.split("\r\n|\r|\n", text))
+
+
+def definitions(body: Sequence[ast.stmt]) -> dict[str, ast.AST]:
+    """Where each name of a file is bound at its top level, imports excepted, and of its classes as `Class.name`; the
+    last place counts."""
+    places: dict[str, ast.AST] = {}
+    waiting = list(body)[::-1]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            places[node.name] = node
+        if isinstance(node, ast.ClassDef):
+            places.update((f"{node.name}.{name}", place) for name, place in definitions(node.body).items())
+        elif isinstance(node, ast.Assign):
+            for target in node.targets:
+                bound = [one for one in ast.walk(target) if isinstance(one, ast.Name)]
+                places.update({one.id: node for one in bound if isinstance(one.ctx, ast.Store)})
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            places[node.target.id] = node
+        elif isinstance(node, (ast.If, ast.Try, ast.With)):
+            inner = [one for one in ast.iter_child_nodes(node) if isinstance(one, ast.stmt)]
+            waiting.extend(inner[::-1])
+    return places
 
 
 def _tree(text: str) -> ast.Module:

@@ -14,7 +14,8 @@ from dataclasses import replace
 from actspec.diagnostics import Span
 from actspec.readings.python import calls
 from actspec.readings.python.run import Interpreter
-from actspec.readings.python.values import Scope, Seq, Table, Unknown, Value, truth
+from actspec.readings.python.source import Source, definitions
+from actspec.readings.python.values import Module, Scope, Seq, Table, Unknown, Value, truth
 
 _CALLS = frozenset(
     {"values", "items", "keys", "get", "isinstance", "len", "float", "int", "abs", "min", "max", "sum"}
@@ -37,6 +38,47 @@ Statements = Sequence[ast.stmt]
 
 class _NotPlainError(Exception):
     pass
+
+
+SCALE = "_ACTION_SCALE"
+"""Ending of the names of such dicts, beside a robot's name; by itself, and in other letters, a name too."""
+
+_MOST = 200
+"""Dicts of one file. Chosen: one a robot."""
+
+
+class Unrolling(Interpreter):
+    """Folds the files of one reading, and what loops of their modules fill."""
+
+    def load(self, source: Source) -> Value:
+        taken = source.path in self.modules
+        module = super().load(source)
+        if not taken and isinstance(module.data, Module):
+            # Before what imports it changes anything.
+            doubt, self.doubt = self.doubt, None
+            try:
+                for name, value in filled(self, module.data.scope).items():
+                    held = module.data.scope.names.get(name)
+                    if (
+                        isinstance(held, Value)
+                        and isinstance(held.data, Table)
+                        and isinstance(value.data, Table)
+                    ):
+                        held.data.filled = value
+            finally:
+                self.doubt = doubt
+        return module
+
+
+def filled(interpreter: Interpreter, scope: Scope) -> dict[str, Value]:
+    """The dicts of a module that its loops fill and whose names say what they are: tables, or why there is none."""
+    body = scope.source.tree.body
+    named = [one for one in definitions(body).items() if f"_{one[0]}".upper().endswith(SCALE)]
+    return {
+        name: unrolled(name, place.value, body, interpreter, scope)
+        for name, place in named[:_MOST]
+        if isinstance(place, (ast.Assign, ast.AnnAssign)) and place.value is not None and loops_of(name, body)
+    }
 
 
 def loops_of(name: str, body: Statements) -> list[ast.For]:

@@ -114,10 +114,12 @@ class Table:
     Attributes:
         items: Its values.
         open: Why there may be others; None when there are none.
+        filled: It as loops of its module leave it, of one that is open for them alone.
     """
 
     items: dict[Key, Value]
     open: str | None = None
+    filled: Value | None = None
 
 
 @dataclass(eq=False, slots=True)
@@ -333,7 +335,7 @@ def clone(value: Value, budget: Budget, depth: int = 0, seen: dict[int, Value] |
         result = seen[id(data)] = Value(made, value.span)
         made.items.extend(copied(one) for one in data.items)
     elif isinstance(data, Table):
-        made = Table({}, data.open)
+        made = Table({}, data.open, data.filled)
         result = seen[id(data)] = Value(made, value.span)
         made.items.update((key, copied(one)) for key, one in data.items.items())
     else:
@@ -350,7 +352,7 @@ def shallow(value: Value, budget: Budget) -> Value:
     if isinstance(data, Seq) and budget.spend(len(data.items)):
         return Value(Seq(list(data.items), data.kind), value.span)
     if isinstance(data, Table) and budget.spend(len(data.items)):
-        return Value(Table(dict(data.items), data.open), value.span)
+        return Value(Table(dict(data.items), data.open, data.filled), value.span)
     if isinstance(data, Obj) and budget.spend(len(data.fields)):
         return Value(Obj(data.cls, dict(data.fields), list(data.args), data.span, data.open), value.span)
     return value

@@ -1,0 +1,81 @@
+"""Limits and friction of Isaac Lab's actuators, by class and release: which setting each figure of a joint is.
+
+Source: Isaac Lab 2.2.0 and 2.3.2, measured; 3.0, docs/source/concepts/actuators.rst.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from actspec.readings.artifact import Framework
+from actspec.readings.dict_keys import Found
+from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, limited_by_solver
+from actspec.simulators.isaaclab import NEW_NAMES, OLD_NAMES, FrictionUnit
+
+
+def take_limits(control: str, take: Callable[..., None], versions: Versions) -> None:
+    """The limits by class, in the names of 2.x and 3.0.
+
+    An implicit drive is clamped by the solver's limit, and its `velocity_limit` is ignored; an explicit
+    one clamps in the model, without a limit of its own at the solver's in some releases.
+    `velocity_limit` of a DC motor is the no-load speed.
+    """
+    if control == "implicit":
+        take("effort_limit", "effort_limit_sim", "joint_effort_limit", "effort_limit")
+        take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
+        return
+    solvers = ("effort_limit_sim",) if limited_by_solver(versions) else ()
+    take("effort_limit", "effort_limit", "actuator_effort_limit", *solvers)
+    take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
+    take("solver_effort_limit", "effort_limit_sim", "joint_effort_limit")
+    curve = control in ("dc_motor", "network")
+    take("no_load_speed" if curve else "velocity_limit", "velocity_limit", "actuator_velocity_limit")
+
+
+def settle_friction(values: dict[str, Found], versions: Versions) -> None:
+    """Put the friction at the joint to what is written for it: `friction` is static where there is a sliding one."""
+    first, second = values.get("friction_setting"), values.get("dynamic_friction_setting")
+    written, unit = first or second, friction_unit_of(versions)
+    viscous = values.get("joint_damping")
+    if (
+        viscous is not None
+        and (viscous.value is not None or viscous.keys)
+        and unit is not None
+        and not unit.viscous
+    ):
+        unwritten = "this Isaac Lab never writes viscous_friction to the solver"
+        values["joint_damping"] = Found(None, viscous.span, False, unwritten)
+    if written is None:
+        return
+    why: str | None = None
+    if unit is FrictionUnit.DEAD:
+        why = "this Isaac Lab never writes friction to the solver"
+    elif written.value == 0.0 and (second is None or second.value == 0.0):
+        # Nothing in any unit.
+        second = written
+    elif unit is None or not unit.torque:
+        factor = unit is not None and unit.coefficient
+        means = "a factor on the joint's load" if factor else "its unit is not known"
+        why = f"friction {written.value} is no torque: {means}"
+    elif not has_dynamic(versions):
+        second, first = first, None
+    elif second is None:
+        why = "the USD's own sliding friction"
+    if why is not None:
+        values["frictionloss"] = Found(None, written.span, False, why)
+    elif second is not None:
+        values["frictionloss"] = second
+    if first is not None and unit is not None and unit.torque:
+        values["friction_static"] = first
+
+
+def idle_speeds(framework: Framework, control: str) -> tuple[str, ...]:
+    """Settings that act nowhere: the speed of an explicit Isaac Lab drive that has no torque-speed line.
+
+    It only goes into `soft_joint_vel_limits`, which rewards read; the solver keeps its own. Source: Isaac Lab 2.2.0 and
+    2.3.2, actuator_base.py (velocity_limit has velocity_limit_sim as default, not the other way round), actuator_pd.py
+    (IdealPD clips by effort alone), articulation.py (writes velocity_limit_sim); 3.0,
+    docs/source/concepts/actuators.rst: renamed alone.
+    """
+    explicit = framework is Framework.ISAACLAB and control not in ("implicit", "dc_motor", "network")
+    return (OLD_NAMES.velocity, NEW_NAMES.velocity) if explicit else ()
