@@ -84,6 +84,8 @@ class ActuatorText(ActuatorLaw):
             self._general(element)
             self.tag = tag
             return
+        # A shortcut does not take it from its class. Measured, MuJoCo 4.0.
+        self.limited.pop("actlimited", None)
         before: ActuatorText | None = self
         while before is not None and not before._passes_on(tag):
             before = before.above
