@@ -22,8 +22,8 @@ _SELECT = ("joint_names_expr", "target_names_expr")
 
 
 _OF_A_RUN = (
-    "its gains are of actuator groups, as Isaac Lab writes them into params/env.yaml of a run, which is not read: name "
-    "the Python configuration that the run had"
+    "its gains are of actuator groups, without the scene, sim and decimation of a run's params/env.yaml: name that "
+    "file, or the Python configuration that the run had"
 )
 
 
@@ -34,7 +34,7 @@ class Lack:
     Attributes:
         why: In a sentence, with what to do.
         node: What it is about; None: the file.
-        of_joints: Whether the file has gains of joints, whatever they are called.
+        of_joints: Whether the file has gains of joints, whatever they are called, and as many names.
     """
 
     why: str
@@ -64,9 +64,9 @@ def why_without_gains(
         if len(own) > 1:
             keys = listed(dict.fromkeys(shortened(one.kp) for one in own))
             why = f"it has gains as {keys}, and does not say which the joints run: write those as kp and kd"
-            return Lack(why, own[0].node, True)
+            return Lack(why, own[0].node, any(one.named for one in own))
         if own:
-            return Lack(_other_key(own[0].kp), own[0].node, True)
+            return Lack(_other_key(own[0].kp), own[0].node, own[0].named)
     known = [key for keys in gains.values() for key in keys]
     for block in blocks_of(root, mapping):
         for key, value in block.items():
