@@ -196,7 +196,31 @@ def told(*paths: str) -> list[str]:
 
 def test_a_run_that_is_named_is_compared(workspace: Path) -> None:
     """kp 120 is deployed where 60 was trained with."""
-    assert "SRC103 deploy.yaml:2:11" in told("logs/one/params/env.yaml", "deploy.yaml")
+    (one,) = audit(["logs/one/params/env.yaml", "deploy.yaml"], Settings(select=("SRC103",))).findings
+    assert (str(one.finding.span), one.finding.value, one.finding.expected) == (
+        "deploy.yaml:2:11",
+        120.0,
+        60.0,
+    )
+    run = "logs/one/params/env.yaml is what was trained with"
+    assert one.finding.help == f"{run}: write its figure here, or train again with this one"
+
+
+def test_a_run_that_departs_from_the_model(workspace: Path) -> None:
+    """23.5 N*m were trained with, and the URDF has 12: nobody edits what was."""
+    joint = '<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{0}"/><axis xyz="0 1 0"/>{2}</joint>'
+    limit = '<limit lower="-1" upper="1" effort="12" velocity="9"/>'
+    joints = joint.format("hip", "base", limit) + joint.format("knee", "hip", limit)
+    links = "".join(f'<link name="{name}"/>' for name in ("base", "hip", "knee"))
+    Path("leggy.urdf").write_text(f'<robot name="leggy">{links}{joints}</robot>', encoding="utf-8")
+    found = audit(["logs/one/params/env.yaml", "leggy.urdf"], Settings(select=("SRC101",))).findings
+    assert {(one.finding.joint, one.finding.value, one.finding.expected) for one in found} == {
+        ("hip", 23.5, 12.0),
+        ("knee", 23.5, 12.0),
+    }
+    assert {one.finding.help for one in found} == {
+        "this is what was trained with: write it into leggy.urdf, or train again with that one's figure"
+    }
 
 
 @pytest.mark.parametrize("folder", ["logs/one", "logs/one/params"])

@@ -307,10 +307,16 @@ class SourceRule(RuleInParts):
             grave = self.grave(case, found)
             if grave is not None:
                 severity, confidence = grave, Confidence.MEDIUM
-        file = found.others[0].file
+        file, runs = found.others[0].file, {one.path for one in case.files if one.record}
         if found.published:
             advice = f"{shown(theirs.value, theirs.unit)} is published for {found.published}: write it here, or set "
             advice += "this aside with the reason"
+        elif file in runs:
+            advice = f"{file} is what was trained with: write its figure here, or train again with this one"
+        elif found.rows[0].file in runs:
+            advice = (
+                f"this is what was trained with: write it into {file}, or train again with that one's figure"
+            )
         else:
             advice = "find out which is right, and write it in both, or set this aside with the reason: "
             advice += f"{file} may be of another variant"
