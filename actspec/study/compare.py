@@ -37,6 +37,9 @@ FASTEST = 0.5
 what is left of a decay that is over at once."""
 PARTS = 4
 """Least substeps between two samples of the law's answer."""
+MOST_PARTS = 100
+"""Chosen: beyond so many a joint is not compared. Its speed is gone in 5 us, which is no joint's: an inertia is
+missing, or a gain is wrong."""
 TAIL = 0.2
 """Last part of a course in which a joint that its step carries has come to rest, or swings no more than the law."""
 RATTLES = 0.02
@@ -161,7 +164,7 @@ def compare(
         found, lacking = variants_of(group[0], given)
         missing += lacking
         for name, actuator in found.items():
-            reason = _unmoved(actuator, learned)
+            reason = _unmoved(actuator, learned) or _too_fast(actuator)
             if reason is None:
                 made.setdefault(name, {})[actuator.joint] = actuator
             else:
@@ -288,6 +291,22 @@ def _unmoved(actuator: JointActuator, learned: JointLaws) -> str | None:
     if gain is None or not gain.value:
         return "a gain of 0 follows nothing"
     return None
+
+
+def _too_fast(actuator: JointActuator) -> str | None:
+    law = None if actuator.level is Level.ACTUATOR_NET else law_of(actuator)
+    if not isinstance(law, TorqueLaw):
+        return None
+    rate = _rate(law, actuator)
+    if FINEST * rate / FASTEST <= MOST_PARTS:
+        return None
+    of = "kd" if law.kd > (actuator.friction_viscous.value or 0.0) else "friction.viscous"
+    return f"{of} alone stops it within {1e6 / rate:.2g} us: state the armature, or correct {of}"
+
+
+def _rate(law: TorqueLaw, actuator: JointActuator) -> float:
+    """One over the time in which drive and friction take a joint's speed [1/s]."""
+    return (law.kd + (actuator.friction_viscous.value or 0.0)) / _inertia(actuator)
 
 
 def _inertia(actuator: JointActuator) -> float:
@@ -445,7 +464,7 @@ def _answered(columns: Sequence[tuple[_Case, str]], step: float) -> tuple[int, T
         parts = max(math.ceil(step / FINEST - 1e-9), 1)
         return parts, respond(learned, command, start, step, parts)
     parts = _divided([case.law.delay for case, _ in columns], step)
-    rate = max(case.law.kd / case.inertia for case, _ in columns)
+    rate = max(_rate(case.law, case.actuator) for case, _ in columns)
     substeps = max(PARTS, math.ceil(step / parts * rate / FASTEST))
     driven = [
         DrivenJoint(case.law, friction, case.inertia)

@@ -240,3 +240,31 @@ def test_a_target_in_words_of_another_version(tmp_path: Path) -> None:
     assert [(row.variant, row.course, row.departure) for row in older.rows] == [
         (row.variant, row.course, pytest.approx(row.departure)) for row in newest.rows
     ]
+
+
+@pytest.mark.parametrize(
+    ("kd", "viscous", "reason"),
+    [
+        # 100 / 1e-5 = 1e7 1/s: 0.1 us.
+        (100.0, 0.0, "kd alone stops it within 0.1 us: state the armature, or correct kd"),
+        # (1 + 4) / 1e-5 = 5e5 1/s: 2 us.
+        (
+            1.0,
+            4.0,
+            "friction.viscous alone stops it within 2 us: state the armature, or correct friction.viscous",
+        ),
+        # 1 / 1e-5 = 1e5 1/s, half of what is followed.
+        (1.0, 0.0, None),
+    ],
+)
+def test_a_joint_without_its_inertia_is_not_followed(
+    kd: float, viscous: float, reason: str | None, tmp_path: Path
+) -> None:
+    """It was nan, or took no end of substeps."""
+    path = folder(tmp_path, inertias=(1e-5,), kd=kd, level="ideal_pd")
+    path.write_text(path.read_text().replace("viscous: {value: 0 ", f"viscous: {{value: {viscous} "))
+    found = compared(path, duration=0.1)
+    assert {one.reason for one in found.missing if one.variant == "ideal_pd"} == (
+        {reason} if reason else set()
+    )
+    assert any(row.variant == "ideal_pd" for row in found.rows) == (reason is None)
