@@ -5,7 +5,7 @@ Both write it when a training begins, with all defaults filled in. Isaac Lab nam
 or an action has. Nothing is constructed: tags are names here. What is read goes the way of a Python configuration.
 
 Source: Isaac Lab 2.3.2, isaaclab/utils/io/yaml.py and utils/dict.py (`class_to_dict`); mjlab 1.6.0,
-mjlab/scripts/train.py and utils/os.py; 79 such files of 16 strangers.
+mjlab/scripts/train.py and utils/os.py; 91 such files of strangers.
 """
 
 from __future__ import annotations
