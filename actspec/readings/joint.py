@@ -134,8 +134,7 @@ class DriveReading:
     def control_bound(self) -> Quantity:
         """Largest torque that the clamp of its control or activation allows; infinite unless that is the torque."""
         view, unit = self.view, self.units.torque
-        words = ("ctrlrange", "posrange", "inheritrange", "ctrllimited")
-        place = self.place(*(("actrange", "actlimited") if view.input == "activation" else words))
+        place = self.place(*self._clamp)
         if not (self.is_torque or view.is_filled):
             return assumed(math.inf, unit, "the control is no torque")
         if view.unknown and {"input_range", "gear"} & view.unknown:
@@ -220,9 +219,15 @@ class DriveReading:
             force, control = self.force_bound.value, self.control_bound.value
             if force is not None and control is not None and control < force:
                 # Of two clamps the one that binds.
-                name = "actrange" if self.view.input == "activation" else "ctrlrange"
-                found["effort_limit"] = self.view.places.get(name, self.view.span)
+                found["effort_limit"] = self.view.places.get(self._clamp[0], self.view.span)
         return found | {figure: self._place_of_gain(figure) for figure in ("kp", "kd") if figure in found}
+
+    @property
+    def _clamp(self) -> tuple[str, ...]:
+        """Attributes that say what clamps its input, the range first."""
+        if self.view.input == "activation":
+            return ("actrange", "actlimited")
+        return ("ctrlrange", "posrange", "inheritrange", "ctrllimited")
 
     @property
     def _ranges_of_torque(self) -> tuple[str, ...]:

@@ -59,6 +59,11 @@ def is_no_limit(found: Disagreement) -> bool:
     return min(values) <= 0.0 or is_placeholder(max(values))
 
 
+def _runs(case: Case) -> frozenset[str]:
+    """Paths of what trainings wrote of themselves."""
+    return frozenset(file.path for file in case.files if file.record)
+
+
 def is_of_one_training(case: Case, found: Disagreement) -> bool:
     """Whether a deploy file runs what a configuration trains.
 
@@ -307,7 +312,7 @@ class SourceRule(RuleInParts):
             grave = self.grave(case, found)
             if grave is not None:
                 severity, confidence = grave, Confidence.MEDIUM
-        file, runs = found.others[0].file, {one.path for one in case.files if one.record}
+        file, runs = found.others[0].file, case.once(_runs)
         if found.published:
             advice = f"{shown(theirs.value, theirs.unit)} is published for {found.published}: write it here, or set "
             advice += "this aside with the reason"

@@ -60,52 +60,42 @@ TOGETHER = 3
 """Of these four, from which on they tell that the limit is wrong. Published, of 6051 hinges: one."""
 
 
-def _by_lever(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
-    """An effort limit that would hold the whole robot on a lever which no robot has.
+def _by_weight(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
+    """An effort limit that would hold the whole robot on a lever which no robot has, or lift it many times over.
 
     Args:
         joint: A joint with a motor: others may be toys. gymnasium's ant has 150 N*m and less than 1 kg.
         mass: Of the whole robot [kg]; None: unknown, or it is no robot.
         linkage: That drives the joint.
     """
-    limit = joint.effort_limit
-    if not mass or joint.kind is not JointKind.HINGE or not limit.value or not is_stated(limit):
+    limit, slides = joint.effort_limit, joint.kind is JointKind.SLIDE
+    if (
+        not mass
+        or joint.kind not in (JointKind.HINGE, JointKind.SLIDE)
+        or not limit.value
+        or not is_stated(limit)
+    ):
         return
-    lever = limit.value / (mass * GRAVITY)
-    if not LONGEST_LEVER < lever < math.inf:
+    most = TIMES_WEIGHT if slides else LONGEST_LEVER
+    size = limit.value / (mass * GRAVITY)
+    if not most < size < math.inf:
         return
+    robot = f"the whole robot, {format_quantity(mass, 'kg', 3)},"
+    message, causes = f"hold {robot} on a lever of {format_quantity(size, 'm', 3)}", "gear_ratio or side"
+    if slides:
+        message, causes = (
+            f"lift {robot} {format_quantity(size, '', 2)} times over",
+            "lead, radius or gear_ratio",
+        )
     yield found_at(
         joint,
         "SPEC183",
         f"actuators.{joint.group}.effort_limit",
-        lever,
-        f"an effort limit of {shown(limit)} would hold the whole robot, {format_quantity(mass, 'kg', 3)}, on a lever "
-        f"of {format_quantity(lever, 'm', 3)}",
-        "look for a wrong unit, gear_ratio or side" + (f", or at the linkage '{linkage}'" if linkage else ""),
+        size,
+        f"an effort limit of {shown(limit)} would {message}",
+        f"look for a wrong unit, {causes}" + (f", or at the linkage '{linkage}'" if linkage else ""),
         limit,
-        error=lever > HOPELESS_LEVER * LONGEST_LEVER,
-    )
-
-
-def _by_weight(joint: JointActuator, mass: float | None, linkage: str | None) -> Iterator[Found]:
-    """An effort limit of a slide that would lift the whole robot many times over; arguments as of `_by_lever`."""
-    limit = joint.effort_limit
-    if not mass or joint.kind is not JointKind.SLIDE or not limit.value or not is_stated(limit):
-        return
-    times = limit.value / (mass * GRAVITY)
-    if not TIMES_WEIGHT < times < math.inf:
-        return
-    yield found_at(
-        joint,
-        "SPEC183",
-        f"actuators.{joint.group}.effort_limit",
-        times,
-        f"an effort limit of {shown(limit)} would lift the whole robot, {format_quantity(mass, 'kg', 3)}, "
-        f"{format_quantity(times, '', 2)} times over",
-        "look for a wrong unit, lead, radius or gear_ratio"
-        + (f", or at the linkage '{linkage}'" if linkage else ""),
-        limit,
-        error=times > HOPELESS_LEVER * TIMES_WEIGHT,
+        error=size > HOPELESS_LEVER * most,
     )
 
 
@@ -329,5 +319,4 @@ def levers_of(
     if joint.motor is None:
         yield from _by_all(joint, mass)
     else:
-        yield from _by_lever(joint, mass, linkage)
-        yield from _by_weight(joint, body, linkage)
+        yield from _by_weight(joint, body if joint.kind is JointKind.SLIDE else mass, linkage)
