@@ -53,7 +53,7 @@ def _driven(robot: RobotView) -> frozenset[str] | None:
     moved = [actuator.moves for actuator in robot.actuators]
     if any(joints is None for joints in moved):
         return None
-    direct = {one.target for one in robot.actuators if one.transmission in ("joint", "jointinparent")}
+    direct = {one.target for one in robot.actuators if one.is_direct}
     return frozenset({*direct, *(joint for joints in moved for joint in joints or ())} - {""})
 
 

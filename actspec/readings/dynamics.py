@@ -562,7 +562,7 @@ def _loose(artifact: Artifact) -> Iterator[JointDynamics]:
     if artifact.robot is None:
         return
     for drive in artifact.robot.actuators:
-        if drive.transmission in ("joint", "jointinparent"):
+        if drive.is_direct:
             continue
         values: dict[str, float | None] = {
             name: None if name in drive.unknown else value

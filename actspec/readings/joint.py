@@ -495,7 +495,7 @@ def read_joints(
     """
     driving: dict[str, list[ActuatorView]] = {}
     for actuator in robot.actuators:
-        if is_direct(actuator):
+        if actuator.is_direct:
             driving.setdefault(actuator.target, []).append(actuator)
     loose = loose_actuators(robot)
     inertias = inertias or robot.joint_inertia or {}
@@ -514,7 +514,7 @@ def read_joint(robot: RobotView, name: str) -> JointReading:
     joint = robot.joint(name)
     if joint is None:
         raise KeyError(name)
-    own = [a for a in robot.actuators if is_direct(a) and a.target == name]
+    own = [a for a in robot.actuators if a.is_direct and a.target == name]
     return _reading(robot, joint, own, loose_actuators(robot), (robot.joint_inertia or {}).get(name))
 
 
@@ -541,15 +541,10 @@ def _reading(
     )
 
 
-def is_direct(actuator: ActuatorView) -> bool:
-    """Whether an actuator drives a joint, and not a tendon, a site or a body."""
-    return actuator.transmission in ("joint", "jointinparent")
-
-
 def loose_actuators(robot: RobotView) -> tuple[ActuatorView, ...]:
     """The actuators that drive no named hinge or slide directly."""
     scalar = {joint.name for joint in robot.joints if joint.kind in SCALAR}
-    return tuple(a for a in robot.actuators if not (is_direct(a) and a.target in scalar))
+    return tuple(a for a in robot.actuators if not (a.is_direct and a.target in scalar))
 
 
 def joint_inertias(robot: RobotView) -> Mapping[str, JointInertia]:
@@ -561,7 +556,7 @@ def joint_inertias(robot: RobotView) -> Mapping[str, JointInertia]:
     armature = {j.dof: j.armature for j in robot.joints if j.dof >= 0 and j.kind in SCALAR}
     dofs = {j.name: j.dof for j in robot.joints if j.dof in armature}
     for actuator in robot.actuators:
-        if is_direct(actuator) and actuator.target in dofs:
+        if actuator.is_direct and actuator.target in dofs:
             armature[dofs[actuator.target]] += actuator.gear**2 * actuator.armature
     held, free = robot.inertia.held(armature), robot.inertia.free(armature)
     return {name: JointInertia(held[dof], free[dof]) for name, dof in dofs.items()}

@@ -214,9 +214,7 @@ def _report_loose(
         groups: Group of each other joint.
         collector: Takes what is reported.
     """
-    driven = {
-        actuator.target for actuator in robot.actuators if actuator.transmission in ("joint", "jointinparent")
-    }
+    driven = {actuator.target for actuator in robot.actuators if actuator.is_direct}
     forgotten = [name for name in loose if not driven or name in driven]
     passive = [name for name in loose if name not in forgotten]
     span = spec.document.spans.key(("actuators",))

@@ -175,6 +175,11 @@ class ActuatorView:
     moves: tuple[str, ...] | None = ()
 
     @property
+    def is_direct(self) -> bool:
+        """Whether it drives a joint, and not a tendon, a site or a body."""
+        return self.transmission in ("joint", "jointinparent")
+
+    @property
     def is_filled(self) -> bool:
         """Whether its force is an activation alone, which the control fills over time."""
         known = not {"kp", "kd", "gain"} & self.unknown

@@ -47,7 +47,7 @@ class WrittenActuator:
     @property
     def joint(self) -> str:
         """The joint that it drives; "" for a tendon, a site or a joint without a name."""
-        return self.view.target if self.view.transmission in ("joint", "jointinparent") else ""
+        return self.view.target if self.view.is_direct else ""
 
     def owner(self, name: str) -> Element | None:
         """The element that states an attribute last: its own, or one of its default classes."""

@@ -52,7 +52,7 @@ def _of_model(index: int, robot: RobotView) -> Iterator[Crowded]:
         joint.name: [] for joint in robot.joints if joint.kind in SCALAR
     }
     for actuator in robot.actuators:
-        if actuator.transmission in ("joint", "jointinparent"):
+        if actuator.is_direct:
             by_joint.setdefault(actuator.target, []).append(actuator)
         elif actuator.moves is None:
             # It may move any joint.

@@ -16,7 +16,7 @@ def first_drives(robot: RobotView) -> tuple[ActuatorView, ...]:
     scalar = {joint.name for joint in robot.joints if joint.kind in SCALAR}
     found: dict[str, ActuatorView] = {}
     for actuator in robot.actuators:
-        if actuator.transmission in ("joint", "jointinparent") and actuator.target in scalar:
+        if actuator.is_direct and actuator.target in scalar:
             found.setdefault(actuator.target, actuator)
     return tuple(found.values())
 

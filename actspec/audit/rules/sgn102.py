@@ -175,7 +175,7 @@ def _is_off(view: ActuatorView, relative: float) -> bool:
     """Whether a servo's gain is not its stiffness."""
     if view.control != "position" or {"kp", "gain", "gear"} & view.unknown or view.offset:
         return False
-    if view.transmission not in ("joint", "jointinparent") or not view.gear:
+    if not view.is_direct or not view.gear:
         return False
     kp = view.kp / view.gear**2
     return kp > 0.0 and view.gain != 0.0 and abs(view.gain - kp) > relative * kp

@@ -41,7 +41,7 @@ class FilterFasterThanStep(RuleInParts):
                 f"the filter's time constant of {format_quantity(tau * 1e3, 'ms', 3)} is shorter than the step of "
                 f"{format_quantity(step * 1e3, 'ms', 3)}: {what}",
                 view.span,
-                view.target if view.transmission in ("joint", "jointinparent") else "",
+                view.target if view.is_direct else "",
                 tau,
                 "s",
                 help="shorten the timestep, or leave the filter out"

@@ -92,7 +92,7 @@ def _gains(found: WrittenActuator) -> tuple[float, float] | None:
     """kv up to 3.14 and from 3.15 on, actuator side; None where a mass or kp is unknown."""
     view, robot = found.view, found.artifact.robot
     joint = robot.joint(view.target) if robot is not None else None
-    if joint is None or joint.zero_inertia is None or view.transmission not in ("joint", "jointinparent"):
+    if joint is None or joint.zero_inertia is None or not view.is_direct:
         return None
     if {"kp", "gear"} & view.unknown or not view.gear or view.kp <= 0.0:
         return None

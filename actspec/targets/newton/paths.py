@@ -179,7 +179,7 @@ def converted_actuators(robot: RobotView, layout: StagePaths) -> list[Path]:
         (*layout.root, "Physics", actuator.name)
         for actuator in robot.actuators
         if actuator.target in layout.converted
-        and actuator.transmission in ("joint", "jointinparent")
+        and actuator.is_direct
         and is_identifier(actuator.name)
         and counts[actuator.name] == 1
     ]
