@@ -14,6 +14,11 @@ class JointKind(str, Enum):
     BALL = "ball"
     FREE = "free"
 
+    @property
+    def is_scalar(self) -> bool:
+        """Whether the joint has one coordinate."""
+        return self in (JointKind.HINGE, JointKind.SLIDE)
+
 
 @dataclass(frozen=True, slots=True)
 class InertiaRange:

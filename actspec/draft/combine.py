@@ -193,7 +193,7 @@ def _joint_order(ranked: Sequence[RobotReading], base: RobotReading | None) -> l
     if base is not None:
         robot = base.artifact.robot
         if robot is not None:
-            return [j.name for j in robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
+            return [joint.name for joint in robot.scalar_joints]
         ranked = [base]
     names: dict[str, None] = {}
     for reading in ranked:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from actspec.diagnostics import Collector, listed, one_line
 from actspec.draft.sources import places, stated
-from actspec.ir import JointActuator, JointKind, Quantity, unknown
+from actspec.ir import JointActuator, Quantity, unknown
 from actspec.readings.artifact import Artifact, NamelessList, RobotConfig
 from actspec.readings.deploy import LEAST_JOINTS
 from actspec.robot.view import JointView, RobotView
@@ -64,11 +64,7 @@ def of_this_robot(
 
 def _counts(joints: Sequence[JointView | str], robot: RobotView | None) -> set[int]:
     """How many joints a list for all of a robot may be for: all, those that follow none, or those with an actuator."""
-    moving = [
-        joint
-        for joint in joints
-        if isinstance(joint, str) or joint.kind in (JointKind.HINGE, JointKind.SLIDE)
-    ]
+    moving = [joint for joint in joints if isinstance(joint, str) or joint.kind.is_scalar]
     free = [joint for joint in moving if isinstance(joint, str) or joint.mimic is None]
     own = {joint if isinstance(joint, str) else joint.name for joint in moving}
     driven = own & {actuator.target for actuator in (robot.actuators if robot is not None else ())}

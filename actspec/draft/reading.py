@@ -30,7 +30,6 @@ from actspec.draft.unselected import (
     selected_twice,
     unselected,
 )
-from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
 from actspec.lift.config import asset_of, leaves_to_model
 from actspec.readings.artifact import (
@@ -317,7 +316,7 @@ def _lifted(
     model = next((a for kind in _ROBOTS for a in artifacts if a.kind is kind), None)
     joints: Sequence[JointView | str] = ()
     if model is not None and model.robot is not None:
-        joints = [j for j in model.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
+        joints = model.robot.scalar_joints
     of, renamed, follow = None if model is None else one_line(os.path.basename(model.path)), "", {}
     if names is not None:
         joints, renamed = names

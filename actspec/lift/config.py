@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import one_line
-from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity, Randomization, stated, unknown
+from actspec.ir import ActuatorSet, JointActuator, Quantity, Randomization, stated, unknown
 from actspec.lift.config_joint import ConfigJoint, below_root, drive_kind
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.patterns import PatternError, compile_pattern
@@ -67,7 +67,7 @@ def lift_config(
     for one in joints or ():
         if isinstance(one, str):
             views[one] = None
-        elif one.kind in (JointKind.HINGE, JointKind.SLIDE):
+        elif one.kind.is_scalar:
             views[one.name] = one
     named = tuple(views) or joint_names(artifact) or _plain_names(config)
     members: dict[str, list[tuple[ActuatorGroup, str]]] = {}

@@ -151,10 +151,10 @@ def read_deploy(path: str, data: bytes) -> FileReading:
     except Unfit as err:
         return FileReading(path, None, str(err), files=(file,), refused=err.span(path))
     if root is not None and b"scene:" in data:
-        from actspec.readings.runs import is_run, read_run
+        from actspec.readings.runs import read_run
 
-        if is_run(root):
-            return read_run(file, root)
+        if run := read_run(file, root):
+            return run
     name = os.path.splitext(os.path.basename(path))[0]
     reader = _Reader(path)
     try:

@@ -14,10 +14,8 @@ from functools import lru_cache
 
 from actspec.diagnostics import Span
 from actspec.fields import Units, unit_of, units_of
-from actspec.ir import JointKind, Quantity, assumed, stated, tidy, unknown
+from actspec.ir import Quantity, assumed, stated, tidy, unknown
 from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
-
-SCALAR = (JointKind.HINGE, JointKind.SLIDE)
 
 SERVOS = ("position", "velocity", "dcmotor", "pid")
 """Controls whose kp and kd are a drive's gains."""
@@ -491,18 +489,17 @@ def read_joints(
 
     Args:
         robot: The robot.
-        inertias: Of `joint_inertias`, which takes long; None: as far as the robot carries them.
+        inertias: Of `RobotView.inertias`, which takes long; None: as far as the robot carries them.
     """
     driving: dict[str, list[ActuatorView]] = {}
     for actuator in robot.actuators:
         if actuator.is_direct:
             driving.setdefault(actuator.target, []).append(actuator)
-    loose = loose_actuators(robot)
+    loose = robot.loose_actuators
     inertias = inertias or robot.joint_inertia or {}
     return {
         joint.name: _reading(robot, joint, driving.get(joint.name, []), loose, inertias.get(joint.name))
-        for joint in robot.joints
-        if joint.kind in SCALAR
+        for joint in robot.scalar_joints
     }
 
 
@@ -515,7 +512,7 @@ def read_joint(robot: RobotView, name: str) -> JointReading:
     if joint is None:
         raise KeyError(name)
     own = [a for a in robot.actuators if a.is_direct and a.target == name]
-    return _reading(robot, joint, own, loose_actuators(robot), (robot.joint_inertia or {}).get(name))
+    return _reading(robot, joint, own, robot.loose_actuators, (robot.joint_inertia or {}).get(name))
 
 
 def _reading(
@@ -539,27 +536,6 @@ def _reading(
         robot.eulerdamp,
         robot.timestep,
     )
-
-
-def loose_actuators(robot: RobotView) -> tuple[ActuatorView, ...]:
-    """The actuators that drive no named hinge or slide directly."""
-    scalar = {joint.name for joint in robot.joints if joint.kind in SCALAR}
-    return tuple(a for a in robot.actuators if not (a.is_direct and a.target in scalar))
-
-
-def joint_inertias(robot: RobotView) -> Mapping[str, JointInertia]:
-    """Inertia of every named hinge and slide with the file's own armature; none without mass matrices."""
-    if robot.joint_inertia is not None:
-        return robot.joint_inertia
-    if robot.inertia is None:
-        return {}
-    armature = {j.dof: j.armature for j in robot.joints if j.dof >= 0 and j.kind in SCALAR}
-    dofs = {j.name: j.dof for j in robot.joints if j.dof in armature}
-    for actuator in robot.actuators:
-        if actuator.is_direct and actuator.target in dofs:
-            armature[dofs[actuator.target]] += actuator.gear**2 * actuator.armature
-    held, free = robot.inertia.held(armature), robot.inertia.free(armature)
-    return {name: JointInertia(held[dof], free[dof]) for name, dof in dofs.items()}
 
 
 def largest(ends: tuple[float, float]) -> float:

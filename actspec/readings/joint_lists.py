@@ -15,7 +15,6 @@ import yaml
 
 from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.files import FAULTS, read_regular, why
-from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.deploy import NAMES
 from actspec.readings.pair import joint_names, matching
@@ -230,9 +229,7 @@ def _of_files(path: str) -> Iterator[Joints]:
             raise _refusal(f"cannot be read: {reading.reason}", path, reading.help, reading.refused)
         for artifact in reading.artifacts:
             if artifact.robot is not None:
-                views = artifact.robot.joints
-                found = tuple(view for view in views if view.kind in (JointKind.HINGE, JointKind.SLIDE))
-                if found:
+                if found := artifact.robot.scalar_joints:
                     yield found
             elif names := joint_names(artifact):
                 yield names

@@ -28,9 +28,7 @@ from actspec.readings.joint import (
     IMPLICIT,
     DriveReading,
     JointReading,
-    joint_inertias,
     largest,
-    loose_actuators,
     read_joints,
 )
 from actspec.robot.view import ActuatorView, ModelFormat
@@ -184,10 +182,10 @@ def rows_of_robot(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
     posed = bool(robot.keyframes)
     found = [
         row
-        for reading in read_joints(robot, joint_inertias(robot)).values()
+        for reading in read_joints(robot, robot.inertias()).values()
         for row in _rows(artifact.path, index, reading, posed)
     ]
-    found.extend(_loose(artifact.path, index, actuator) for actuator in loose_actuators(robot))
+    found.extend(_loose(artifact.path, index, actuator) for actuator in robot.loose_actuators)
     return tuple(found)
 
 

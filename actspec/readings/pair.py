@@ -13,7 +13,6 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import cache, lru_cache
 
 from actspec.files import in_common
-from actspec.ir import JointKind
 from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import Artifact, Framework, Robot, RobotConfig
 from actspec.readings.body import BODY, SHARE, Figures, are_alike, figures_of, share_a_body
@@ -235,7 +234,7 @@ def _is_events(artifact: Artifact) -> bool:
 def joint_names(artifact: Artifact) -> tuple[str, ...] | None:
     """The joints that an artifact names; None for a configuration that has patterns."""
     if artifact.robot is not None:
-        return tuple(j.name for j in artifact.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE))
+        return tuple(joint.name for joint in artifact.robot.scalar_joints)
     if artifact.spec is not None:
         return tuple(joint.joint for joint in artifact.spec.joints)
     config = artifact.config

@@ -162,10 +162,8 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
     except RobotError as err:
         return replace(unreadable(path, kind, err.diagnostics), files=document.files)
     if view.inertia is not None:
-        from actspec.readings.joint import joint_inertias
-
         inertia = view.inertia if keep_matrices else None
-        view = replace(view, joint_inertia=joint_inertias(view), inertia=inertia)
+        view = replace(view, joint_inertia=view.inertias(), inertia=inertia)
     artifact = Artifact(path, kind, view.name, robot=view, text_only=view.refusal)
     said = tuple(item for item in view.diagnostics if item.code not in _REPORTED_BY_RULES)
     return FileReading(path, kind, None, (artifact,), document.files, said)

@@ -51,22 +51,20 @@ _UNSAID = (
 )
 
 
-def is_run(root: yaml.Node) -> bool:
-    """Whether the nodes of a YAML file are the configuration of a run."""
-    keys = _keys(root)
-    return {"scene", "sim", "decimation"} <= set(keys) and (
-        _is_isaaclab(keys) or bool(_keys(_keys(keys["scene"]).get("entities")))
-    )
-
-
-def read_run(file: ModelFile, root: yaml.Node) -> FileReading:
-    """Read the configuration of a run.
+def read_run(file: ModelFile, root: yaml.Node) -> FileReading | None:
+    """Read the configuration of a run; None where it is none.
 
     Args:
         file: It.
-        root: Its nodes, of which `is_run`.
+        root: Its nodes.
     """
-    config = _config(file.path, root)
+    keys = _keys(root)
+    if not {"scene", "sim", "decimation"} <= set(keys):
+        return None
+    of_isaaclab = _is_isaaclab(keys)
+    if not of_isaaclab and not _keys(_keys(keys["scene"]).get("entities")):
+        return None
+    config = _config(file.path, root, of_isaaclab)
     artifact = Artifact(file.path, FileKind.CFG, config.name, config=config)
     return FileReading(file.path, FileKind.CFG, None, (artifact,), (file,), record=True)
 
@@ -86,8 +84,7 @@ def _is_isaaclab(keys: Mapping[str, yaml.Node]) -> bool:
     )
 
 
-def _config(path: str, root: yaml.Node) -> RobotConfig:
-    of_isaaclab = _is_isaaclab(_keys(root))
+def _config(path: str, root: yaml.Node, of_isaaclab: bool) -> RobotConfig:
     whole = _Folder(path).value(root)
     if of_isaaclab:
         found = isaaclab.environment("", whole, whole.span)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, listed, nearest
-from actspec.ir import JointKind
 from actspec.patterns import PatternError, apart, is_slip, match_names, recased, suggest_pattern
 from actspec.robot.view import JointView, RobotView
 from actspec.spec.document import Breaches
@@ -61,7 +60,7 @@ class _Place(NamedTuple):
 
 def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
     """Match every pattern of the spec; what is wrong is reported."""
-    joints = [joint for joint in robot.joints if joint.kind in (JointKind.HINGE, JointKind.SLIDE)]
+    joints = robot.scalar_joints
     matcher = _Matcher(spec, robot, [joint.name for joint in joints], breaches)
     model = spec.model
     owner: dict[str, _Place] = {}
@@ -429,7 +428,7 @@ class _Matcher:
         if len(parts) > 1 and not miss.key:
             written = ", ".join(f'"{part}"' for part in parts)
             help: str | None = f"a comma in a text ends no pattern: write `[{written}]`"
-        elif others and others[0].kind not in (JointKind.HINGE, JointKind.SLIDE):
+        elif others and not others[0].kind.is_scalar:
             kind = others[0].kind.value
             help = f"'{others[0].name}' is a {kind} joint; only hinge and slide joints have actuators here"
         elif others and scope:

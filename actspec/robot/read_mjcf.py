@@ -209,7 +209,7 @@ def _joints(
             continue
         dof = dofs[index]
         kind = kinds[model.jnt_type[index]]
-        scalar = kind in (JointKind.HINGE, JointKind.SLIDE)
+        scalar = kind.is_scalar
         element, document = written.joint(name) or (None, written.document)
         springdamper = (element is None or "springdamper" in element.owners) and _is_sprung(spec, name)
         # Stiffness and damping are then made of 1/(M^-1)_jj.

@@ -336,6 +336,31 @@ class RobotView:
         """The joint of that name, or None."""
         return next((j for j in self.joints if j.name == name), None)
 
+    @property
+    def scalar_joints(self) -> tuple[JointView, ...]:
+        """The named hinges and slides, in the robot's order."""
+        return tuple(joint for joint in self.joints if joint.kind.is_scalar)
+
+    @property
+    def loose_actuators(self) -> tuple[ActuatorView, ...]:
+        """The actuators that drive no named hinge or slide directly."""
+        scalar = {joint.name for joint in self.scalar_joints}
+        return tuple(a for a in self.actuators if not (a.is_direct and a.target in scalar))
+
+    def inertias(self) -> Mapping[str, JointInertia]:
+        """Inertia of each hinge and slide with the file's own armature; none without mass matrices. Takes long."""
+        if self.joint_inertia is not None:
+            return self.joint_inertia
+        if self.inertia is None:
+            return {}
+        armature = {joint.dof: joint.armature for joint in self.scalar_joints if joint.dof >= 0}
+        dofs = {joint.name: joint.dof for joint in self.scalar_joints if joint.dof in armature}
+        for actuator in self.actuators:
+            if actuator.is_direct and actuator.target in dofs:
+                armature[dofs[actuator.target]] += actuator.gear**2 * actuator.armature
+        held, free = self.inertia.held(armature), self.inertia.free(armature)
+        return {name: JointInertia(held[dof], free[dof]) for name, dof in dofs.items()}
+
 
 def isaac_order(robot: RobotView, wanted: Sequence[str]) -> tuple[str, ...] | None:
     """Joints as Isaac Lab has them: breadth-first over the tree; None where no model tells the tree.

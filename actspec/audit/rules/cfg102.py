@@ -9,7 +9,6 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import is_as_written, is_whole_robot, names_model, posed
 from actspec.audit.rules.misnamed import is_misspelt, misnamed
 from actspec.audit.rules.sided import other_side
-from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.dict_keys import selects_nothing
 from actspec.readings.pair import joint_names
@@ -177,13 +176,7 @@ def _loose(robot: RobotView) -> set[str]:
         for found in re.findall(rb"""(?:joint[12]|<joint\s+joint)\s*=\s*["']([^"']+)""", file.data)
     }
     held |= _in_loops(robot)
-    return {
-        joint.name
-        for joint in robot.joints
-        if joint.kind in (JointKind.HINGE, JointKind.SLIDE)
-        and joint.name not in held
-        and joint.stiffness == 0.0
-    }
+    return {joint.name for joint in robot.scalar_joints if joint.name not in held and joint.stiffness == 0.0}
 
 
 def _in_loops(robot: RobotView) -> set[str]:

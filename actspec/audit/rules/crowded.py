@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
-from actspec.audit.rules.ord101 import SCALAR
 from actspec.audit.rules.sided import other_side
 from actspec.readings.artifact import FileKind
 from actspec.robot.view import ActuatorView, RobotView
@@ -48,9 +47,7 @@ def crowded(case: Case) -> tuple[Crowded, ...]:
 
 
 def _of_model(index: int, robot: RobotView) -> Iterator[Crowded]:
-    by_joint: dict[str, list[ActuatorView]] = {
-        joint.name: [] for joint in robot.joints if joint.kind in SCALAR
-    }
+    by_joint: dict[str, list[ActuatorView]] = {joint.name: [] for joint in robot.scalar_joints}
     for actuator in robot.actuators:
         if actuator.is_direct:
             by_joint.setdefault(actuator.target, []).append(actuator)

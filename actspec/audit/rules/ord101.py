@@ -4,16 +4,13 @@ from collections.abc import Iterator, Sequence
 from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, Setting
 from actspec.robot.view import ActuatorView, RobotView
-
-SCALAR = (JointKind.HINGE, JointKind.SLIDE)
 
 
 def first_drives(robot: RobotView) -> tuple[ActuatorView, ...]:
     """The first actuator of each joint that has one, in the actuators' order."""
-    scalar = {joint.name for joint in robot.joints if joint.kind in SCALAR}
+    scalar = set(scalar_joints(robot))
     found: dict[str, ActuatorView] = {}
     for actuator in robot.actuators:
         if actuator.is_direct and actuator.target in scalar:
@@ -22,7 +19,7 @@ def first_drives(robot: RobotView) -> tuple[ActuatorView, ...]:
 
 
 def scalar_joints(robot: RobotView) -> tuple[str, ...]:
-    return tuple(joint.name for joint in robot.joints if joint.kind in SCALAR)
+    return tuple(joint.name for joint in robot.scalar_joints)
 
 
 def stated_order(artifact: Artifact) -> tuple[tuple[str, ...], Setting] | None:

@@ -69,12 +69,7 @@ def _by_weight(joint: JointActuator, mass: float | None, linkage: str | None) ->
         linkage: That drives the joint.
     """
     limit, slides = joint.effort_limit, joint.kind is JointKind.SLIDE
-    if (
-        not mass
-        or joint.kind not in (JointKind.HINGE, JointKind.SLIDE)
-        or not limit.value
-        or not is_stated(limit)
-    ):
+    if not mass or not joint.kind.is_scalar or not limit.value or not is_stated(limit):
         return
     most = TIMES_WEIGHT if slides else LONGEST_LEVER
     size = limit.value / (mass * GRAVITY)

@@ -156,7 +156,7 @@ def skeleton(robot: RobotView, actuators: ActuatorSet, inertia: Mapping[str, flo
         actuators: What the spec asks for; a joint of it has a motor, as in the author's model.
         inertia: Of the bodies, where it matters [kg*m^2 or kg]: a ball at the joint.
     """
-    joints = [joint for joint in robot.joints if joint.kind in (JointKind.HINGE, JointKind.SLIDE)]
+    joints = robot.scalar_joints
     driven = {a.target for a in robot.actuators} & {a.joint for a in actuators.joints}
     lines = ["<mujoco>", '  <compiler angle="radian"/>', "  <worldbody>"]
     for index, joint in enumerate(joints):
