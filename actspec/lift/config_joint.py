@@ -35,7 +35,7 @@ from actspec.readings.config import (
     lags_of,
 )
 from actspec.readings.dict_keys import Found
-from actspec.readings.isaaclab import idle_speeds
+from actspec.readings.isaaclab import has_curve, idle_speeds
 from actspec.readings.networks import stated_manifest
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
@@ -109,6 +109,7 @@ class ConfigJoint:
             self._figures |= {} if speed is None else {"no_load_speed": speed}
         self._units = units_of(JointKind.HINGE if self.view is None else self.view.kind)
         self._own = is_own_class(group)
+        self._curved = config.framework is Framework.ISAACLAB and has_curve(group)
 
     def actuator(self, randomize: tuple[Randomization, ...]) -> JointActuator:
         """The joint's actuator.
@@ -259,6 +260,8 @@ class ConfigJoint:
 
     def _effort_limit(self) -> Quantity:
         unit = self._units.torque
+        if self._curved:
+            return self._end_of_curve()
         by_angle = _BY_ANGLE in self.group.settings and self.config.framework is Framework.ISAACLAB
         found = self._peak() if by_angle else self._figure("effort_limit", unit, self._no_limit())
         if found.value is not None and found.value >= NONE_FROM:
@@ -288,6 +291,21 @@ class ConfigJoint:
         )
         return self._quantity(solver, unit)
 
+    def _end_of_curve(self) -> Quantity:
+        """The larger torque of a curve that is the whole limit."""
+        unit = self._units.torque
+        ends = [self._figure(f"curve.{name}", unit) for name in ("drive_torque", "brake_torque")]
+        unread = next((end for end in ends if end.value is None), None)
+        if unread is not None:
+            return unread
+        largest = real_limit(max(ends, key=lambda end: end.require()))
+        if largest.known:
+            shown = format_quantity(largest.require(), unit)
+            self.notes.append(
+                f"effort_limit is the larger torque of its curve, {shown}: it has no other limit"
+            )
+        return largest
+
     def _no_limit(self) -> str | None:
         if self.config.framework is Framework.ISAACLAB and self._control != "implicit":
             if self.group.bases and not self._own:
@@ -311,6 +329,14 @@ class ConfigJoint:
             self._figure(name, unit) for name, unit in zip(names, (torque, torque, speed, speed), strict=True)
         ]
         curve = AsymmetricCurve(*parts)
+        if curve.no_load_speed.known and curve.no_load_speed.require() >= NONE_FROM:
+            drive, brake = curve.drive_torque, curve.brake_torque
+            if drive.value != brake.value:
+                self.notes.append(
+                    f"its curve ends at no speed, and is left out: it has {drive.value} {torque} driving and "
+                    f"{brake.value} {torque} braking"
+                )
+            return None
         # The torque may fall from standstill on: a knee at 0 is a figure like another.
         points = [part for part in parts if part is not curve.knee_speed or part.value != 0.0]
         return curve if self._is_line(*points) else None
@@ -465,6 +491,11 @@ class ConfigJoint:
             )
         if self._own:
             self.notes.append(f"{group.cls} is read as the class that actspec writes")
+        elif self._curved:
+            self.notes.append(
+                f"{group.cls} is read as unitree_rl_lab's UnitreeActuator: a torque-speed curve (X1, X2, Y1, Y2), and "
+                "friction (Fs, Fd) of its own, which it rounds off near standstill (tanh, Va)"
+            )
         elif group.bases:
             self.notes.append(f"{group.cls} is read as {group.bases[0]}: what else it does is not known here")
 

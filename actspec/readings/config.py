@@ -29,7 +29,7 @@ from actspec.readings.artifact import (
     Setting,
 )
 from actspec.readings.dict_keys import Found, may_match, plain_name, settled, value_of
-from actspec.readings.isaaclab import idle_speeds, settle_friction, take_limits
+from actspec.readings.isaaclab import has_curve, idle_speeds, settle_friction, take_curve, take_limits
 from actspec.readings.ledger import LedgerRow, dynamics_at
 from actspec.readings.overlap import has_last, last_of_each, left_by, taken_by
 from actspec.readings.pair import agreement, joint_names, matching
@@ -324,6 +324,8 @@ def _figures_over(
         settle_friction(values, versions)
         for field, name in _OF_OWN_CLASS.items() if is_own_class(group) else ():
             take(field, name)
+        if has_curve(group):
+            take_curve(values, take)
     elif config.framework is Framework.MJLAB:
         take("no_load_speed" if control == "dc_motor" else "velocity_limit", "velocity_limit")
         if control == "dcmotor":

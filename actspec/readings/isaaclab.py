@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from actspec.readings.artifact import Framework
+from actspec.readings.artifact import ActuatorGroup, Framework
 from actspec.readings.dict_keys import Found
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, limited_by_solver
 from actspec.simulators.isaaclab import NEW_NAMES, OLD_NAMES, FrictionUnit
@@ -67,6 +67,46 @@ def settle_friction(values: dict[str, Found], versions: Versions) -> None:
         values["frictionloss"] = second
     if first is not None and unit is not None and unit.torque:
         values["friction_static"] = first
+
+
+def has_curve(group: ActuatorGroup) -> bool:
+    """Whether a class is unitree_rl_lab's `UnitreeActuator`, or made of it."""
+    return "UnitreeActuatorCfg" in (group.cls, *group.bases) and "Y1" in group.settings
+
+
+def take_curve(values: dict[str, Found], take: Callable[..., None]) -> None:
+    """The figures of a class with an asymmetric torque-speed curve and a friction of its own.
+
+    It clips by the curve alone, whatever `effort_limit` is, and takes its friction, Fs tanh(w / Va) + Fd w, off the
+    result, beside the joint's own.
+
+    Source: unitree_rl_lab, assets/robots/unitree_actuators.py, `_clip_effort` and `compute`; twelve of thirteen copies
+    of strangers are the same.
+    """
+    take("curve.drive_torque", "Y1")
+    take("curve.brake_torque", "Y2", "Y1")
+    take("curve.knee_speed", "X1")
+    take("no_load_speed", "X2")
+    for idle in ("effort_limit", "velocity_limit"):
+        if idle in values:
+            values[idle] = Found(None, values[idle].span, why="its class clips by Y1, Y2, X1 and X2 alone")
+    frictions = [("frictionloss", "Fs"), ("joint_damping", "Fd")]
+    if "friction_static" in values:
+        frictions.append(("friction_static", "Fs"))
+    for field, name in frictions:
+        joints = values.pop(field, None)
+        take(field, name)
+        own = values.pop(field, None)
+        if own is None or own.value == 0.0:
+            total = joints
+        elif joints is None or joints.value == 0.0:
+            total = own
+        elif own.value is not None and joints.value is not None:
+            total = Found(own.value + joints.value, own.span)
+        else:
+            total = Found(None, own.span, why=f"{name} and the joint's own friction: {own.why or joints.why}")
+        if total is not None:
+            values[field] = total
 
 
 def idle_speeds(framework: Framework, control: str) -> tuple[str, ...]:
