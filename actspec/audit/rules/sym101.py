@@ -3,16 +3,27 @@ from __future__ import annotations
 import math
 import os
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from itertools import combinations
 from operator import attrgetter, eq
 from typing import ClassVar
 
+from actspec.audit.known import GRIPS
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.crowded import crowded
-from actspec.audit.rules.joints import is_held, is_nobodys, is_undriven, partner_rows, shown
+from actspec.audit.rules.joints import (
+    is_held,
+    is_nobodys,
+    is_undriven,
+    names_undriven,
+    partner_rows,
+    shown,
+    undriven_joints,
+)
 from actspec.audit.rules.sided import SIDE_WORDS, WORD, are_of_two_sides, mirrors
 from actspec.audit.rules.source_pairs import is_one_machine
+from actspec.diagnostics import one_line
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
@@ -44,6 +55,9 @@ _SHARED = 0.8
 
 _SEVERAL = 3
 """Pairs of joints from which a file shows whether each joint was identified by itself."""
+
+_SIDED = 2
+"""Pairs of joints that are driven on both sides, from which a file shows that a third should be. Chosen."""
 
 _ABSURD = 10.0
 """From here one of two limits is no motor's. Chosen: gears and motors of one joint differ by less."""
@@ -83,6 +97,9 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         """Compare every pair."""
         left, right = subject
         if (left[0].control == "none") != (right[0].control == "none"):
+            finding = self._drive(case, left[0], right[0])
+            if finding is not None:
+                yield finding
             return
         # ORD103 tells of the actuator that is another joint's.
         own = {(row.artifact, row.joint) for row in (left[0], right[0])}
@@ -163,6 +180,20 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
                     *(f"{name} {one:.3g} {its:.3g}" for name, one, its in differing),
                 )
             ),
+        )
+
+    def _drive(self, case: Case, left: LedgerRow, right: LedgerRow) -> Finding | None:
+        odd, other = (left, right) if left.control == "none" else (right, left)
+        if (odd.artifact, odd.joint) not in case.once(_forgotten):
+            return None
+        return Finding(
+            self.code,
+            f"no actuator drives it, and {one_line(other.joint)} on the other side has one: it swings freely",
+            odd.span,
+            odd.joint,
+            help="give it the actuator of the other side",
+            related=(other.span,),
+            about="none",
         )
 
     def _range(self, case: Case, left: LedgerRow, right: LedgerRow) -> Finding | None:
@@ -378,6 +409,38 @@ def _are_axes(one: str, other: str, names: Iterable[str]) -> bool:
         )
     }
     return len(letters) >= _AXES
+
+
+def _forgotten(case: Case) -> frozenset[tuple[int, str]]:
+    """Joints, each with its artifact, that nothing drives though their like on the other side is driven.
+
+    A model drives both sides of its other pairs: of an arm that hangs more than one joint is not driven. Springs hold
+    some, and of a gripper's fingers one follows the other.
+    """
+    lone: dict[int, list[str]] = {}
+    whole: Counter[int] = Counter()
+    for left, right in case.once(pairs):
+        one, other = left[0], right[0]
+        if one.artifact != other.artifact:
+            continue
+        if (one.control == "none") != (other.control == "none"):
+            lone.setdefault(one.artifact, []).append((one if one.control == "none" else other).joint)
+        elif one.control != "none":
+            whole[one.artifact] += 1
+    undriven = case.once(undriven_joints) if lone else {}
+    found = set()
+    for index, joints in lone.items():
+        robot, joint = case.artifacts[index].robot, joints[0]
+        view = None if robot is None else robot.joint(joint)
+        if (
+            view is not None
+            and len(joints) == 1
+            and whole[index] >= _SIDED
+            and joint in undriven.get(index, ())
+            and not (view.stiffness or GRIPS.search(joint) or names_undriven(joint))
+        ):
+            found.add((index, joint))
+    return frozenset(found)
 
 
 def _without_limits(case: Case) -> frozenset[int]:
