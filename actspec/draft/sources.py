@@ -336,9 +336,12 @@ def _class(readings: Sequence[RobotReading], combined: Combined) -> str:
     for reading in readings:
         config = reading.artifact.config
         if config is not None and config.framework is Framework.ISAACLAB:
-            for group in config.groups:
-                if control_of_group(config.framework, group) == "implicit":
-                    solver.update(joint for joint, _ in selected(config, group, managed))
+            control = {
+                joint: control_of_group(config.framework, group)
+                for group in config.groups  # the last one that selects a joint has it
+                for joint, _ in selected(config, group, managed)
+            }
+            solver.update(joint for joint, its in control.items() if its == "implicit")
     wanted = [joint for joint in managed if joint in solver]
     if len(wanted) == len(managed):
         return "class: implicit" if wanted else ""

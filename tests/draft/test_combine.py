@@ -332,6 +332,17 @@ def test_implicit_drives_stay_implicit(tmp_path: Path) -> None:
     both = both.replace("import ImplicitActuatorCfg", "import IdealPDActuatorCfg, ImplicitActuatorCfg")
     found = imported(write(tmp_path, leg_py=both, leg_xml=MOTORS), tmp_path)
     assert found.data["targets"]["isaaclab"] == {"version": "2.3", "class": {"hip": "implicit"}}
+    # Of two groups that have the knee the last one is its drive.
+    over = both.replace('["hip"]', '[".*"]')
+    assert over.index('"knees"') < over.index('"all"')
+    found = imported(write(tmp_path, leg_py=over, leg_xml=MOTORS), tmp_path)
+    assert found.data["targets"]["isaaclab"]["class"] == "implicit"
+    swapped = over.replace("ImplicitActuatorCfg(", "X(").replace(
+        "IdealPDActuatorCfg(", "ImplicitActuatorCfg("
+    )
+    swapped = swapped.replace("X(", "IdealPDActuatorCfg(")
+    found = imported(write(tmp_path, leg_py=swapped, leg_xml=MOTORS), tmp_path)
+    assert found.data["targets"]["isaaclab"] == {"version": "2.3"}
 
 
 def test_joint_that_no_file_drives(tmp_path: Path) -> None:

@@ -53,10 +53,14 @@ class FarFromPublished(RuleOver[Likeness]):
     ) -> Iterator[Finding]:
         """An armature far from all that any source gives; one that is missing is GEA104's."""
         figures = {**subject.robot.armatures}
+        # 0.1 kg*m^2 for every joint, of a waist as of a wrist, is a default: where nothing else is known a wrist may
+        # well have less.
+        derived = any(len(figures) > 1 and not is_power_of_ten(figure) for figure in figures)
         gears = set()
         for one in (joints[name] for joints in subject.robot.variants.values() for name in names):
             if one.armature:
                 figures[one.armature] = one.source_of("armature")
+                derived = True
                 gears.add((one.armature, one.gear))
         # One below 0 is SGN101's.
         mine = finite(row.armature)
@@ -64,6 +68,8 @@ class FarFromPublished(RuleOver[Likeness]):
             return
         nearest = min(figures) if mine < min(figures) else max(figures)
         if min(figures) < times * mine and mine < times * max(figures):
+            return
+        if mine < nearest and not derived:
             return
         text = shown(row, "armature", nearest)
         rotor = next(
