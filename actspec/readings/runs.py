@@ -24,6 +24,7 @@ from actspec.readings.leftover import node_span
 from actspec.readings.python import isaaclab, mjlab
 from actspec.readings.python.settings import UNFOLDED
 from actspec.readings.python.values import Data, External, Key, Obj, Scalar, Seq, Table, Unknown, Value
+from actspec.readings.twice import keys_twice
 from actspec.robot.view import ModelFile
 
 _YAML = "tag:yaml.org,2002:"
@@ -66,7 +67,8 @@ def read_run(file: ModelFile, root: yaml.Node) -> FileReading | None:
         return None
     config = _config(file.path, root, of_isaaclab)
     artifact = Artifact(file.path, FileKind.CFG, config.name, config=config)
-    return FileReading(file.path, FileKind.CFG, None, (artifact,), (file,), record=True)
+    twice = keys_twice(root, file.path)
+    return FileReading(file.path, FileKind.CFG, None, (artifact,), (file,), twice, record=True)
 
 
 def _keys(node: yaml.Node | None) -> dict[str, yaml.Node]:

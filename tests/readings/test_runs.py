@@ -246,3 +246,17 @@ def test_a_hook_passes_over_runs(workspace: Path) -> None:
     with pending_files(["logs/one/params/env.yaml", "deploy.yaml"], skip_other=True) as pending:
         report = audit(pending, Settings())
     assert report.not_read == ("past run",) and not report.findings
+
+
+def test_a_key_twice(tmp_path: Path) -> None:
+    """The last one is what training would read again; that there are two is told, and `assert_agrees` fails on it."""
+    text = ISAACLAB.format(cls="IdealPDActuator").replace(
+        "        damping: 1.5\n", "        damping: 1.5\n        damping: 15.0\n"
+    )
+    path = tmp_path / "env.yaml"
+    path.write_text(text, encoding="utf-8")
+    reading = read_deploy(str(path), path.read_bytes())
+    (item,) = reading.diagnostics
+    assert item.code == "AUD022" and item.span is not None
+    assert item.span.line == 1 + text[: text.index("damping: 15.0")].count("\n")
+    assert reading.not_taken == (item,)
