@@ -257,6 +257,6 @@ def test_a_key_twice(tmp_path: Path) -> None:
     path.write_text(text, encoding="utf-8")
     reading = read_deploy(str(path), path.read_bytes())
     (item,) = reading.diagnostics
-    assert item.code == "AUD022" and item.span is not None
+    assert item.code == "DEPLOY004" and item.span is not None
     assert item.span.line == 1 + text[: text.index("damping: 15.0")].count("\n")
     assert reading.not_taken == (item,)
