@@ -15,9 +15,10 @@ from actspec.draft.text import scalar
 from actspec.ir import ActuatorSet, AsymmetricCurve, Command, JointActuator, Level, Origin, Quantity, Source
 from actspec.lift.lifted import Lifted
 from actspec.patterns import PatternError
-from actspec.readings.artifact import Artifact, FileKind, Framework
-from actspec.readings.config import control_of_group, selected
-from actspec.readings.versions import Versions
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
+from actspec.readings.config import control_of_group, is_own_class, selected
+from actspec.readings.isaaclab import has_curve
+from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import ModelFormat
 from actspec.simulators import DEFAULT_VERSIONS
 from actspec.units import format_quantity
@@ -290,7 +291,7 @@ def _targets(
             "isaac_sim": versions.isaac_sim,
             "backend": versions.backend,
         }
-        yield DraftTarget("isaaclab", _mapping(options, _class(readings, combined)))
+        yield DraftTarget("isaaclab", _mapping(options, _class(readings, combined, versions)))
     if "mjlab" in stacks:
         yield DraftTarget("mjlab", _mapping({"version": versions.mjlab or DEFAULT_VERSIONS["mjlab"]}))
     if FileKind.DEPLOY in kinds:
@@ -329,28 +330,42 @@ def _has_gains(combined: Combined) -> bool:
     )
 
 
-def _class(readings: Sequence[RobotReading], combined: Combined) -> str:
-    """The option for the joints whose drive is the solver's in an Isaac Lab configuration; "" where there are none."""
+def _class(readings: Sequence[RobotReading], combined: Combined, versions: Versions) -> str:
+    """The option for the joints that an Isaac Lab configuration drives by the solver, or by a class whose law the stock
+    classes do not hold; "" where there are none.
+    """
     managed = [joint.joint for joint in combined.actuators.joints]
-    solver: set[str] = set()
+    chosen: dict[str, str] = {}
     for reading in readings:
         config = reading.artifact.config
         if config is not None and config.framework is Framework.ISAACLAB:
-            control = {
-                joint: control_of_group(config.framework, group)
+            chosen |= {
+                joint: _drive(config, group)
                 for group in config.groups  # the last one that selects a joint has it
                 for joint, _ in selected(config, group, managed)
             }
-            solver.update(joint for joint, its in control.items() if its == "implicit")
-    wanted = [joint for joint in managed if joint in solver]
-    if len(wanted) == len(managed):
-        return "class: implicit" if wanted else ""
-    try:
-        patterns = one_pattern(wanted, managed) if wanted else ()
-    except PatternError:
-        # Of a name that no pattern can hold the draft says so.
-        return ""
-    return f"class: {{{', '.join(f'{scalar(pattern)}: implicit' for pattern in patterns)}}}" if wanted else ""
+    if is_native(versions):
+        # 3.0 has its own kernels, and no class beside them.
+        chosen = {joint: "" if drive == "custom" else drive for joint, drive in chosen.items()}
+    drives = [chosen.get(joint, "") for joint in managed]
+    if len(set(drives)) == 1:
+        return f"class: {drives[0]}" if drives[0] else ""
+    parts = []
+    for drive in sorted(set(drives) - {""}):
+        wanted = [joint for joint, its in zip(managed, drives, strict=True) if its == drive]
+        try:
+            parts += [f"{scalar(pattern)}: {drive}" for pattern in one_pattern(wanted, managed)]
+        except PatternError:
+            # Of a name that no pattern can hold the draft says so.
+            return ""
+    return f"class: {{{', '.join(parts)}}}" if parts else ""
+
+
+def _drive(config: RobotConfig, group: ActuatorGroup) -> str:
+    """The class of the target that a group's is: `implicit`, `custom`, or "" for the stock class of the level."""
+    if control_of_group(config.framework, group) == "implicit":
+        return "implicit"
+    return "custom" if has_curve(group) or is_own_class(group) else ""
 
 
 def _mapping(options: dict[str, str | None], more: str = "") -> str:

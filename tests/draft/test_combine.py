@@ -345,6 +345,41 @@ def test_implicit_drives_stay_implicit(tmp_path: Path) -> None:
     assert found.data["targets"]["isaaclab"] == {"version": "2.3"}
 
 
+CURVED = """from dataclasses import MISSING
+from isaaclab.actuators import DelayedPDActuator, DelayedPDActuatorCfg
+from isaaclab.utils import configclass
+
+class UnitreeActuator(DelayedPDActuator):
+    pass
+
+@configclass
+class UnitreeActuatorCfg(DelayedPDActuatorCfg):
+    class_type: type = UnitreeActuator
+    X1: float = 1e9
+    X2: float = 1e9
+    Y1: float = MISSING
+    Y2: float | None = None
+"""
+
+
+@pytest.mark.parametrize(("version", "option"), [("2.3", {"class": {"knee": "custom"}}), ("3.0", {})])
+def test_a_curve_needs_a_class_of_its_own(tmp_path: Path, version: str, option: dict[str, object]) -> None:
+    """No stock class has unitree_rl_lab's asymmetric curve; 3.0 takes no class beside its own."""
+    (tmp_path / "motors.py").write_text(CURVED, encoding="utf-8")
+    text = ISAACLAB.replace("from isaaclab.assets", "import motors\nfrom isaaclab.assets")
+    text = text.replace('[".*"]', '["hip"]').replace(
+        "    },\n)",
+        """        "knees": motors.UnitreeActuatorCfg(
+            joint_names_expr=["knee"], stiffness=25.0, damping=0.5, X1=13.5, X2=30, Y1=20.2, Y2=23.4),
+    },
+)""",
+    )
+    found = imported(
+        write(tmp_path, leg_py=text, leg_xml=MOTORS), tmp_path, versions=Versions(isaaclab=version)
+    )
+    assert found.data["targets"]["isaaclab"] == {"version": version, **option}
+
+
 def test_joint_that_no_file_drives(tmp_path: Path) -> None:
     """A joint without a drive is left alone where others have one; a configuration's drive for it takes that away."""
     text = MOTORS.replace('<motor joint="knee" forcerange="-30 30"/>', "")
