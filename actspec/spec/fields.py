@@ -15,6 +15,7 @@ from actspec.spec.values import (
     Pair,
     SpecValue,
     check_keys,
+    check_order,
     fault,
     parse_below,
     short,
@@ -83,12 +84,12 @@ class CommandRange:
     Attributes:
         low: Least command.
         high: Largest command.
-        kind: What its unit says that the command is; None where both ends are 0.
+        kind: What its unit says that the command is.
     """
 
     low: SpecValue
     high: SpecValue
-    kind: Kind | None
+    kind: Kind
 
 
 class CommandRangeField(FieldParser):
@@ -96,20 +97,19 @@ class CommandRangeField(FieldParser):
 
     def __call__(self, given: Any) -> CommandRange | str:
         """Parse what the YAML holds: the first end with a unit decides what the command is."""
-        fits = []
         for kind in RANGE_KINDS:
             try:
-                pair = Pair(kind, words=RANGE_WORDS)(given)
+                pair = Pair(kind, words=RANGE_WORDS, ordered=False)(given)
             except PydanticCustomError:
                 continue
-            if isinstance(pair, str):
-                return pair
-            fits.append((kind, pair))
-        if not fits:
+            break
+        else:
             # As a position it is most often meant, and the message is about that.
-            Pair(Kind.POSITION, words=RANGE_WORDS)(given)
-        kind, (low, high) = fits[0]
-        return CommandRange(low, high, kind if len(fits) == 1 else None)
+            kind, pair = Kind.POSITION, Pair(Kind.POSITION, words=RANGE_WORDS)(given)
+        if isinstance(pair, str):
+            return pair
+        check_order(*pair, apart=True)
+        return CommandRange(*pair, kind)
 
     def json_schema(self) -> dict[str, Any]:
         numbers = [value_schema(Number(kind, unknown=False)) for kind in RANGE_KINDS]
