@@ -27,6 +27,12 @@ EFFORT_WORDS = ("continuous", "peak")
 _EFFORTS = {"nominal": "continuous", "rated": "continuous", "max": "peak", "maximum": "peak", "stall": "peak"}
 """Words of datasheets to those of the language."""
 SAMPLINGS = ("episode", "step")
+STEP = (20e-6, 40e-3)
+"""Simulation step [s]. Published: 0.1 to 20 ms of nearly all MJCF and Isaac Lab tasks, 30 ms (dm_control's lqr), 33.3
+ms (rovers in Isaac Lab), 40 ms (a cart and a pole). 50 ms is that of a few pendulums, and several times a slip: Isaac
+Lab tasks have `dt = 0.05  # 5 ms: 200 Hz`."""
+CONTROL_PERIOD = (20e-6, 0.5)
+"""[s]. Published: 5 to 50 ms of joints, 0.2 s of rovers and of navigation above a walking policy, to 0.5 s of that."""
 USUAL_DELAY = (1e-3, 0.25)
 """Of commands to a joint [s]; published: 2 to 20 ms. Of a delay and its range it tells which may be wrong."""
 
