@@ -12,7 +12,6 @@ parallel motors are already in it.
 
 from __future__ import annotations
 
-import math
 import os
 import re
 from collections.abc import Iterator
@@ -415,11 +414,14 @@ class Source:
 
 
 def whole_steps(period: float | None, step: float | None) -> int | None:
-    """Physics steps in a control period [s]; None where they are no whole number, or one is unknown."""
+    """Physics steps in a control period [s]; None where they are no whole number, or one is unknown.
+
+    Periods are quoted with three digits: 16.7 ms are two steps of 8.33 ms.
+    """
     if not period or not step:
         return None
     count = round(period / step)
-    return count if math.isclose(count * step, period, rel_tol=1e-6) else None
+    return count if count and abs(period / step - count) <= min(3e-3 * count, 0.01) else None
 
 
 @dataclass(frozen=True, slots=True)

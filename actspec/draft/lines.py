@@ -147,12 +147,12 @@ def left_out_lines(target: DraftTarget) -> list[str]:
 
 def timing_lines(actuators: ActuatorSet) -> tuple[list[Line], str]:
     """Lines of `timing`, and a remark where a part of it is not said."""
-    step = actuators.physics_dt
+    step, control = actuators.physics_dt, actuators.control_dt
     rows = []
-    if stated(step):
+    uneven = control is not None and control.known and actuators.decimation is None
+    if stated(step) and not uneven:
         lost = lost_text([Row("", lost=lost_of(step))])
         rows.append(line("physics_dt", sourced(step), "; ".join(filter(None, (places([step.span]), lost)))))
-    control = actuators.control_dt
     if control is None or not control.known:
         return rows, "decimation: 4    # physics steps in one control step; not stated" if rows else _step(
             actuators
@@ -164,6 +164,9 @@ def timing_lines(actuators: ActuatorSet) -> tuple[list[Line], str]:
         rows.append(
             line("control_dt", sourced(control), "; ".join(filter(None, (places([control.span]), remark))))
         )
+    if uneven and stated(step):
+        own = f"{format_number(1e3 * step.require())} ms ({places([step.span])})"
+        return rows, f"physics_dt is left out, {own}: the control period is no whole number of them"
     return rows, "" if stated(step) else _step(actuators)
 
 
@@ -216,7 +219,8 @@ def listed_joints(combined: Combined) -> list[str]:
             continue
         slide = joint.kind is JointKind.SLIDE
         parts = [f"name: {scalar(name)}"] + ["kind: slide"] * slide
-        if joint.position_range is not None:
+        # A listed joint has room to move; of a file some have none.
+        if joint.position_range is not None and joint.position_range[0] < joint.position_range[1]:
             ends = [figure(end, units_of(joint.kind).position) for end in joint.position_range]
             parts.append(f"range: [{', '.join(ends)}]")
         found.append(scalar(name) if len(parts) == 1 else f"{{{', '.join(parts)}}}")

@@ -19,8 +19,11 @@ from actspec.resolution.simplified import simplifications
 from actspec.resolution.stated import joint_inputs, stated_of
 from actspec.robot.view import RobotView
 from actspec.spec.document import Breaches
+from actspec.spec.fields import CONTROL_PERIOD
 from actspec.spec.plausible.joints import check_joints
 from actspec.spec.validate import Spec
+from actspec.spec.values import SpecValue
+from actspec.units import format_quantity
 
 if TYPE_CHECKING:
     from actspec.resolution.linkage import LinkedMotors
@@ -102,6 +105,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     model = spec.model
     delta = model.delta_action
     step, control = _physics_dt(spec, robot), model.timing.control_dt
+    _check_control(control, step, spec, collector)
     return ActuatorSet(
         robot=model.robot.name,
         joints=joints,
@@ -154,6 +158,19 @@ def _check_delays(joints: Sequence[JointActuator], collector: Collector) -> None
             "RES017",
             f"the delay of {listed([a.joint for a in members])} is unknown: every target is written without one",
             "state it, or `delay: 0 ms` where there is none",
+        )
+
+
+def _check_control(control: SpecValue | None, step: Quantity, spec: Spec, collector: Collector) -> None:
+    """No action is taken within a step of the model's own; one that the spec states is held to it there."""
+    if control is None or control.value is None or step.origin is not Origin.MODEL:
+        return
+    if CONTROL_PERIOD[0] <= control.value < step.require() and whole_steps(control.value, step.value) is None:
+        own = format_quantity(1e3 * step.require(), "ms", 4)
+        collector.at("timing.control_dt", spec.span("timing", "control_dt")).warning(
+            "SPEC126",
+            f"{control.written} is less than one physics step of the model, {own}",
+            f"write {own} or a multiple of it, or state physics_dt",
         )
 
 

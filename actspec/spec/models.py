@@ -120,7 +120,7 @@ class ListedJoint(Strict):
     """Name of the joint."""
     kind: Literal["hinge", "slide"] = "hinge"
     """Kind of the joint."""
-    range: Annotated[Any, Pair(Kind.POSITION)] = None
+    range: Annotated[Any, Pair(Kind.POSITION, apart=True)] = None
     """Position range, [low, high] [rad or m]."""
 
 

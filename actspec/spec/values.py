@@ -255,6 +255,8 @@ class Pair(FieldParser):
     """Words that stand in place of the whole pair."""
     ordered: bool = True
     """Whether low <= high is demanded."""
+    apart: bool = False
+    """Whether low < high is: simulators refuse a joint or a control whose range has one value."""
 
     def __call__(self, given: Any) -> tuple[SpecValue, SpecValue] | str:
         """Parse what the YAML holds."""
@@ -272,17 +274,31 @@ class Pair(FieldParser):
             raise fault(
                 f"the ends are in two units, {low.written} and {high.written}", "use one unit for both"
             )
-        if self.ordered and low.value is not None and high.value is not None and low.value > high.value:
-            raise fault(
-                f"the range is the wrong way round: {low.written} is above {high.written}",
-                f"write [{high.written}, {low.written}]",
-            )
+        if self.ordered:
+            check_order(low, high, apart=self.apart)
         return low, high
 
     def json_schema(self) -> dict[str, Any]:
         end = value_schema(Number(self.kind, at_least=self.at_least, unknown=False))
         pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": end}
         return {"anyOf": [{"enum": list(self.words)}, pair]} if self.words else pair
+
+
+def check_order(low: SpecValue, high: SpecValue, *, apart: bool) -> None:
+    """Raise for ends that are the wrong way round or, where they must be apart, the same."""
+    if low.value is None or high.value is None or low.value < high.value:
+        return
+    if low.value > high.value:
+        raise fault(
+            f"the range is the wrong way round: {low.written} is above {high.written}",
+            f"write [{high.written}, {low.written}]",
+        )
+    if apart:
+        size = low.written.lstrip("-+")
+        raise fault(
+            f"both ends of the range are {low.written}",
+            f"is a sign missing? Then write [-{size}, {size}]" if low.value else "write two different ends",
+        )
 
 
 @dataclass(frozen=True, slots=True)

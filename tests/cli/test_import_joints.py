@@ -127,6 +127,17 @@ def test_a_misspelt_joint_of_the_list(folder: Path, capsys: pytest.CaptureFixtur
     assert "did you mean `left_hip` for `left_hipp`, `left_knee` for `left_kneee`?" in capsys.readouterr().err
 
 
+def test_a_joint_without_room_in_a_deploy_file(folder: Path) -> None:
+    """A range with equal ends is left out of a listed joint, where it were SPEC110."""
+    lists = "position_lower: [-1, 0.5]\nposition_upper: [1, 0.5]\n"
+    text = f"format: actspec-deploy/1\njoint_names: [hip, knee]\nkp: [20, 20]\nkd: [1, 1]\n{lists}"
+    (folder / "leg.yaml").write_text(text, encoding="utf-8")
+    assert main(["import", "leg.yaml", "-o", "spec.yaml"]) == 0
+    hip, knee = load_spec("spec.yaml").model.robot.joints
+    assert not isinstance(hip, str) and [end.value for end in hip.range] == [-1.0, 1.0]
+    assert knee == "knee"
+
+
 def test_a_joint_that_follows_in_the_urdf(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """As the Panda's second finger: what only names the joints does not take one from the configuration."""
     urdf = URDF.replace(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from actspec.verify.response import SOFT
@@ -49,6 +50,39 @@ def test_a_slide_with_dry_friction_agrees_in_mjlab(frameworks: Frameworks, tmp_p
     rows = bench.rows("mjlab")
     assert [row.message for row in rows if not row.ok] == []
     assert SOFT in {key for row in rows for key in row.approximations}
+
+
+LIGHT_MODEL = (
+    '<mujoco model="rich"><compiler angle="radian"/><option timestep="0.001" integrator="implicitfast"/><worldbody>'
+    + "".join(
+        f'<body pos="0 0 {i}"><joint name="finger{i}"/>'
+        '<inertial pos="0 0 0" mass="0.01" diaginertia="2e-6 2e-6 2e-6"/></body>'
+        for i in range(10)
+    )
+    + '<body><joint name="rail" type="slide"/><geom type="sphere" size="0.1" mass="2"/></body></worldbody></mujoco>'
+)
+LIGHT = """actspec: 1
+robot: {name: hand, model: rich.xml}
+timing: {physics_dt: 1 ms, decimation: 8}
+actuators:
+  fingers: {joints: ["finger.*"], level: ideal_pd, command: effort, effort_limit: 2 mN*m, armature: 2e-6 kg*m^2}
+  rail: {joints: [rail], level: ideal_pd, command: effort, effort_limit: 600 N, armature: 0 kg}
+targets: {mjlab: {}}
+"""
+
+
+def test_light_joints_that_a_torque_drives_agree_in_mjlab(frameworks: Frameworks, tmp_path: Path) -> None:
+    """The last of ten fingers of 4e-6 kg*m^2 is as light as the first, while a slide of 2 kg travels for metres.
+
+    Half of the limit, 1 mN*m, makes 250 rad/s^2 of it.
+    """
+    bench = Bench.of(tmp_path, LIGHT, "mjlab", model=LIGHT_MODEL)
+    assert [row.message for row in bench.rows("mjlab") if not row.ok] == []
+    q = bench.asked("mjlab").q
+    # Long after the step of the first course: from one tenth of a second to the next.
+    gain = (q[-1] - 2.0 * q[-101] + q[-201])[0, :10] / 0.1**2
+    assert gain == pytest.approx(np.full(10, 250.0), rel=1e-4)
+    assert abs(q[-1, 0, 10]) > 3.0
 
 
 FAULTS: dict[str, tuple[str, tuple[Edit, ...], set[str]]] = {

@@ -243,6 +243,7 @@ _ANOTHER = "with another that no command reaches"
         ('{".*": (-float("inf"), 0.5)}', f"has one end, 0.5 rad: write [LOW, 0.5 rad] {_ANOTHER}"),
         ('{".*": (-0.5, 1e9)}', f"has one end, -0.5 rad: write [-0.5 rad, HIGH] {_ANOTHER}"),
         ('{".*": ("-inf", 2)}', "is not known: it is no pair of numbers"),
+        ('{".*": (0.5, 0.5)}', "is not known: its ends are 0.5 and 0.5"),
         ('{".*": (1.0, -1.0)}', "is not known: its ends are 1 and -1"),
         ('{".*": (-1.0, float("nan"))}', "is not known: its ends are -1 and nan"),
         ('{".*": (-1.0, 1.0), "hip_L": (-2.0, 2.0)}', "is not known: 2 keys are for the joint"),

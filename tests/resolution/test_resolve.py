@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from actspec.diagnostics import Severity, SpecError
 from actspec.ir import Command, Level, Origin
 from tests.fitting import faults_of, fit, joint, model_of, refused, spec_of
 
@@ -87,7 +88,6 @@ def test_commands(fields: str, command: Command, kp: float | None, kd: float | N
         pytest.param("position", "[-90 deg, 1 rad]", (-math.pi / 2, 1.0), "rad", id="position"),
         pytest.param("velocity", "[-60 rpm, 60 rpm]", (-2 * math.pi, 2 * math.pi), "rad/s", id="velocity"),
         pytest.param("effort", "[-5, 7 N*m]", (-5.0, 7.0), "N*m", id="effort"),
-        pytest.param("effort", "[0, 0]", (0.0, 0.0), "N*m", id="zeros fit every command"),
         pytest.param("position", "joint", (-1.0, 2.0), "rad", id="the joint's own"),
     ],
 )
@@ -348,8 +348,12 @@ def test_physics_dt_without_a_file() -> None:
         ("{decimation: 4}", 4, None),
         ("{control_dt: 20 ms}", 10, 0.02),
         ("{physics_dt: 5 ms, control_dt: 20 ms}", 4, 0.02),
-        # 20 / 3 steps are no whole number.
-        ("{physics_dt: 3 ms, control_dt: 20 ms}", None, 0.02),
+        # 33.3 / 16.7 and 16.7 / 8.33 are two, written with three digits, and 20 / 3.33 six.
+        ("{physics_dt: 16.7 ms, control_dt: 33.3 ms}", 2, 33.3 * 1e-3),
+        ("{physics_dt: 8.33 ms, control_dt: 16.7 ms}", 2, 0.0167),
+        ("{physics_dt: 3.33 ms, control_dt: 20 ms}", 6, 0.02),
+        # 25 / 2 steps of the default are no whole number, and nobody stated them.
+        ("{control_dt: 25 ms}", None, 0.025),
         ("{physics_dt: 5 ms, control_dt: unknown}", None, None),
     ],
 )
@@ -365,6 +369,82 @@ def test_the_control_period_is_said_once() -> None:
     assert faults_of(hip("") + timing) == [
         "SPEC125 timing.control_dt: decimation and control_dt are both given"
     ]
+
+
+@pytest.mark.parametrize(
+    ("timing", "said"),
+    [
+        (
+            "{physics_dt: 0.5 ms, control_dt: 1.2 ms}",
+            (
+                "1.2 ms is 2.4 physics steps of 0.5 ms: simulators take whole ones",
+                "write 1 ms (2 steps) or 1.5 ms (3 steps), or a physics_dt that divides it",
+            ),
+        ),
+        (
+            "{physics_dt: 3 ms, control_dt: 20 ms}",
+            (
+                "20 ms is 6.667 physics steps of 3 ms: simulators take whole ones",
+                "write 18 ms (6 steps) or 21 ms (7 steps), or a physics_dt that divides it",
+            ),
+        ),
+        (
+            "{physics_dt: 0.5 ms, control_dt: 0.1 ms}",
+            (
+                "0.1 ms is less than one physics step of 0.5 ms",
+                "are the two exchanged? Else write 0.5 ms or a multiple of it",
+            ),
+        ),
+        (
+            "{physics_dt: 2 ms, control_dt: 1.5 ms}",
+            ("1.5 ms is less than one physics step of 2 ms", "write 2 ms or a multiple of it"),
+        ),
+        ("{physics_dt: 2 ms, control_dt: 2 ms}", None),
+        # A step of 5 s, and a period of 0.7 s, are told themselves (SPEC186).
+        ("{physics_dt: {value: 5 s, sure: true}, control_dt: 20 ms}", None),
+        ("{physics_dt: 5 ms, control_dt: {value: 0.701 s, sure: true}}", None),
+        # A thousand steps and a half.
+        (
+            "{physics_dt: 0.1 ms, control_dt: 100.05 ms}",
+            (
+                "100.05 ms is 1000.5 physics steps of 0.1 ms: simulators take whole ones",
+                "write 100 ms (1000 steps) or 100.1 ms (1001 steps), or a physics_dt that divides it",
+            ),
+        ),
+    ],
+)
+def test_a_control_period_is_a_whole_number_of_steps(timing: str, said: tuple[str, str] | None) -> None:
+    """SPEC126 at `control_dt`, with the nearest that are."""
+    text = hip("") + f"timing: {timing}\n"
+    if said is None:
+        fit(text)
+        return
+    with pytest.raises(SpecError) as caught:
+        fit(text)
+    (item,) = caught.value.diagnostics
+    assert (item.code, item.where, item.message, item.help) == ("SPEC126", "timing.control_dt", *said)
+    assert item.span is not None and item.span.line == text.count("\n")
+
+
+@pytest.mark.parametrize(
+    ("control", "said"),
+    [
+        # A tenth of the model's own 1 ms; 2.5 of them are not the spec's, and a simulator of the policy has its own.
+        ("0.1 ms", ["SPEC126 timing.control_dt: 0.1 ms is less than one physics step of the model, 1 ms"]),
+        ("2.5 ms", []),
+        ("1 ms", []),
+    ],
+)
+def test_a_control_period_within_a_step_of_the_model(control: str, said: list[str]) -> None:
+    """A warning: the model's own step need not be that of the training."""
+    text = spec_of(
+        "legs: {joints: [hip], level: ideal_pd, kp: 1, kd: 1}",
+        robot="name: leg, model: robot.xml",
+        more=f"timing: {{control_dt: {control}}}\n",
+    )
+    found = [item for item in fit(text, MODEL).diagnostics if item.code == "SPEC126"]
+    assert [f"{item.code} {item.where}: {item.message}" for item in found] == said
+    assert {item.severity for item in found} <= {Severity.WARNING}
 
 
 def test_values_keep_source_std_and_place() -> None:

@@ -12,12 +12,12 @@ from actspec.diagnostics import Path, dotted
 from actspec.fields import is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import SourceMap
+from actspec.spec.fields import CONTROL_PERIOD
 from actspec.spec.network import InputRange, NetworkManifest
 from actspec.spec.plausible.clamps import TURN, WIDE
 from actspec.spec.plausible.relations import DEGREE
 from actspec.spec.plausible.slips import amount_of
 from actspec.spec.plausible.table import Doubt
-from actspec.spec.plausible.times import CONTROL_PERIOD
 from actspec.units import format_number, format_quantity
 
 FAR = 3.0

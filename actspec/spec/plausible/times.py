@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 
 from actspec.diagnostics import Path
 from actspec.spec.document import SourceMap
-from actspec.spec.fields import SpecDelay
+from actspec.spec.fields import CONTROL_PERIOD, STEP, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, SpecModel
 from actspec.spec.plausible.groups import layers
 from actspec.spec.plausible.slips import amount_of
@@ -17,12 +17,6 @@ from actspec.spec.rules.groups import range_of
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
-STEP = (20e-6, 40e-3)
-"""Simulation step [s]. Published: 0.1 to 20 ms of nearly all MJCF and Isaac Lab tasks, 30 ms (dm_control's lqr), 33.3
-ms (rovers in Isaac Lab), 40 ms (a cart and a pole). 50 ms is that of a few pendulums, and several times a slip: Isaac
-Lab tasks have `dt = 0.05  # 5 ms: 200 Hz`."""
-CONTROL_PERIOD = (20e-6, 0.5)
-"""[s]. Published: 5 to 50 ms of joints, 0.2 s of rovers and of navigation above a walking policy, to 0.5 s of that."""
 LEGS_RATE = 20.0
 """Rate of a policy that walks [Hz]. Published: 20 (A1, "A Walk in the Park"), 50 of nearly all, to 200."""
 NO_LEGS_RATE = 10.0

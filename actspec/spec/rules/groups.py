@@ -168,7 +168,7 @@ def _check_command(path: Path, fields: Tunable, command: str, breaches: Breaches
                 else "remove it: with `command: effort` the command is the torque, the gains are the caller's",
             )
     limits, wanted = fields.command_range, COMMANDED[command]
-    if isinstance(limits, CommandRange) and limits.kind not in (None, wanted):
+    if isinstance(limits, CommandRange) and limits.kind is not wanted:
         breaches.error(
             "SPEC148",
             f"the command is a {wanted.noun} (`command: {command}`), its range "

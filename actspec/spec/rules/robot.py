@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from actspec.diagnostics import Path, did_you_mean, many, nearest
+from actspec.ir import whole_steps
 from actspec.patterns import PatternError, compile_pattern
 from actspec.spec.document import Breaches
+from actspec.spec.fields import CONTROL_PERIOD, STEP
 from actspec.spec.models import KINDS, AnyTarget, Robot, SpecModel, Target, Timing
+from actspec.spec.values import SpecValue
+from actspec.units import format_number, format_quantity
 
 
 def check_robot(robot: Robot, breaches: Breaches) -> None:
@@ -41,14 +46,44 @@ def check_robot(robot: Robot, breaches: Breaches) -> None:
 
 
 def check_timing(timing: Timing, breaches: Breaches) -> None:
-    """The control period is said once."""
+    """The control period is said once, and is a whole number of physics steps."""
+    path = ("timing", "control_dt")
     if timing.decimation is not None and timing.control_dt is not None:
         breaches.error(
             "SPEC125",
             "decimation and control_dt are both given",
-            ("timing", "control_dt"),
+            path,
             "keep decimation where the time of one physics step is known, else control_dt",
         )
+    elif timing.physics_dt is not None and timing.control_dt is not None:
+        found = _uneven(timing.control_dt, timing.physics_dt)
+        if found is not None:
+            breaches.error("SPEC126", found[0], path, found[1])
+
+
+def _uneven(control: SpecValue, step: SpecValue) -> tuple[str, str] | None:
+    """What is wrong with a control period that is no whole number of steps, and what to write; None: it is one."""
+    if not control.value or not step.value or whole_steps(control.value, step.value) is not None:
+        return None
+    if not STEP[0] <= step.value <= STEP[1] or not CONTROL_PERIOD[0] <= control.value <= CONTROL_PERIOD[1]:
+        # One of them is a slip, which is told (SPEC186).
+        return None
+    count = control.value / step.value
+    if count < 1.0:
+        help = f"write {step.written} or a multiple of it"
+        if whole_steps(step.value, control.value) is not None:
+            help = f"are the two exchanged? Else {help}"
+        return f"{control.written} is less than one physics step of {step.written}", help
+    most = math.ceil(count)
+    low, high = (
+        f"{format_quantity(1e3 * part * step.value, 'ms')} ({many(part, 'step')})"
+        for part in (most - 1, most)
+    )
+    shown = format_number(round(count, 3))
+    return (
+        f"{control.written} is {shown} physics steps of {step.written}: simulators take whole ones",
+        f"write {low} or {high}, or a physics_dt that divides it",
+    )
 
 
 def check_references(data: Any, model: SpecModel, breaches: Breaches) -> None:

@@ -21,6 +21,7 @@ from actspec.targets.deploy.order import check_sdk_order
 from actspec.targets.kit.provenance import source_lines, written_by
 from actspec.targets.kit.python_text import environment, grouped, identifier, origin_of
 from actspec.targets.kit.yaml_quoted import double_quoted
+from actspec.units import format_number
 
 FORMAT = "actspec-deploy/1"
 
@@ -98,8 +99,11 @@ def _timing(actuators: ActuatorSet) -> Iterator[str]:
     dt = actuators.physics_dt
     origin = actuators.assumed_step or comment(origin_of(dt))
     yield f"  physics_dt: {scalar(dt.value)}  # s, of the simulation; {origin}"
-    yield f"  decimation: {scalar(actuators.decimation)}  # physics steps in one control step"
-    yield f"  control_dt: {scalar(actuators.control_period)}  # s, between two actions of the policy"
+    period, meaning = actuators.control_period, "physics steps in one control step"
+    if actuators.decimation is None and period is not None and not actuators.assumed_step:
+        meaning += f"; {format_number(round(period / dt.require(), 3))} are no whole number"
+    yield f"  decimation: {scalar(actuators.decimation)}  # {meaning}"
+    yield f"  control_dt: {scalar(period)}  # s, between two actions of the policy"
 
 
 _VALUES: dict[str, Value] = {

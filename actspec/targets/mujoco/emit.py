@@ -361,7 +361,10 @@ def _edited(
     try:
         return compile_spec(spec, files)
     except RobotError as err:
-        raise EmitError(err.diagnostics) from err
+        # The file's own model has compiled: what it says is right.
+        item = err.diagnostics[0]
+        message = f"the edited model does not compile: {item.message}"
+        raise EmitError.of("MJC091", message, where=item.where, help=REPORT) from err
 
 
 def _write(

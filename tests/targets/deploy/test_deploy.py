@@ -247,6 +247,14 @@ def test_a_control_period_that_nobody_states() -> None:
     assert found["timing"] == {"physics_dt": 0.002, "decimation": None, "control_dt": 0.025}
 
 
+def test_a_control_period_that_is_no_number_of_the_models_steps() -> None:
+    """The file says why there is no decimation: 25 ms are 12.5 of its 2 ms."""
+    model = BIPED.replace("<worldbody>", '<option timestep="0.002"/><worldbody>', 1)
+    (file,) = emission(model=model, timing="{control_dt: 25 ms}").files
+    line = "  decimation: null  # physics steps in one control step; 12.5 are no whole number"
+    assert line in file.data.decode().splitlines()
+
+
 def test_unstated_is_null() -> None:
     """A delay or scale that nobody states, and a gain that the command has no use for, are null."""
     spec = "  legs: {joints: ['[lr]_(hip|knee)'], level: ideal_pd, command: effort}"

@@ -159,6 +159,23 @@ def test_mjc091_stops_the_compile(monkeypatch: pytest.MonkeyPatch) -> None:
         compile_text(GROUP, ROBOT, robot="unmanaged: [knee]")
 
 
+def test_an_edit_that_mujoco_refuses_is_not_blamed_on_the_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The file compiled as it was: MJC091 names the joint, and no ROBOT111 at the author's XML."""
+    from actspec.diagnostics import EmitError
+    from actspec.targets.mujoco import emit as module
+
+    def careless(spec: object, plan: Plan, *rest: object, **named: object) -> None:
+        (joint,) = plan.joints
+        apply_to_spec(spec, replace(plan, joints=(replace(joint, effort=-5.0),)), *rest, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module, "apply_to_spec", careless)
+    with pytest.raises(
+        EmitError, match=r"MJC091 hip: the edited model does not compile: MuJoCo refuses"
+    ) as caught:
+        compile_text(GROUP, ROBOT, robot="unmanaged: [knee]")
+    assert [item.span for item in caught.value.diagnostics] == [None]
+
+
 def test_a_plan_that_counts_damping_twice_stops_the_compile(monkeypatch: pytest.MonkeyPatch) -> None:
     """A wrong plan is the same in both applications: only reading the file back can tell, and does."""
     from actspec.diagnostics import EmitError
