@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.diagnostics import Span, one_line
+from actspec.diagnostics import one_line
 from actspec.fields import units_of
 from actspec.ir import (
     AsymmetricCurve,
@@ -22,9 +22,9 @@ from actspec.ir import (
     Randomization,
     assumed,
     stated,
-    tidy,
     unknown,
 )
+from actspec.lift.figures import NONE_FROM, counted, delay_of_steps, real_limit
 from actspec.readings.actions import command_of
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config import (
@@ -41,9 +41,6 @@ from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
 from actspec.simulators.isaaclab import CLIPPING_AT_SOLVERS, NEW_NAMES, OLD_NAMES
 from actspec.units import format_quantity
-
-NONE_FROM = 1e9
-"""A limit, stall torque or speed from which on there is none [SI]. Source: Isaac Lab's and mjlab's own defaults."""
 
 NO_KEY = "no key of the dict covers the joint: it gets 0"
 """Why a number is 0 that nobody wrote, in Isaac Lab 2.x and legged_gym."""
@@ -412,7 +409,7 @@ class ConfigJoint:
         if most == 0.0 == least:
             return None
         if not _is_range(least, most):
-            self.notes.append(f"delay: {_counted(least, most)} physics steps, which is none")
+            self.notes.append(f"delay: {counted(least, most)} physics steps, which is none")
             return None
         delay, notes = delay_of_steps(least, most, step, high.span, sampling)
         self.notes += notes or (losses if least < most else [])
@@ -532,13 +529,6 @@ four below their root."""
 _ARTICLE: Mapping[Command, str] = {Command.VELOCITY: "a speed", Command.EFFORT: "a torque"}
 
 
-def real_limit(found: Quantity) -> Quantity:
-    """A limit; unknown where it is one of the numbers that stand for none."""
-    if found.value is None or found.value < NONE_FROM:
-        return found
-    return unknown(found.unit, f"{format_quantity(found.value, found.unit)} is no limit", found.span)
-
-
 def _not_carried(low: Quantity, high: Quantity) -> str | None:
     """Why a clip is no `command_range`; None where it is one."""
     if low.value is None:
@@ -550,32 +540,6 @@ def _not_carried(low: Quantity, high: Quantity) -> str | None:
     place = "[LOW, {}]" if end is high else "[{}, HIGH]"
     text = format_quantity(end.require(), end.unit)
     return f"has one end, {text}: write {place.format(text)} with another that no command reaches"
-
-
-def delay_of_steps(
-    least: float, most: float, step: float | None, span: Span, sampling: str = "episode"
-) -> tuple[Delay, list[str]]:
-    """A lag in physics steps as a delay in seconds, and what is to be remarked.
-
-    Args:
-        least: Steps.
-        most: Steps, at least as many.
-        step: Length of one [s]; None: no file states it.
-        span: Where the lag is written.
-        sampling: When one is drawn, of a range.
-    """
-    steps = _counted(least, most)
-    if step is None:
-        why = f"{steps} physics steps, whose length no file states"
-        return Delay(unknown("s", why, span), 0.0, 0.0, sampling), [f"delay: {why}"]
-    ends, formula = (tidy(least * step), tidy(most * step)), f"{steps} steps x {step:g} s"
-    if least == most:
-        return Delay(stated(ends[1], "s", span, formula=formula), *ends, "episode"), []
-    return Delay(unknown("s", f"a range: {formula}", span), *ends, sampling), []
-
-
-def _counted(least: float, most: float) -> str:
-    return f"{most:g}" if least == most else f"{least:g} to {most:g}"
 
 
 def _is_range(low: float, high: float) -> bool:

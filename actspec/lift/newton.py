@@ -29,7 +29,7 @@ from actspec.ir import (
     tidy,
     unknown,
 )
-from actspec.lift.config_joint import NONE_FROM, delay_of_steps, real_limit
+from actspec.lift.figures import NONE_FROM, delay_of_steps, real_limit
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.robot.usda import NUMERIC, Asset, UsdaAttribute, UsdaLayer, UsdaPrim
 from actspec.robot.view import JointView

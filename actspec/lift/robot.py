@@ -26,7 +26,7 @@ from actspec.ir import (
     tidy,
     unknown,
 )
-from actspec.lift.config_joint import real_limit
+from actspec.lift.figures import real_limit
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.lift.unsupported import held_joints, unsupported
 from actspec.readings.compare import EXACT
