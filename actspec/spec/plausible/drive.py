@@ -21,6 +21,11 @@ def number(value: SpecValue | None) -> float | None:
     return None if value is None or value.linear else value.value
 
 
+def any_number(value: SpecValue | None) -> float | None:
+    """The number of a field, whether it is of something that turns or of a slide; None where there is none."""
+    return None if value is None else value.value
+
+
 @dataclass(frozen=True, slots=True)
 class Limit:
     """An effort or velocity limit of joints that a motor drives.
@@ -131,6 +136,7 @@ class Drive:
         reductions: To its joints without a transmission; None: nothing is known of its joints, as behind a linkage.
         sure: Numbers that the author is sure of.
         large: The author is sure of the size of every motor.
+        wheels: Its joints are all commanded a velocity, as wheels are.
     """
 
     name: str
@@ -141,6 +147,7 @@ class Drive:
     reductions: tuple[float, ...] | None = (1.0,)
     sure: frozenset[Path] = frozenset()
     large: bool = False
+    wheels: bool = False
 
     @property
     def hinges(self) -> list[tuple[float, float]]:

@@ -336,7 +336,7 @@ def _of_rotor(limit: Limit, motor: Motor, output: Output) -> float | None:
     if motor.peak_torque is None:
         figures += [motor.stall_torque, None if motor.curve is None else motor.curve.drive_torque]
     sheet = motor.side == "motor"
-    if not sheet and math.isclose(stated, float(f"{stated:.{ROUND_DIGITS}g}"), rel_tol=1e-6):
+    if not sheet and is_round(stated):
         return None
     ways = (
         ((1.0, gear * output.efficiency),)
@@ -349,6 +349,11 @@ def _of_rotor(limit: Limit, motor: Motor, output: Output) -> float | None:
             if math.isclose(stated, (torque or 0.0) * to_rotor, rel_tol=JUST if sheet else NEARLY):
                 return (torque or 0.0) * to_output
     return None
+
+
+def is_round(size: float) -> bool:
+    """Whether a figure has no more digits than anybody would choose."""
+    return math.isclose(size, float(f"{size:.{ROUND_DIGITS}g}"), rel_tol=1e-6)
 
 
 def unreached_limit(joint: JointActuator) -> Iterator[Found]:

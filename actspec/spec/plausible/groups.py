@@ -120,6 +120,10 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
                 limit = Limit(value, (*path, field), factor or 1.0, count, train, counted, reduced)
                 limits.setdefault(name, []).append(limit)
     linked = {name for linkage in model.linkages.values() for name in linkage.motors}
+    commands: dict[str, set[str]] = {}
+    for _, fields, group in layers(model):
+        if (name := fields.motor or group.motor) is not None:
+            commands.setdefault(name, set()).add(group.command)
     for name, motor in model.motors.items():
         motor = cuts[name][0] if name in cuts else motor
         # Of a motor that drives nothing yet its output is a joint's.
@@ -130,6 +134,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             tuple(limits.get(name, ())),
             trains=trains.get(name, {}),
             reductions=None if name in linked else tuple(plain),
+            wheels=commands.get(name) == {"velocity"},
         )
 
 

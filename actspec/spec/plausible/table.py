@@ -53,20 +53,22 @@ CHECKS = (
     Check(
         "SPEC180",
         "torque-above-stall",
-        "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it; a "
-        "brake torque far from the drive torque.",
+        "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it, or a "
+        "stall torque that is just the gear apart from it; a brake torque far from the drive torque.",
         "A peak above the line is a warning from 2 % on and an error from 3 times on; a continuous torque above it is "
         "an error. The largest peak in robots/motors is 1 times the stall torque. A warning for a continuous torque "
         "below 0.004 and a peak below 0.015 of it: windings have 0.02 (EC-i) and 0.05 (AK80-64) and more, and mN*m as "
-        "N*m are a thousandth. Of a curve a warning for a brake torque above 3 times the drive torque or below a "
-        "third (1.16, Unitree Go2HV, to 1.79, W4010-25).",
+        "N*m are a thousandth. Stall over peak torque that is the gear to 0.5 %, if it is above 20 or the figure of "
+        "the other side has three digits. Of a curve a warning for a brake torque above 3 times the drive torque or "
+        "below a third (1.16, Unitree Go2HV, to 1.79, W4010-25).",
     ),
     Check(
         "SPEC181",
         "torque-constant",
         "Torque constant times current far from the torque, or times no-load speed far from the voltage; a speed "
         "constant in its place; a nominal current above the peak current.",
-        "N*m/A and V*s/rad are one unit. A warning outside of 0.4 to 2.5 times the torque: amplitudes for effective "
+        "N*m/A and V*s/rad are one unit, as N/A and V*s/m. A warning outside of 0.4 to 2.5 times the torque: "
+        "amplitudes for effective "
         "values, phases for lines, losses and saturation make up to 2. A stall torque that stands alone is a "
         "winding's, unless it is in kgf*cm, to 1 %, what constant, current and effort limit agree on. Outside of 0.2 "
         "to 3 times the voltage: field weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. "
@@ -123,8 +125,9 @@ CHECKS = (
         "(chosen: belts reach 10 m/s; a screw above 5, as fast ones reach 2.5), "
         "as a motor that travels, or one of 200 kW (20 kW below 100 V); a lever arm "
         "above 3 m (chosen: large excavators have 1); a joint, behind reduction and transmission, above 1000 rad/s "
-        "divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and "
-        "where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s; where the "
+        "divided by the root of its torque in N*m (3000 without a gear, of a wheel or where constant and voltage make "
+        "the speed; hobby motors have 1081 and 1185); a velocity limit above 3 times the motor's speed at the joint, "
+        "and where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s; where the "
         "robot's file has it too, from 3 times that. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs "
         "to 40 rad/s, speed times root of torque to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the "
         "H2 100.7), velocity limits to 1 times the speed. From 5 times above or below the file's limit on, where a "
