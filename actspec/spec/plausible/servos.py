@@ -20,15 +20,19 @@ from actspec.spec.plausible.gains import (
     gain_words,
 )
 from actspec.spec.plausible.relations import DEGREE, POINT
-from actspec.spec.plausible.swing import SOFT, STIFFEST_SERVO, damping_words, frequency_words, slack_words
+from actspec.spec.plausible.swing import (
+    SOFT,
+    STIFFEST_SERVO,
+    damping_words,
+    frequency_words,
+    is_short,
+    slack_words,
+)
 from actspec.spec.plausible.table import Found, found_at, is_files, is_stated, shown
 from actspec.units import format_quantity
 
 SLOWEST_SPIN_UP = 0.052
 """Time in which a motor turns its own rotor to its speed [s]. Published: 0.005 (Go2) to 0.052 (STS3215)."""
-DIGITS = 1e-3
-"""Both gains are 57.3 times numbers of two digits by this part."""
-
 LEAST_SPEED = {JointKind.HINGE: 1e-2, JointKind.SLIDE: 1e-3}
 """Effort limit over a kd without kp [rad/s or m/s]: a smaller error of speed asks for all of it. Published: 0.15, of
 servos with a kp 0.07."""
@@ -270,10 +274,6 @@ def _noticed_return(joint: JointActuator, kp: Quantity) -> float:
 
 def _is_of_degrees(kp: Quantity, kd: Quantity | None) -> bool:
     """Whether kp and kd are both 57.3 times a number of two digits, and neither is such a number."""
-
-    def is_short(size: float) -> bool:
-        return math.isclose(float(f"{size:.1e}"), size, rel_tol=DIGITS)
-
     sizes = [0.0 if gain is None else gain.value or 0.0 for gain in (kp, kd)]
     return all(size > 0.0 and is_short(size * DEGREE) and not is_short(size) for size in sizes)
 
