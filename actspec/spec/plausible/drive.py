@@ -50,6 +50,27 @@ class Limit:
 
 
 @dataclass(frozen=True, slots=True)
+class Rub:
+    """Friction of joints whose effort limit is the motor's own.
+
+    Attributes:
+        value: Of dry or viscous friction, as stated, with a number.
+        path: Where it stands; its last part tells which of the two it is.
+        limit: Which of the motor's torques limits the joint: `peak` or `continuous`; None: the first that is known.
+        reduction: From the motor's output to the joint, where no transmission stands there.
+        motors: How many drive one joint.
+        train: Key of the transmission in the drive's `trains`; None: there is none.
+    """
+
+    value: SpecValue
+    path: Path
+    limit: str | None
+    reduction: float
+    motors: int
+    train: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Train:
     """What stands between the output of a motor, which turns, and a joint: a transmission, or a gearbox's end.
 
@@ -137,6 +158,7 @@ class Drive:
         sure: Numbers that the author is sure of.
         large: The author is sure of the size of every motor.
         wheels: Its joints are all commanded a velocity, as wheels are.
+        rubs: Friction of its joints.
     """
 
     name: str
@@ -148,6 +170,7 @@ class Drive:
     sure: frozenset[Path] = frozenset()
     large: bool = False
     wheels: bool = False
+    rubs: tuple[Rub, ...] = ()
 
     @property
     def hinges(self) -> list[tuple[float, float]]:

@@ -17,7 +17,7 @@ from actspec.spec.plausible.armatures import armature_found, beside, odd_armatur
 from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
-from actspec.spec.plausible.driven import AGREES, unreached_limit
+from actspec.spec.plausible.driven import AGREES, UNREACHED, unreached_limit
 from actspec.spec.plausible.gains import blamed
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
 from actspec.spec.plausible.limits import levers_of, slow_found, velocity_found
@@ -25,6 +25,7 @@ from actspec.spec.plausible.motors import WINDING
 from actspec.spec.plausible.numbers import number_doubts
 from actspec.spec.plausible.relations import DEGREE
 from actspec.spec.plausible.repairs import misread_lengths, misread_speeds
+from actspec.spec.plausible.rubbing import next_gear
 from actspec.spec.plausible.servos import gains_found
 from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import (
@@ -46,9 +47,7 @@ from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
-"""Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
-UNREACHED = 3.0
-"""The same where no torque-speed line acts: a belt takes 1.24 at a speed that it never comes near."""
+"""Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit. Where no line acts: `UNREACHED`."""
 WHOLE = 1.0
 """The same at a velocity limit."""
 WHOLE_ROBOT = 6
@@ -208,7 +207,7 @@ def _joint_doubts_of(
         joint.joint: [
             *levers[joint.joint],
             *_viscous(joint, drives, written, spans, kept),
-            *_joint_doubts(joint, joints, model, written, kept),
+            *_joint_doubts(joint, joints, model, written, drives, spans, kept),
         ]
         for joint in joints
     }
@@ -259,13 +258,15 @@ def _joint_doubts(
     joints: Sequence[JointActuator],
     model: SpecModel,
     written: Mapping[Span, SpecValue],
+    drives: Mapping[str, Drive],
+    spans: SourceMap,
     kept: Kept,
 ) -> Iterator[Found]:
     for check in (pose_found, command_range_found, scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
     yield from slow_found(joint, motor)
-    yield from _friction(joint, joints, kept)
+    yield from _friction(joint, joints, drives, spans, kept)
     inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
     yield from inertia or gains_found(joint)
@@ -279,7 +280,13 @@ def _of_reduction(doubt: Doubt, path: Path, size: float, spans: SourceMap) -> Do
     )
 
 
-def _friction(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept) -> Iterator[Found]:
+def _friction(
+    joint: JointActuator,
+    joints: Sequence[JointActuator],
+    drives: Mapping[str, Drive],
+    spans: SourceMap,
+    kept: Kept,
+) -> Iterator[Found]:
     """Dry friction against the effort limit, where one of the two is the motor's or the results'."""
     coulomb, limit = joint.friction_coulomb, joint.effort_limit
     if not coulomb.value or not limit.value or not (is_stated(coulomb) or is_stated(limit)):
@@ -298,6 +305,10 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept)
     number, other, field = (
         (coulomb, limit, "friction.coulomb") if is_stated(coulomb) else (limit, coulomb, "effort_limit")
     )
+    drive = drives.get(joint.motor or "") if limit.origin is Origin.DERIVED else None
+    gear = None if drive is None else next_gear(drive)
+    if gear is not None and kept.paths.isdisjoint(gear.paths):
+        help += f" Or gear_ratio ({spans.value(gear.paths[0])}): {gear.help}"
     where = f"actuators.{joint.group}.{field}"
     yield found_at(
         joint, "FRC101", where, coulomb.value / limit.value, message, help, number, other, error=error

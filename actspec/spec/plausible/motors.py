@@ -26,6 +26,7 @@ from actspec.spec.plausible.driven import (
     NEVER_GEARED_UP,
     is_round,
     limit_relations,
+    rub_relations,
     stage_relations,
     train_relations,
     witness_relations,
@@ -145,6 +146,7 @@ def _relations(drive: Drive) -> Iterator[Relation]:
     yield from _stage_inertias(drive.name, motor)
     yield from train_relations(drive, output, said)
     yield from limit_relations(drive, output)
+    yield from rub_relations(drive, output)
     yield from witnesses
 
 

@@ -112,7 +112,7 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     broken = [relation for relation in before if relation.broken]
     if not broken:
         return
-    repairs = list(_repairs(drive))
+    repairs = list(repairs_of(drive))
     witnessed = all(relation.witnessed for relation in broken)
     if witnessed:
         limits = {limit.path for limit in drive.limits}
@@ -214,7 +214,7 @@ def _train_speeds(found: Iterable[Relation]) -> dict[Path, float]:
     }
 
 
-def _repairs(drive: Drive) -> Iterator[Repair]:
+def repairs_of(drive: Drive) -> Iterator[Repair]:
     """Every correction of a drive, those before that are preferred where two are equally good."""
     motor, root = drive.motor, ("motors", drive.name)
     gear, broken = gear_of(motor), [relation for relation in relations(drive) if relation.broken]
