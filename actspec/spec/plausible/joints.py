@@ -25,6 +25,7 @@ from actspec.spec.plausible.motors import WINDING
 from actspec.spec.plausible.numbers import number_doubts
 from actspec.spec.plausible.relations import DEGREE
 from actspec.spec.plausible.repairs import misread_lengths, misread_speeds
+from actspec.spec.plausible.robots import odd_limit_found, other_unit_found
 from actspec.spec.plausible.rubbing import next_gear
 from actspec.spec.plausible.servos import gains_found
 from actspec.spec.plausible.slips import in_si
@@ -92,7 +93,7 @@ def check_joints(
     # What the spec alone implies is judged again, beside the limits of the robot's file.
     collector.forget(BY_CODE)
     kept = kept_of(document, model.accept)
-    levers = _levers(joints, model, mass, kept)
+    levers = _levers(joints, model, document.spans, mass, kept)
     strong = {f"actuators.{joint.group}" for joint in joints if levers[joint.joint]}
     # Gains that are judged by a wrong limit say nothing.
     doubts = [
@@ -167,16 +168,19 @@ def _linked(model: SpecModel) -> dict[str, str]:
 
 
 def _levers(
-    joints: Sequence[JointActuator], model: SpecModel, mass: float | None, kept: Kept
+    joints: Sequence[JointActuator], model: SpecModel, spans: SourceMap, mass: float | None, kept: Kept
 ) -> dict[str, Sequence[Found]]:
-    """What is found of each joint's limit by the weight of the whole robot."""
+    """What is found of each joint's limit by the weight of the whole robot, and by its other joints."""
     linked = _linked(model)
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
     body = mass if len(joints) >= WHOLE_BODY[0] and (mass or 0.0) >= WHOLE_BODY[1] else None
     return {
         joint.joint: [
             found
-            for found in levers_of(joint, whole, body, linked.get(joint.joint))
+            for found in (
+                list(levers_of(joint, whole, body, linked.get(joint.joint)))
+                or odd_limit_found(joint, joints, model, spans)
+            )
             if not kept.has(found.doubt)
         ]
         for joint in joints
@@ -266,6 +270,7 @@ def _joint_doubts(
         yield from check(joint)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
     yield from slow_found(joint, motor)
+    yield from other_unit_found(joint, joints, written)
     yield from _friction(joint, joints, drives, spans, kept)
     inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.

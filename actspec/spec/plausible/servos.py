@@ -21,6 +21,7 @@ from actspec.spec.plausible.gains import (
 )
 from actspec.spec.plausible.relations import DEGREE, POINT
 from actspec.spec.plausible.swing import (
+    ROTOR_ERROR,
     SOFT,
     STIFFEST_SERVO,
     damping_words,
@@ -282,15 +283,20 @@ def _by_frequency(
     kp: Quantity, kd: Quantity | None, joint: JointActuator, gains: Gains, inertia: float
 ) -> tuple[str, str, float] | None:
     """Message, help and size where the natural frequency is no joint's."""
-    words = frequency_words(gains, inertia, joint.friction_coulomb.value or 0.0)
+    stiffness, armature = kp.require(), joint.armature
+    rotor = (armature.value or 0.0) if armature.origin is Origin.DERIVED else 0.0
+    words = frequency_words(gains, inertia, joint.friction_coulomb.value or 0.0, rotor)
     if words is None:
         return None
     message, help, size = words
-    stiffness, armature = kp.require(), joint.armature
     links = inertia - (armature.value or 0.0)
     if stiffness < SOFT**2 * inertia:
         if armature.origin is Origin.DERIVED and stiffness > SOFT**2 * links:
-            help += f". Or is a gear too large? {shown(armature)} of the inertia is the armature: {armature.formula}"
+            gear = (
+                f"is a gear too large? {shown(armature)} of the inertia is the armature: {armature.formula}"
+            )
+            # What is hardly anything but the rotor is hardly the links'.
+            help = f"{gear}. Or {help}" if rotor > ROTOR_ERROR[0] * links else f"{help}. Or {gear}"
     elif help != POINT and kd is not None and kd.value and kd.value > RETURN[1] * stiffness * DEGREE:
         # Alone kp would be too soft for that kd.
         both = [format_quantity(gain.require() * DEGREE, gain.unit, 4) for gain in (kp, kd)]

@@ -17,6 +17,9 @@ links."""
 SOFT_ERROR = 10.0
 """Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`, or dry friction holds the joint.
 Published, with a motor: to 2.2."""
+ROTOR_ERROR = (10.0, 4.0)
+"""Rotor behind its gear over the links [-], from which on an error above the second [rad] is noticed there, where kd
+over kp is at most `SLACK_RETURN`. Published: 3 to 10 times; errors to 3.4, with a motor to 2.2."""
 HELD_ERROR = 0.1
 """Dry friction over kp [rad]: noticed where viscous friction is above kd and the natural frequency below `SOFT`.
 Chosen: arms are held within 0.003 rad, legs within 0.03."""
@@ -51,20 +54,25 @@ DAMPING_RATIO = (0.015, 60.0)
 """kd and viscous friction over 2 sqrt(kp I)."""
 
 
-def frequency_words(gains: Gains, inertia: float, dry: float = 0.0) -> tuple[str, str, float] | None:
+def frequency_words(
+    gains: Gains, inertia: float, dry: float = 0.0, rotor: float = 0.0
+) -> tuple[str, str, float] | None:
     """Message, help and size where the natural frequency of a hinge is no joint's; None where it may be one's.
 
     Args:
         gains: Of the hinge.
         inertia: With the other joints held, armature included [kg*m^2].
         dry: Friction [N*m].
+        rotor: What of the inertia is a rotor's behind its gear [kg*m^2].
     """
     unit = units_of(gains.kind)
     frequency = math.sqrt(gains.kp / inertia)
     error = None if gains.limit is None else gains.limit / gains.kp
     message = _swing(gains, inertia)
     heavy = inertia >= STIFF_LINK
-    slack = error is not None and error > SOFT_ERROR
+    heavier, most = ROTOR_ERROR
+    geared = rotor > heavier * (inertia - rotor) and 0.0 < (gains.kd or 0.0) <= SLACK_RETURN * gains.kp
+    slack = error is not None and error > (most if geared else SOFT_ERROR)
     tight = error is not None and error < STIFF_ERROR
     soft = frequency < TOO_SOFT and (gains.driven or heavy)
     held = dry / gains.kp > HELD_ERROR and (gains.kd or 0.0) < gains.viscous

@@ -96,7 +96,7 @@ CHECKS = (
         "beyond-any-motor",
         "Torque or power at the gearbox output beyond any motor of a robot, of the robot's size, or of its own "
         "voltage, gear and peak torque; force behind a transmission; an effort limit without a motor that the joint's "
-        "other figures contradict together.",
+        "other figures contradict together, or one many times that of every other hinge.",
         "A warning above 100 kN*m (chosen: the strongest arms hold 2300 kg at 3.7 m, 84 kN*m; axes of a KR 210 have "
         "11 kN*m, slews of excavators 400), or 1000 N*m behind more than 1000 turns (gears of large arms have to 350, "
         "and 9 N*m are published behind 1462); above 200 kW (peak torque times no-load speed; chosen, a KR 210 has 24 "
@@ -112,7 +112,9 @@ CHECKS = (
         "above 31000 rad/s^2 of the armature (30000, H1), an error above 4 rad by kp (3.4, but for fingers and one "
         "ankle), the whole robot on a lever of more than 1.8 m (1.7, Aloha; of 6051 published hinges none has two of "
         "these); or above 700 N*m where one of its other figures is of a usual size and impossible beside it; or one "
-        "below 5 rad/s^2 of the armature that kp asks for at less than 3.5 mrad.",
+        "below 5 rad/s^2 of the armature that kp asks for at less than 3.5 mrad. An effort limit above 700 N*m, and no "
+        "power of ten, that is 8 times that of every other hinge of the spec and that kp asks for at 3 rad or more (of "
+        "355 published robots only placeholders are).",
     ),
     Check(
         "SPEC184",
@@ -139,7 +141,8 @@ CHECKS = (
         "Of a motor whose gear is not stated, below 700 N*m, a no-load speed below 0.02 rad/s, or below 0.3 where the "
         "error at which kp asks for the effort limit takes more than 1.5 s at it (legs: 0.1 s) or the motor has 8.4 V "
         "and 10 N*m at most (servos); not where the robot's file or the motor's inertia has it (2 ms to that speed; "
-        "published: 5). "
+        "published: 5). Of a servo of 14.8 V with a stated gear one of 0.03 to 0.3 to which its torque turns its rotor "
+        "in 0.5 ms. A velocity limit in deg/s or rpm below 1 rad/s whose number other hinges have in rad/s. "
         "A stated Stribeck velocity from the motor's no-load speed, else the velocity limit, on (published: to 1 "
         "rad/s).",
     ),
@@ -272,7 +275,8 @@ CHECKS = (
         "error of more than 50 rad for the effort limit (2.2 rad), or of less than 0.015 rad with kd over kp below 2 "
         "ms (an so101 with 998 N*m/rad); and, by the inertia of links and armature at the reference pose: below 6 "
         "rad/s where the limit needs an error of more than 10 rad, or dry friction holds one of 0.1 rad and viscous "
-        "friction is above kd, or below 1 rad/s (published: 6.2 rad/s and up; an "
+        "friction is above kd, or below 1 rad/s, or where a rotor behind its gear is 10 times the links and the limit "
+        "needs more than 4 rad (published: 6.2 rad/s and up; an "
         "error of 25 rad at most, at 16 rad/s); above 150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or "
         "more (95 rad/s; 203 at 0.1 rad), but to 500 rad/s where both gains have two digits and damp it with 0.5 to 3 "
         "(machines); a damping ratio below 0.015 with friction (0.064) or above 60 (12). Servos "
