@@ -23,10 +23,10 @@ from actspec.spec.plausible.groups import friction_words, layers, reduction_of, 
 from actspec.spec.plausible.limits import levers_of, slow_found, velocity_found
 from actspec.spec.plausible.motors import WINDING
 from actspec.spec.plausible.numbers import number_doubts
-from actspec.spec.plausible.relations import DEGREE
+from actspec.spec.plausible.relations import DEGREE, Repair
 from actspec.spec.plausible.repairs import misread_lengths, misread_speeds
 from actspec.spec.plausible.robots import odd_limit_found, other_unit_found
-from actspec.spec.plausible.rubbing import next_gear
+from actspec.spec.plausible.rubbing import likelier_gear, next_gear
 from actspec.spec.plausible.servos import gains_found
 from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import (
@@ -311,13 +311,18 @@ def _friction(
         (coulomb, limit, "friction.coulomb") if is_stated(coulomb) else (limit, coulomb, "effort_limit")
     )
     drive = drives.get(joint.motor or "") if limit.origin is Origin.DERIVED else None
-    gear = None if drive is None else next_gear(drive)
-    if gear is not None and kept.paths.isdisjoint(gear.paths):
-        help += f" Or gear_ratio ({spans.value(gear.paths[0])}): {gear.help}"
+    help += _or_gear(None if drive is None else next_gear(drive) or likelier_gear(drive), spans, kept)
     where = f"actuators.{joint.group}.{field}"
     yield found_at(
         joint, "FRC101", where, coulomb.value / limit.value, message, help, number, other, error=error
     )
+
+
+def _or_gear(gear: Repair | None, spans: SourceMap, kept: Kept) -> str:
+    """A gear ratio that may be meant, beside what friction may be."""
+    if gear is None or not kept.paths.isdisjoint(gear.paths):
+        return ""
+    return f" Or gear_ratio ({spans.value(gear.paths[0])}): {gear.help}"
 
 
 def _static(joint: JointActuator, kept: Kept) -> Iterator[Found]:
@@ -397,6 +402,7 @@ def _viscous(
         help += f" Or is the limit wrong ({limit.span})? The motor has {at_rest} at rest."
     where, number, other = f"actuators.{joint.group}.friction.viscous", viscous, speed
     drive = drives.get(joint.motor or "")
+    help += _or_gear(None if drive is None else likelier_gear(drive), spans, kept)
     readings = [
         reading
         for reading in (

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import replace
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
-from actspec.spec.plausible.drive import Drive, figure_at, output_of
+from actspec.spec.plausible.drive import GEARED, Drive, figure_at, number, output_of, with_figure
 from actspec.spec.plausible.groups import FRICTION_STOPS
 from actspec.spec.plausible.motors import relations
 from actspec.spec.plausible.relations import Repair
 from actspec.spec.plausible.repairs import repairs_of
-from actspec.spec.plausible.slips import tens
+from actspec.spec.plausible.slips import multiplied, tens
 from actspec.spec.plausible.table import Doubt, at
 from actspec.units import format_quantity
 
@@ -73,3 +74,24 @@ def next_gear(drive: Drive) -> Repair | None:
     if ratio is None or not freed:
         return None
     return freed[0] if freed[0].help in [help for _, help, _ in tens(ratio)][:2] else None
+
+
+def likelier_gear(drive: Drive) -> Repair | None:
+    """The gear ratio with its point one place further, if then no friction is too large and all figures more usual.
+
+    A gear that is hardly one is as usual as any.
+    """
+    ratio, path = drive.motor.gear_ratio, ("gear_ratio",)
+    size = number(ratio)
+    if ratio is None or not size or size == 1.0 or drive.motor.gearbox is not None:
+        return None
+    now = sum(relation.excess for relation in relations(drive))
+    for factor, help, _ in itertools.islice(tens(ratio), 2):
+        motor = with_figure(drive.motor, path, multiplied(ratio, factor))
+        after = tuple(relations(replace(drive, motor=motor)))
+        if any(relation.broken or relation.spoiled for relation in after):
+            continue
+        excess = sum(relation.excess for relation in after)
+        if excess < now or (size < GEARED and excess <= now):
+            return Repair(after, (("motors", drive.name, *path),), help)
+    return None

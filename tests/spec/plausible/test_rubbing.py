@@ -78,3 +78,35 @@ def test_beside_one_friction_the_gear_is_named() -> None:
     for found in (told("72", sure=True), told("720", "coulomb: 8000")):
         ((code, *_, help),) = found
         assert code.startswith("FRC101") and "gear_ratio" not in help
+
+
+CASSIE = (
+    "side: motor, gear_ratio: {}, peak_torque: {}, stall_torque: {}, no_load_speed: {}, rotor_inertia: 6.1e-5"
+)
+
+
+@pytest.mark.parametrize(
+    ("sheet", "viscous", "gear"),
+    [
+        # 1 N*m*s/rad x 12.1 of 112 N*m; behind 2.5 turns 121 of 11.2.
+        (("25", "4.5", "4.5", "2900 rpm"), "1", None),
+        (("2.5", "4.5", "4.5", "2900 rpm"), "1", "25"),
+        (("5", "0.9", "0.9", "5500 rpm"), "0.5", "50"),
+        # A friction that is wrong itself beside a usual gear; a direct drive.
+        (("9", "2", "2", "2000 rpm"), "5", ""),
+        (("1", "4.5", "4.5", "1000 rpm"), "1", ""),
+    ],
+)
+def test_beside_viscous_friction_a_gear_that_is_too_small_is_named(
+    sheet: tuple[str, ...], viscous: str, gear: str | None
+) -> None:
+    text = spec_of(
+        f"legs: {{joints: [hip], motor: m, level: dc_motor, effort_limit: peak, kp: 90, kd: 9, "
+        f"friction: {{viscous: {viscous}}}}}, {REST}",
+        motors=f"{{m: {{{CASSIE.format(*sheet)}}}}}",
+    )
+    found = [item for item in fit(text).diagnostics if item.code in BY_CODE and item.code != "SPEC192"]
+    assert [item.where for item in found] == ["actuators.legs.friction.viscous"] * (gear is not None)
+    for item in found:
+        named = f"Or gear_ratio (s.yaml:3:39): did you mean {gear}?" if gear else "gear_ratio"
+        assert (named in (item.help or "")) is bool(gear)
