@@ -73,8 +73,9 @@ def odd_limit_found(
         path, value = arm
         tens = [words for factor, words, rare in lengths(value) if rare and factor == 0.1]
         where, number = dotted(path), replace(limit, span=spans.value(path))
-        help = tens[0] if tens and tenth else f"look for a wrong unit of the {path[-1]}"
-        help += f" Or the motor's torque ({limit.span}): look for a wrong unit or power of ten"
+        help = tens[0] if tens and tenth else "look for a wrong unit"
+        help = f"one of 2 numbers is wrong. {path[-1]}: {help}{'' if help.endswith('?') else '.'} "
+        help += f"Or the motor's torque ({limit.span}): look for a wrong unit or power of ten"
     yield found_at(joint, "SPEC183", where, size / most, message, help, number, kp)
 
 

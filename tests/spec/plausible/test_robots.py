@@ -64,7 +64,10 @@ def test_of_a_cylinder_the_lever_arm_is_named() -> None:
     assert told(two(hip.replace("ARM", "50 mm"), motors=cylinder)) == []
     ((code, where, _, help),) = told(two(hip.replace("ARM", "500 mm"), motors=cylinder))
     assert (code, where) == ("SPEC183", "actuators.hips.transmission[0].lever_arm")
-    assert help.startswith("did you mean 50 mm? Or the motor's torque (s.yaml:3:40): look for a wrong unit")
+    assert help == (
+        "one of 2 numbers is wrong. lever_arm: did you mean 50 mm? Or the motor's torque (s.yaml:3:40): look for a "
+        "wrong unit or power of ten"
+    )
 
 
 @pytest.mark.parametrize(
