@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
-from actspec.spec.plausible.drive import GEARED, Drive, figure_at, number, output_of, with_figure
+from actspec.spec.plausible.drive import GEARED, Drive, figure_at, number, with_figure
 from actspec.spec.plausible.groups import FRICTION_STOPS
 from actspec.spec.plausible.motors import relations
 from actspec.spec.plausible.relations import Repair
@@ -33,14 +33,13 @@ def rubbed_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     freed = gears_freed(drive)
     if not freed or not drive.sure.isdisjoint(freed[0].paths):
         return
-    output, value = output_of(drive.name, drive.motor), figure_at(drive.motor, ("gear_ratio",))
+    value = figure_at(drive.motor, ("gear_ratio",))
     worst = max(spoiled, key=lambda item: item.value if item.code == "FRC101" else 0.0)
-    there = format_quantity(output.torque, "N*m", 3)
+    dry = next(rub.value for rub in drive.rubs if rub.path == worst.path)
+    there = format_quantity((dry.value or 0.0) / worst.value, dry.unit, 4)
     frictions = listed([f"{item.path[-1]} ({spans.value(item.path)})" for item in spoiled], 4)
     turns = "" if value is None else value.written
-    message = (
-        f"behind {turns} turns the motor gives {there}, and dry and viscous friction take too much of that: "
-    )
+    message = f"behind {turns} turns the joint's limit is {there}, and dry and viscous friction take too much of it: "
     message += frictions
     doubt = at(
         spans,

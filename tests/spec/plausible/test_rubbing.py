@@ -17,10 +17,14 @@ STEPPER = (
 
 
 def told(
-    gear: str, friction: str = "coulomb: 8, viscous: 20", limit: str = "peak", sure: bool = False
+    gear: str,
+    friction: str = "coulomb: 8, viscous: 20",
+    limit: str = "peak",
+    sure: bool = False,
+    more: str = "",
 ) -> list[tuple[str, str, str, str]]:
     """Code, with `!` for an error, place, message and help of what the checks report."""
-    motor = STEPPER.replace("GEAR", gear).replace("SURE", str(sure).lower())
+    motor = STEPPER.replace("GEAR", gear).replace("SURE", str(sure).lower()) + more
     text = spec_of(
         f"axes: {{joints: [hip], motor: m, level: ideal_pd, effort_limit: {limit}, kp: 3e4, kd: 1500, "
         f"friction: {{{friction}}}}}, {REST}",
@@ -59,9 +63,11 @@ def test_a_gear_that_both_frictions_contradict_is_told_itself() -> None:
     ((code, where, message, help),) = told("7.2")
     assert (code, where, help) == ("SPEC182!", "motors.m.gear_ratio", "did you mean 720?")
     assert message == (
-        "behind 7.2 turns the motor gives 1.152 N*m, and dry and viscous friction take too much of that: coulomb "
+        "behind 7.2 turns the joint's limit is 1.152 N*m, and dry and viscous friction take too much of it: coulomb "
         "(s.yaml:4:121), viscous (s.yaml:4:133)"
     )
+    ((_, _, message, _),) = told("7.2", limit="continuous", more=", continuous_torque: 0.2")
+    assert message.startswith("behind 7.2 turns the joint's limit is 0.576 N*m,")
     # Who is sure of it has one of the frictions wrong; so has a joint whose limit is stated.
     assert [item[0] for item in told("7.2", sure=True)] == ["FRC101!", "FRC106"]
     assert "SPEC182!" not in [item[0] for item in told("7.2", limit="1.1")]

@@ -112,6 +112,14 @@ CASSIE = (
             "stall_torque",
             "is it quoted at the gearbox output? At the rotor it is 4.5 N*m",
         ),
+        # In mN*m it would be 22.5 mN*m, as usual, and by accident.
+        (
+            "22.5",
+            "0.9",
+            "",
+            "peak_torque",
+            "is it quoted at the gearbox output? At the rotor it is 0.9 N*m",
+        ),
         # A winding's.
         ("4.5", "100", "", None, ""),
         ("4.5", "90", "", None, ""),
