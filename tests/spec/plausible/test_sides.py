@@ -112,14 +112,6 @@ CASSIE = (
             "stall_torque",
             "is it quoted at the gearbox output? At the rotor it is 4.5 N*m",
         ),
-        # In mN*m it would be 22.5 mN*m, as usual, and by accident.
-        (
-            "22.5",
-            "0.9",
-            "",
-            "peak_torque",
-            "is it quoted at the gearbox output? At the rotor it is 0.9 N*m",
-        ),
         # A winding's.
         ("4.5", "100", "", None, ""),
         ("4.5", "90", "", None, ""),
@@ -130,6 +122,16 @@ def test_a_torque_of_the_other_side_is_just_the_gear_apart(
 ) -> None:
     found = told(CASSIE.replace("PEAK", peak).replace("STALL", stall) + more)
     assert [(item[1], item[3]) for item in found] == ([(f"motors.m.{where}", help)] if where else [])
+
+
+def test_the_gear_to_the_digit_is_likelier_than_a_unit() -> None:
+    """45 / 0.9 is the gear, 50; 45 mN*m are a usual peak torque beside 0.9 N*m, too."""
+    toe = "side: motor, gear_ratio: 50, peak_torque: 45, stall_torque: 0.9, no_load_speed: 5500 rpm"
+    ((_, where, _, help),) = told(f"{toe}, rotor_inertia: 4.9e-6")
+    assert (where, help) == (
+        "motors.m.peak_torque",
+        "is it quoted at the gearbox output? At the rotor it is 0.9 N*m",
+    )
 
 
 def test_of_a_small_gear_only_an_odd_torque_is_told() -> None:
