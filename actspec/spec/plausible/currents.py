@@ -52,32 +52,33 @@ ANY_VOLTAGE = (1.0, 1000.0)
 def constant_relations(name: str, motor: Motor) -> Iterator[Relation]:
     """Torque constant times current is a torque, times speed a voltage."""
     path: Path = ("motors", name)
-    constant = number(motor.torque_constant)
+    constant = motor.torque_constant
+    travels = constant is not None and bool(constant.linear)
     # Of a winding the stall torque is many times what the drive's current gives.
     most = (0.0, CURRENT_RATIO[1]), (0.02, 2.0)
-    for field, product, key, bounds, usual, unit in (
-        ("peak_current", "gives", "peak_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
-        ("nominal_current", "gives", "continuous_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
-        ("peak_current", "gives", "stall_torque", *most, "N*m"),
-        ("nominal_current", "gives", "stall_torque", *most, "N*m"),
-        ("no_load_speed", "needs", "nominal_voltage", VOLTAGE_RATIO, (0.3, 2.0), "V"),
+    for field, product, key, bounds, usual in (
+        ("peak_current", "gives", "peak_torque", CURRENT_RATIO, (0.5, 2.0)),
+        ("nominal_current", "gives", "continuous_torque", CURRENT_RATIO, (0.5, 2.0)),
+        ("peak_current", "gives", "stall_torque", *most),
+        ("nominal_current", "gives", "stall_torque", *most),
+        ("no_load_speed", "needs", "nominal_voltage", VOLTAGE_RATIO, (0.3, 2.0)),
     ):
         factor: SpecValue | None = getattr(motor, field)
         other: SpecValue | None = getattr(motor, key)
-        first, second = number(factor), number(other)
-        if not constant or motor.torque_constant is None:
+        share = _share(constant, factor, other)
+        if constant is None or factor is None or other is None or share is None:
             continue
-        if factor is None or other is None or not first or not second:
-            continue
+        kind = "force" if travels else "torque"
+        made = format_quantity(share * (other.value or 0.0), other.unit, 3)
         yield Relation(
             "SPEC181",
-            constant * first / second,
+            share,
             bounds,
             usual,
-            f"a torque constant of {motor.torque_constant.written} {product} "
-            f"{format_quantity(constant * first, unit, 3)} at {field} {factor.written}, and {key} is {other.written}",
+            f"a {kind} constant of {constant.written} {product} {made} at {field} {factor.written}, and {key} is "
+            f"{other.written}",
             (*path, "torque_constant"),
-            "torque = torque constant x current, voltage = torque constant x speed",
+            f"{kind} = {kind} constant x current, voltage = {kind} constant x speed",
             ((*path, field), (*path, key)),
         )
     yield from _inverse(path, motor)
@@ -112,6 +113,17 @@ def constant_relations(name: str, motor: Motor) -> Iterator[Relation]:
                 (*path, field),
                 None,
             )
+
+
+def _share(constant: SpecValue | None, factor: SpecValue | None, other: SpecValue | None) -> float | None:
+    """A constant times one figure over another; None: one is unknown, or one turns and another travels."""
+    if constant is None or factor is None or other is None:
+        return None
+    if len({constant.linear, factor.linear, other.linear} - {None}) > 1:
+        return None
+    if not constant.value or not factor.value or not other.value:
+        return None
+    return constant.value * factor.value / other.value
 
 
 def by_kv(motor: Motor) -> float | None:
@@ -161,11 +173,7 @@ def _inverse(path: Path, motor: Motor) -> Iterator[Relation]:
 def proof(motor: Motor, field: str) -> float | None:
     """What the motor's constant gives of the current that belongs to a torque, over the torque."""
     current = {"peak_torque": motor.peak_current, "continuous_torque": motor.nominal_current}.get(field)
-    constant, ampere = number(motor.torque_constant), number(current)
-    torque = number(figure_at(motor, (field,))) if constant and ampere else None
-    if not constant or not ampere or not torque:
-        return None
-    return constant * ampere / torque
+    return None if current is None else _share(motor.torque_constant, current, figure_at(motor, (field,)))
 
 
 def _is_proved(motor: Motor, field: str) -> bool:
@@ -174,15 +182,22 @@ def _is_proved(motor: Motor, field: str) -> bool:
     return share is not None and 1.0 / PROVED <= share <= PROVED
 
 
+def _share_reached(motor: Motor, path: Path) -> float | None:
+    """A no-load speed over what voltage and constant give; None: one of them is unknown."""
+    return _share(motor.torque_constant, figure_at(motor, path), motor.nominal_voltage)
+
+
+def is_reached(motor: Motor) -> bool:
+    """Whether the motor's no-load speed is what its voltage and constant give."""
+    shares = [_share_reached(motor, path) for path in SPEEDS]
+    return any(share is not None and REACHED[0] <= share <= REACHED[1] for share in shares)
+
+
 def is_refuted(motor: Motor, path: Path) -> bool:
     """Whether a figure is not what the motor's constant gives of its current, or of the voltage."""
     if path in SPEEDS:
-        speed, constant, voltage = map(
-            number, (figure_at(motor, path), motor.torque_constant, motor.nominal_voltage)
-        )
-        if not speed or not constant or not voltage:
-            return False
-        return not REACHED[0] <= constant * speed / voltage <= REACHED[1]
+        made = _share_reached(motor, path)
+        return made is not None and not REACHED[0] <= made <= REACHED[1]
     share = proof(motor, str(path[-1]))
     return share is not None and not 1.0 / REFUTED <= share <= REFUTED
 
@@ -196,17 +211,15 @@ def is_proved_by(motor: Motor, factor: float) -> bool:
 
 def gives_stall(motor: Motor) -> bool:
     """Whether the motor's constant gives about the stall torque of its peak current."""
-    constant, ampere, stall = map(number, (motor.torque_constant, motor.peak_current, motor.stall_torque))
-    if not constant or not ampere or not stall:
-        return False
-    return CURRENT_RATIO[0] <= constant * ampere / stall <= CURRENT_RATIO[1]
+    share = _share(motor.torque_constant, motor.peak_current, motor.stall_torque)
+    return share is not None and CURRENT_RATIO[0] <= share <= CURRENT_RATIO[1]
 
 
 def stalled(motor: Motor, moved: Callable[..., Repair]) -> Iterator[Repair]:
     """A peak current that gives the stall torque of the winding, where the drive's peak is another."""
-    ampere, share, end = motor.peak_current, proof(motor, "peak_torque"), number(motor.stall_torque)
-    given = (number(motor.torque_constant) or 0.0) * (number(ampere) or 0.0)
-    if share and end and 1.0 / STALLED < given / end < STALLED and share > CURRENT_RATIO[1]:
+    ampere, share = motor.peak_current, proof(motor, "peak_torque")
+    end = _share(motor.torque_constant, ampere, motor.stall_torque)
+    if share and end and 1.0 / STALLED < end < STALLED and share > CURRENT_RATIO[1]:
         meant = in_unit(multiplied(ampere, 1.0 / share))
         help = f"is it the stall current? It gives stall_torque by torque_constant, and peak_torque is that of {meant}"
         yield moved([("peak_current",)], 1.0 / share, help)

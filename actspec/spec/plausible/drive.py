@@ -21,6 +21,11 @@ def number(value: SpecValue | None) -> float | None:
     return None if value is None or value.linear else value.value
 
 
+def any_number(value: SpecValue | None) -> float | None:
+    """The number of a field, whether it is of something that turns or of a slide; None where there is none."""
+    return None if value is None else value.value
+
+
 @dataclass(frozen=True, slots=True)
 class Limit:
     """An effort or velocity limit of joints that a motor drives.
@@ -42,6 +47,27 @@ class Limit:
     train: Path | None = None
     counted: Path | None = None
     reduced: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Rub:
+    """Friction of joints whose effort limit is the motor's own.
+
+    Attributes:
+        value: Of dry or viscous friction, as stated, with a number.
+        path: Where it stands; its last part tells which of the two it is.
+        limit: Which of the motor's torques limits the joint: `peak` or `continuous`; None: the first that is known.
+        reduction: From the motor's output to the joint, where no transmission stands there.
+        motors: How many drive one joint.
+        train: Key of the transmission in the drive's `trains`; None: there is none.
+    """
+
+    value: SpecValue
+    path: Path
+    limit: str | None
+    reduction: float
+    motors: int
+    train: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +157,8 @@ class Drive:
         reductions: To its joints without a transmission; None: nothing is known of its joints, as behind a linkage.
         sure: Numbers that the author is sure of.
         large: The author is sure of the size of every motor.
+        wheels: Its joints are all commanded a velocity, as wheels are.
+        rubs: Friction of its joints.
     """
 
     name: str
@@ -141,6 +169,8 @@ class Drive:
     reductions: tuple[float, ...] | None = (1.0,)
     sure: frozenset[Path] = frozenset()
     large: bool = False
+    wheels: bool = False
+    rubs: tuple[Rub, ...] = ()
 
     @property
     def hinges(self) -> list[tuple[float, float]]:

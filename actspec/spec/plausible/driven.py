@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Path
+from actspec.fields import FRICTION_SHARE
 from actspec.ir import JointActuator, Level, Origin, Quantity
 from actspec.spec.document import SourceMap
 from actspec.spec.gears import Stage
@@ -61,10 +62,14 @@ SPEED_LIMIT = 3.0
 NEVER_GEARED_UP = 0.05
 ROUNDED = 1.01
 """Two figures of a sheet that are one torque in two units differ by no more than this."""
+UNREACHED = 3.0
+"""Viscous friction at the motor's no-load speed over the effort limit, where no torque-speed line acts: a belt takes
+1.24 at a speed that it never comes near."""
 CURRENT_RATIO = (0.4, 2.5)
 """Torque constant times current, over the torque."""
 
 
+_WORDS = ("continuous", "peak")
 MOST_PLANETARY = 15.0
 """Ratio of a planetary stage. Three planets touch each other where planet / sun is sin 60 deg / (1 - sin 60 deg), 6.46:
 from 1 + ring / sun = 2 + 2 x 6.46 = 14.9 on. Catalogues have 3 to 10; published: 4.5 (motors of the G1)."""
@@ -324,6 +329,26 @@ def limit_relations(drive: Drive, output: Output) -> Iterator[Relation]:
             )
 
 
+def rub_relations(drive: Drive, output: Output) -> Iterator[Relation]:
+    """Friction of the joints over what the motor gives there; it is told of the joints (FRC101, FRC106)."""
+    to_output = (output.gear or 0.0) * output.efficiency if drive.motor.side == "motor" else 1.0
+    for rub in drive.rubs:
+        train = None if rub.train is None else drive.trains[rub.train]
+        slowed = rub.reduction if train is None else train.speed
+        passed = rub.reduction * rub.motors if train is None else train.torque
+        dry, size = rub.path[-1] == "coulomb", rub.value.value or 0.0
+        fast = 1.0 if dry else (output.speed or 0.0) / slowed if slowed else 0.0
+        # As the effort limit follows from the motor.
+        own = [number(getattr(drive.motor, f"{word}_torque")) for word in _WORDS if rub.limit in (None, word)]
+        torque = next((size * to_output for size in own if size), output.torque or 0.0)
+        most = torque * passed
+        if 0.0 < most < math.inf and 0.0 < size * fast < math.inf:
+            code, bound = ("FRC101", FRICTION_SHARE) if dry else ("FRC106", UNREACHED)
+            share = size * fast / most
+            about, any_share = f"{rub.path}", (0.0, math.inf)
+            yield Relation(code, share, (0.0, bound), any_share, "", rub.path, None, about=about, aside=True)
+
+
 def _of_rotor(limit: Limit, motor: Motor, output: Output) -> float | None:
     """The torque at the gearbox output that an effort limit has as the rotor's, to the digit; None: it has none.
 
@@ -336,7 +361,7 @@ def _of_rotor(limit: Limit, motor: Motor, output: Output) -> float | None:
     if motor.peak_torque is None:
         figures += [motor.stall_torque, None if motor.curve is None else motor.curve.drive_torque]
     sheet = motor.side == "motor"
-    if not sheet and math.isclose(stated, float(f"{stated:.{ROUND_DIGITS}g}"), rel_tol=1e-6):
+    if not sheet and is_round(stated):
         return None
     ways = (
         ((1.0, gear * output.efficiency),)
@@ -349,6 +374,11 @@ def _of_rotor(limit: Limit, motor: Motor, output: Output) -> float | None:
             if math.isclose(stated, (torque or 0.0) * to_rotor, rel_tol=JUST if sheet else NEARLY):
                 return (torque or 0.0) * to_output
     return None
+
+
+def is_round(size: float) -> bool:
+    """Whether a figure has no more digits than anybody would choose."""
+    return math.isclose(size, float(f"{size:.{ROUND_DIGITS}g}"), rel_tol=1e-6)
 
 
 def unreached_limit(joint: JointActuator) -> Iterator[Found]:

@@ -13,7 +13,7 @@ from actspec.joints import JointKind
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
 from actspec.spec.models import Actuators, Friction, Motor, Randomize, SpecModel, Tunable
-from actspec.spec.plausible.drive import Drive, Limit, Train, cut_gearbox, is_one, output_of
+from actspec.spec.plausible.drive import Drive, Limit, Rub, Train, cut_gearbox, is_one, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import STIFF_RETURN, Gains, derived_doubts, gain_words
 from actspec.spec.plausible.relations import DEGREE, POINT
@@ -80,6 +80,7 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
     limits: dict[str, list[Limit]] = {}
     trains: dict[str, dict[Path, Train]] = {}
     reductions: dict[str, list[float]] = {}
+    rubs: dict[str, list[Rub]] = {}
     cuts = {name: cut for name, motor in model.motors.items() if (cut := cut_gearbox(motor)) is not None}
     for path, fields, group in layers(model):
         name = fields.motor or group.motor
@@ -112,6 +113,20 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             continue
         if train is None:
             reductions.setdefault(name, []).append((reduction and reduction.value) or 1.0)
+        word = fields.effort_limit or group.effort_limit
+        if not isinstance(word, SpecValue):
+            rubs.setdefault(name, []).extend(
+                Rub(
+                    value,
+                    (*path, "friction", key),
+                    word,
+                    (reduction and reduction.value) or 1.0,
+                    count,
+                    train,
+                )
+                for key in ("coulomb", "viscous")
+                if (value := getattr(fields.friction, key, None)) is not None and value.value
+            )
         for field in ("effort_limit", "velocity_limit"):
             value = getattr(fields, field)
             # What is written as unknown limits nothing that could be compared.
@@ -120,6 +135,10 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
                 limit = Limit(value, (*path, field), factor or 1.0, count, train, counted, reduced)
                 limits.setdefault(name, []).append(limit)
     linked = {name for linkage in model.linkages.values() for name in linkage.motors}
+    commands: dict[str, set[str]] = {}
+    for _, fields, group in layers(model):
+        if (name := fields.motor or group.motor) is not None:
+            commands.setdefault(name, set()).add(group.command)
     for name, motor in model.motors.items():
         motor = cuts[name][0] if name in cuts else motor
         # Of a motor that drives nothing yet its output is a joint's.
@@ -130,6 +149,8 @@ def drives_of(model: SpecModel) -> Iterator[Drive]:
             tuple(limits.get(name, ())),
             trains=trains.get(name, {}),
             reductions=None if name in linked else tuple(plain),
+            wheels=commands.get(name) == {"velocity"},
+            rubs=tuple(rubs.get(name, ())),
         )
 
 

@@ -17,14 +17,16 @@ from actspec.spec.plausible.armatures import armature_found, beside, odd_armatur
 from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
-from actspec.spec.plausible.driven import AGREES, unreached_limit
+from actspec.spec.plausible.driven import AGREES, UNREACHED, unreached_limit
 from actspec.spec.plausible.gains import blamed
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
 from actspec.spec.plausible.limits import levers_of, slow_found, velocity_found
 from actspec.spec.plausible.motors import WINDING
 from actspec.spec.plausible.numbers import number_doubts
-from actspec.spec.plausible.relations import DEGREE
+from actspec.spec.plausible.relations import DEGREE, Repair
 from actspec.spec.plausible.repairs import misread_lengths, misread_speeds
+from actspec.spec.plausible.robots import odd_limit_found, other_unit_found
+from actspec.spec.plausible.rubbing import likelier_gear, next_gear
 from actspec.spec.plausible.servos import gains_found
 from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import (
@@ -46,9 +48,7 @@ from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
-"""Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
-UNREACHED = 3.0
-"""The same where no torque-speed line acts: a belt takes 1.24 at a speed that it never comes near."""
+"""Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit. Where no line acts: `UNREACHED`."""
 WHOLE = 1.0
 """The same at a velocity limit."""
 WHOLE_ROBOT = 6
@@ -93,7 +93,7 @@ def check_joints(
     # What the spec alone implies is judged again, beside the limits of the robot's file.
     collector.forget(BY_CODE)
     kept = kept_of(document, model.accept)
-    levers = _levers(joints, model, mass, kept)
+    levers = _levers(joints, model, document.spans, mass, kept)
     strong = {f"actuators.{joint.group}" for joint in joints if levers[joint.joint]}
     # Gains that are judged by a wrong limit say nothing.
     doubts = [
@@ -168,16 +168,19 @@ def _linked(model: SpecModel) -> dict[str, str]:
 
 
 def _levers(
-    joints: Sequence[JointActuator], model: SpecModel, mass: float | None, kept: Kept
+    joints: Sequence[JointActuator], model: SpecModel, spans: SourceMap, mass: float | None, kept: Kept
 ) -> dict[str, Sequence[Found]]:
-    """What is found of each joint's limit by the weight of the whole robot."""
+    """What is found of each joint's limit by the weight of the whole robot, and by its other joints."""
     linked = _linked(model)
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
     body = mass if len(joints) >= WHOLE_BODY[0] and (mass or 0.0) >= WHOLE_BODY[1] else None
     return {
         joint.joint: [
             found
-            for found in levers_of(joint, whole, body, linked.get(joint.joint))
+            for found in (
+                list(levers_of(joint, whole, body, linked.get(joint.joint)))
+                or odd_limit_found(joint, joints, model, spans)
+            )
             if not kept.has(found.doubt)
         ]
         for joint in joints
@@ -208,7 +211,7 @@ def _joint_doubts_of(
         joint.joint: [
             *levers[joint.joint],
             *_viscous(joint, drives, written, spans, kept),
-            *_joint_doubts(joint, joints, model, written, kept),
+            *_joint_doubts(joint, joints, model, written, drives, spans, kept),
         ]
         for joint in joints
     }
@@ -259,13 +262,16 @@ def _joint_doubts(
     joints: Sequence[JointActuator],
     model: SpecModel,
     written: Mapping[Span, SpecValue],
+    drives: Mapping[str, Drive],
+    spans: SourceMap,
     kept: Kept,
 ) -> Iterator[Found]:
     for check in (pose_found, command_range_found, scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
     yield from slow_found(joint, motor)
-    yield from _friction(joint, joints, kept)
+    yield from other_unit_found(joint, joints, written)
+    yield from _friction(joint, joints, drives, spans, kept)
     inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
     yield from inertia or gains_found(joint)
@@ -279,7 +285,13 @@ def _of_reduction(doubt: Doubt, path: Path, size: float, spans: SourceMap) -> Do
     )
 
 
-def _friction(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept) -> Iterator[Found]:
+def _friction(
+    joint: JointActuator,
+    joints: Sequence[JointActuator],
+    drives: Mapping[str, Drive],
+    spans: SourceMap,
+    kept: Kept,
+) -> Iterator[Found]:
     """Dry friction against the effort limit, where one of the two is the motor's or the results'."""
     coulomb, limit = joint.friction_coulomb, joint.effort_limit
     if not coulomb.value or not limit.value or not (is_stated(coulomb) or is_stated(limit)):
@@ -298,10 +310,19 @@ def _friction(joint: JointActuator, joints: Sequence[JointActuator], kept: Kept)
     number, other, field = (
         (coulomb, limit, "friction.coulomb") if is_stated(coulomb) else (limit, coulomb, "effort_limit")
     )
+    drive = drives.get(joint.motor or "") if limit.origin is Origin.DERIVED else None
+    help += _or_gear(None if drive is None else next_gear(drive) or likelier_gear(drive), spans, kept)
     where = f"actuators.{joint.group}.{field}"
     yield found_at(
         joint, "FRC101", where, coulomb.value / limit.value, message, help, number, other, error=error
     )
+
+
+def _or_gear(gear: Repair | None, spans: SourceMap, kept: Kept) -> str:
+    """A gear ratio that may be meant, beside what friction may be."""
+    if gear is None or not kept.paths.isdisjoint(gear.paths):
+        return ""
+    return f" Or gear_ratio ({spans.value(gear.paths[0])}): {gear.help}"
 
 
 def _static(joint: JointActuator, kept: Kept) -> Iterator[Found]:
@@ -381,6 +402,7 @@ def _viscous(
         help += f" Or is the limit wrong ({limit.span})? The motor has {at_rest} at rest."
     where, number, other = f"actuators.{joint.group}.friction.viscous", viscous, speed
     drive = drives.get(joint.motor or "")
+    help += _or_gear(None if drive is None else likelier_gear(drive), spans, kept)
     readings = [
         reading
         for reading in (

@@ -48,6 +48,10 @@ SERVO_TORQUE = 10.0
 their sheets have 0.05 to 0.3 s for 60 deg, and 8 N*m at most."""
 SERVO_TIMES = (0.03, 0.3)
 """Of servos [s per 60 deg]."""
+GEARED_SUPPLY = 14.8
+"""The same of four cells or less [V], of a servo whose gear and rotor are stated."""
+SPUN_UP = 5e-4
+"""Time in which its torque turns its rotor to that speed [s], below which that is none. Published: 5e-3 to 0.052."""
 LEVER = 1.8
 """Effort limit over the robot's weight [m]. Published: to 1.7 (Aloha), but for a UR10's 330 N*m on a UR3 (3.2)."""
 RATE = 3.1e4
@@ -252,14 +256,15 @@ def velocity_found(joint: JointActuator) -> Iterator[Found]:
 def slow_found(joint: JointActuator, motor: Motor | None) -> Iterator[Found]:
     """A no-load speed with which the joint of a robot cannot do what its gains ask for.
 
-    Of a motor whose gear is stated the speed of the rotor is judged; a file with about such a speed says it as well.
+    Of a motor whose gear is stated the speed of the rotor is judged, and here only a servo's whose rotor says that it
+    is faster; a file with about such a speed says it as well.
 
     Args:
         joint: A joint with a motor.
         motor: The motor.
     """
     speed, limit, kp = own_speed(joint), joint.effort_limit, joint.kp
-    if motor is None or gear_of(motor) is not None or joint.kind is not JointKind.HINGE or speed is None:
+    if motor is None or joint.kind is not JointKind.HINGE or speed is None:
         return
     fast, most, said = (
         speed.value or 0.0,
@@ -270,8 +275,15 @@ def slow_found(joint: JointActuator, motor: Motor | None) -> Iterator[Found]:
         return
     if said is not None and said.value and said.value < ABOUT_FILE * fast:
         return
-    if (joint.reflected_inertia.value or 0.0) * fast > SPIN_UP * most:
+    turned = (joint.reflected_inertia.value or 0.0) * fast / most
+    if turned > SPIN_UP:
         # A heavy motor is as slow as that.
+        return
+    volts = number(motor.nominal_voltage) or 0.0
+    geared = gear_of(motor) is not None
+    small = 0.0 < volts <= (GEARED_SUPPLY if geared else SERVO_SUPPLY) and most < SERVO_TORQUE
+    timed = SERVO_TIMES[0] <= fast <= SERVO_TIMES[1]
+    if geared and not (small and timed and 0.0 < turned < SPUN_UP):
         return
     error = 0.0 if kp is None or not kp.value else most / kp.value
     if fast < NO_SPEED:
@@ -282,16 +294,16 @@ def slow_found(joint: JointActuator, motor: Motor | None) -> Iterator[Found]:
             f"{format_quantity(error, 'rad', 3)} at which kp {shown(kp) if kp is not None else ''} asks for the effort "
             f"limit of {shown(limit)}"
         )
-    elif 0.0 < (number(motor.nominal_voltage) or 0.0) <= SERVO_SUPPLY and most < SERVO_TORQUE:
-        volts = motor.nominal_voltage.written if motor.nominal_voltage is not None else ""
+    elif small:
+        supply = motor.nominal_voltage.written if motor.nominal_voltage is not None else ""
         message = (
-            f"a no-load speed of {shown(speed)} of a motor of {volts} and {shown(limit)}: usual servos turn "
+            f"a no-load speed of {shown(speed)} of a motor of {supply} and {shown(limit)}: usual servos turn "
             "with 3 rad/s or more"
         )
     else:
         return
     help = "look for a wrong unit, or the point in the wrong place"
-    if SERVO_TIMES[0] <= fast <= SERVO_TIMES[1]:
+    if timed:
         meant = format_quantity(60.0 * DEGREE / fast, "rad/s", 3)
         help = f"is it in s per 60 deg, as sheets of servos have it? Then it is {meant}; or {help}"
     where = f"motors.{joint.motor}.{'no_load_speed' if motor.curve is None else 'curve.no_load_speed'}"

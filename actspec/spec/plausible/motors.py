@@ -7,14 +7,26 @@ from collections.abc import Iterator
 
 from actspec.diagnostics import Path
 from actspec.spec.models import Motor
-from actspec.spec.plausible.currents import ROUNDING, constant_relations
-from actspec.spec.plausible.drive import Drive, Output, is_geared, number, output_of
+from actspec.spec.plausible.currents import ROUNDING, constant_relations, is_reached
+from actspec.spec.plausible.drive import (
+    GEARED,
+    Drive,
+    Output,
+    efficiency_of,
+    figure_at,
+    gear_of,
+    is_geared,
+    number,
+    output_of,
+)
 from actspec.spec.plausible.driven import (
     AGREES,
     FASTEST_OUTPUT,
     FASTEST_SLIDE,
     NEVER_GEARED_UP,
+    is_round,
     limit_relations,
+    rub_relations,
     stage_relations,
     train_relations,
     witness_relations,
@@ -43,6 +55,12 @@ HOPELESS_POWER = 1e6
 """Likewise [W]. Chosen: the largest motors of vehicles have 700 kW."""
 WINDING = 10.0
 """A stall torque may be this many times a large peak torque beside it: voltage over resistance, never reached."""
+MOST_OF_WINDING = 20.0
+"""Stall over peak torque from which on it is the gear's if it is just the gear. Published: 20 (AK80-64, behind 64)."""
+JUST_GEAR = 5e-3
+"""Two torques are the gear apart by this part."""
+ROUNDED_GEAR = 0.02
+"""The same where they contradict each other."""
 LARGE = 1000.0
 """Such a torque [N*m]. Published of legged and humanoid robots: to 494 (Apollo's hip, playground)."""
 SLOWEST_ROTOR = 60.0
@@ -57,6 +75,9 @@ FASTEST_MICRO = 15708.0
 """Of a micro motor [rad/s], 150000 rpm. Chosen: such of 2 to 6 mm are sold with 100000 and 120000 rpm."""
 FASTEST_BY_TORQUE = 1000.0
 """No-load speed times the root of the torque, at the output [rad/s (N*m)^0.5]."""
+FASTEST_DIRECT = 3000.0
+"""The same without a gear, of a wheel, or where constant and voltage make the speed. Chosen: hobby motors are sold
+with 1081 (mj5208) and 1185 (D6374), and ten times those are a wrong unit."""
 SLOWEST_BY_OUTPUT = 40.0
 """Of a rotor by the speed of its output [rad/s], which is often what the drive allows. Chosen: 100 x 0.5 rad/s."""
 ROTOR_ACCELERATION = (1500.0, 5e6)
@@ -125,6 +146,7 @@ def _relations(drive: Drive) -> Iterator[Relation]:
     yield from _stage_inertias(drive.name, motor)
     yield from train_relations(drive, output, said)
     yield from limit_relations(drive, output)
+    yield from rub_relations(drive, output)
     yield from witnesses
 
 
@@ -178,6 +200,7 @@ def _torques(name: str, motor: Motor) -> Iterator[Relation]:
             beyond=(0.0, beyond),
         )
 
+    yield from _of_other_side(name, motor)
     curve = motor.curve
     if curve is not None and curve.brake_torque.value and curve.drive_torque.value:
         ratio = curve.brake_torque.value / curve.drive_torque.value
@@ -192,6 +215,49 @@ def _torques(name: str, motor: Motor) -> Iterator[Relation]:
             "both are of one motor: look for a wrong unit, or the figure of another one",
             ((*path, "curve", "drive_torque"),),
         )
+
+
+def is_gear_apart(motor: Motor, path: Path, other: Path, part: float = ROUNDED_GEAR) -> float | None:
+    """What the gear passes on where a torque is another one at the other side of it: 1, or its efficiency; else None.
+
+    `path` is that of the torque that would stand at the wrong side, `part` how far they may be off.
+    """
+    gear, one, two = gear_of(motor), number(figure_at(motor, path)), number(figure_at(motor, other))
+    if gear is None or gear < GEARED or not one or not two or motor.side is None:
+        return None
+    ratio = one / two if motor.side == "motor" else two / one
+    passed = (1.0, efficiency_of(motor))
+    return next((share for share in passed if math.isclose(ratio, gear * share, rel_tol=part)), None)
+
+
+def _of_other_side(name: str, motor: Motor) -> Iterator[Relation]:
+    """A stall torque and a peak torque that are just the gear apart: one of them is the other side's.
+
+    A gear as small as what a winding has over its drive tells it where the figure is as odd as a gear makes it.
+    """
+    wrong, right = (
+        ("stall_torque", "peak_torque") if motor.side == "motor" else ("peak_torque", "stall_torque")
+    )
+    one = figure_at(motor, (wrong,))
+    if motor.stall_torque is None or motor.peak_torque is None:
+        return
+    if one is None or is_gear_apart(motor, (wrong,), (right,), JUST_GEAR) is None:
+        return
+    ratio = (motor.stall_torque.value or 0.0) / (motor.peak_torque.value or 1.0)
+    if ratio <= MOST_OF_WINDING and is_round(one.value or 0.0):
+        return
+    yield Relation(
+        "SPEC180",
+        ratio,
+        (0.0, GEARED),
+        (0.0, GEARED),
+        f"stall_torque {motor.stall_torque.written} is {format_quantity(ratio, '', 4)} times peak_torque "
+        f"{motor.peak_torque.written}, which is just the gear",
+        ("motors", name, wrong),
+        None,
+        (("motors", name, right), ("motors", name, "gear_ratio")),
+        about="gear",
+    )
 
 
 def _far(field: str, value: SpecValue, other: str, most: SpecValue) -> str:
@@ -298,10 +364,11 @@ def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
         about="output",
     )
     if output.torque and drive.hinges:
+        direct = not behind and (drive.wheels or is_reached(motor))
         yield Relation(
             "SPEC184",
             joint * math.sqrt(output.torque * torque),
-            (0.0, FASTEST_BY_TORQUE),
+            (0.0, FASTEST_DIRECT if direct else FASTEST_BY_TORQUE),
             (1.0, 500.0),
             f"{format_quantity(output.speed, 'rad/s', 4)} at the output{then}, of a motor of "
             f"{format_quantity(output.torque, 'N*m', 3)}: no joint of such a torque is nearly as fast",

@@ -18,6 +18,7 @@ from actspec.spec.plausible.gearing import multiplier_doubts
 from actspec.spec.plausible.groups import group_doubts, layers, std_doubts
 from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
+from actspec.spec.plausible.rubbing import rubbed_doubts
 from actspec.spec.plausible.table import BY_CODE, Doubt, Kept, by_number, kept_of, tell
 from actspec.spec.plausible.times import time_doubts
 from actspec.spec.plausible.witnesses import file_doubts, witnessed
@@ -82,7 +83,7 @@ def number_doubts(
     doubts += gears
     for drive in drives:
         if drive.name not in together and drive.name not in made:
-            own = list(motor_doubts(drive, spans))
+            own = list(motor_doubts(drive, spans)) or list(rubbed_doubts(drive, spans))
             own = own or list(multiplier_doubts(drive, model, joints, spans))
             doubts += own or contradictions(drive, joints, model, spans)
     places = {doubt.span for doubt in doubts}

@@ -73,6 +73,7 @@ class Relation:
         beyond: Outside of these bounds nothing could be right.
         about: Tells it from others of the same figures.
         witnessed: It holds a figure against the robot's file, and is only told with a correction that agrees.
+        aside: It is told elsewhere, of the joints; of a motor it only refuses corrections that break it.
     """
 
     code: str
@@ -86,11 +87,17 @@ class Relation:
     beyond: tuple[float, float] = (0.0, math.inf)
     about: str = ""
     witnessed: bool = False
+    aside: bool = False
 
     @property
     def broken(self) -> bool:
-        """Whether no robot is known that has it."""
-        return not self.bounds[0] <= self.value <= self.bounds[1]
+        """Whether no robot is known that has it, and it is told here."""
+        return not self.aside and not self.bounds[0] <= self.value <= self.bounds[1]
+
+    @property
+    def spoiled(self) -> bool:
+        """Whether no robot is known that has it, and it is told elsewhere."""
+        return self.aside and not self.bounds[0] <= self.value <= self.bounds[1]
 
     @property
     def error(self) -> bool:
@@ -141,9 +148,12 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
         _about(relation): relation.value for relation in before if relation.witnessed and relation.broken
     }
     was = {_about(relation): 0.0 if relation.broken else relation.excess for relation in before}
+    spoiled = {_about(relation) for relation in before if relation.spoiled}
     found: list[tuple[float, Repair]] = []
     for repair in repairs:
         if any(relation.broken for relation in repair.after):
+            continue
+        if any(relation.spoiled and _about(relation) not in spoiled for relation in repair.after):
             continue
         if refuted and all(
             relation.excess > (ABOUT if refuted[_about(relation)] > FAR_ABOVE_FILE else 0.0)

@@ -30,6 +30,7 @@ from actspec.spec.plausible.drive import (
     GEARED,
     Drive,
     Limit,
+    any_number,
     efficiency_of,
     figure_at,
     gear_of,
@@ -38,7 +39,7 @@ from actspec.spec.plausible.drive import (
 )
 from actspec.spec.plausible.driven import AGREES, SLOWED
 from actspec.spec.plausible.gearing import counts_repaired, reductions_repaired, stages_repaired
-from actspec.spec.plausible.motors import GEAR_INVERSE, relations
+from actspec.spec.plausible.motors import GEAR_INVERSE, is_gear_apart, relations
 from actspec.spec.plausible.relations import (
     ALIKE,
     KGF_CM,
@@ -58,6 +59,7 @@ from actspec.spec.plausible.slips import (
     multiplied,
     slips_of,
     tens,
+    thousandth,
     transposed,
 )
 from actspec.spec.plausible.table import Doubt
@@ -73,6 +75,8 @@ SIDED = 0.15
 """What it costs that all torques are those of the other side, and the speed is not, as `RARE`."""
 ONE_SIDED = 0.25
 """What it costs that one of several torques is."""
+THROUGH = 0.2
+"""What it is worth that a torque of the other side is another one of this side, through the gear, as `RARE`."""
 EXACT = 1.003
 """A torque in kgf*cm, 1.02 times one with a wrong point, is told from that if it agrees with a limit by this factor."""
 ONCE = 1.02
@@ -108,7 +112,7 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     broken = [relation for relation in before if relation.broken]
     if not broken:
         return
-    repairs = list(_repairs(drive))
+    repairs = list(repairs_of(drive))
     witnessed = all(relation.witnessed for relation in broken)
     if witnessed:
         limits = {limit.path for limit in drive.limits}
@@ -117,12 +121,15 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
         # It is a large machine's, or a figure with which it is a robot's of a usual size.
         repairs = [item for item in repairs if not any(_is_large(relation) for relation in item.after)]
     best = explained(before, repairs)
+    kept = False
     if best and not drive.sure.isdisjoint(best[0].paths):
         if drive.sure.issuperset(best[0].paths):
             # Of several that may be the wrong one those are left of which nobody is sure; else it is kept.
             best = [repair for repair in best if drive.sure.isdisjoint(repair.paths)] or best
         else:
             best = explained(before, (item for item in repairs if drive.sure.isdisjoint(item.paths)))
+            # A speed that is odd beside a number that is right, and by no slip, is as right.
+            kept = not best and all(item.code == "SPEC184" and not item.error for item in broken)
     if best:
         rivals = (repair for repair in best[1:] if drive.sure.isdisjoint(repair.paths))
         yield explanation([best[0], *rivals], broken, spans)
@@ -137,7 +144,7 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
             elif vague and doubt.span in refuted:
                 doubt = replace(doubt, help=refuted[doubt.span])
             yield doubt
-    elif not witnessed:
+    elif not witnessed and not kept:
         yield from unexplained(drive, broken, spans)
 
 
@@ -207,7 +214,7 @@ def _train_speeds(found: Iterable[Relation]) -> dict[Path, float]:
     }
 
 
-def _repairs(drive: Drive) -> Iterator[Repair]:
+def repairs_of(drive: Drive) -> Iterator[Repair]:
     """Every correction of a drive, those before that are preferred where two are equally good."""
     motor, root = drive.motor, ("motors", drive.name)
     gear, broken = gear_of(motor), [relation for relation in relations(drive) if relation.broken]
@@ -224,7 +231,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             result = with_figure(result, path, multiplied(figure_at(motor, path), factor))
         return changed(result, paths, help, rare)
 
-    torques = [path for path in TORQUES if number(figure_at(motor, path))]
+    torques = [path for path in TORQUES if any_number(figure_at(motor, path))]
     # Through a gearbox of which no efficiency is stated a torque is only about so large.
     passed, about = efficiency_of(motor), "" if _is_efficient(motor) else "about "
     there, here = ("gearbox output", "rotor") if motor.side == "motor" else ("rotor", "gearbox output")
@@ -248,6 +255,10 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             yield changed(swapped, [("side",)], help, rare)
 
     def sided(path: Path, factor: float, lossy: bool, rare: float = 0.0) -> Repair:
+        through = [is_gear_apart(motor, path, other) for other in torques if other != path]
+        if any(through):
+            # The same number through the gear is no accident.
+            rare, lossy = -THROUGH, lossy and 1.0 not in through
         factor *= (passed if factor > 1.0 else 1.0 / passed) if lossy else 1.0
         meant = in_unit(multiplied(figure_at(motor, path), factor))
         help = f"is it quoted at the {there}? At the {here} it is {about if lossy else ''}{meant}"
@@ -297,7 +308,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     yield from stalled(motor, moved)
     for field in ("torque_constant", "peak_current", "nominal_current", "nominal_voltage"):
         value: SpecValue | None = getattr(motor, field)
-        if value is not None and number(value):
+        if value is not None and any_number(value):
             slips = [by_peer(motor, field, slip) for slip in slips_of(value)]
             if field == "torque_constant" and across is not None:
                 slips = [or_twice(value, gear or 1.0, slip) for slip in slips]
@@ -368,11 +379,13 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             yield sided(path, across, lossy=True, rare=ONE_SIDED)
     if (
         torques
-        and number(motor.torque_constant)
+        and any_number(motor.torque_constant)
         and any(item.code in ("SPEC181", "SPEC183") for item in broken)
     ):
         every = listed([str(path[-1]) for path in (*torques, ("torque_constant",))], 6)
-        help = f"are {every} in mN*m? {milli(_given(motor, torques[0]))}"
+        help = (
+            f"are {every} in {thousandth(_given(motor, torques[0]).unit)}? {milli(_given(motor, torques[0]))}"
+        )
         yield moved([*torques, ("torque_constant",)], 1e-3, help)
     if torques:
         first = _given(motor, torques[0])
@@ -386,8 +399,9 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             alone = not any(number(figure_at(motor, path)) for path in SPEEDS)
             yield moved(torques, factor, help, 0.0 if alone else SIDED)
         if len(torques) > 1:
-            yield moved(torques, 1e-3, f"are {names} in mN*m? {milli(first)}")
-        if len(torques) > 1 and all("kgf" not in _given(motor, path).written for path in torques):
+            yield moved(torques, 1e-3, f"are {names} in {thousandth(first.unit)}? {milli(first)}")
+        turns = all(_given(motor, path).unit == "N*m" for path in torques)
+        if len(torques) > 1 and turns and all("kgf" not in _given(motor, path).written for path in torques):
             # A torque constant is in N*m/A on every sheet.
             rare = RARE if motor.torque_constant is None else RARE - 0.05
             meant = in_unit(multiplied(first, 0.1))

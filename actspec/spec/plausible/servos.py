@@ -20,15 +20,20 @@ from actspec.spec.plausible.gains import (
     gain_words,
 )
 from actspec.spec.plausible.relations import DEGREE, POINT
-from actspec.spec.plausible.swing import SOFT, STIFFEST_SERVO, damping_words, frequency_words, slack_words
+from actspec.spec.plausible.swing import (
+    ROTOR_ERROR,
+    SOFT,
+    STIFFEST_SERVO,
+    damping_words,
+    frequency_words,
+    is_short,
+    slack_words,
+)
 from actspec.spec.plausible.table import Found, found_at, is_files, is_stated, shown
 from actspec.units import format_quantity
 
 SLOWEST_SPIN_UP = 0.052
 """Time in which a motor turns its own rotor to its speed [s]. Published: 0.005 (Go2) to 0.052 (STS3215)."""
-DIGITS = 1e-3
-"""Both gains are 57.3 times numbers of two digits by this part."""
-
 LEAST_SPEED = {JointKind.HINGE: 1e-2, JointKind.SLIDE: 1e-3}
 """Effort limit over a kd without kp [rad/s or m/s]: a smaller error of speed asks for all of it. Published: 0.15, of
 servos with a kp 0.07."""
@@ -270,10 +275,6 @@ def _noticed_return(joint: JointActuator, kp: Quantity) -> float:
 
 def _is_of_degrees(kp: Quantity, kd: Quantity | None) -> bool:
     """Whether kp and kd are both 57.3 times a number of two digits, and neither is such a number."""
-
-    def is_short(size: float) -> bool:
-        return math.isclose(float(f"{size:.1e}"), size, rel_tol=DIGITS)
-
     sizes = [0.0 if gain is None else gain.value or 0.0 for gain in (kp, kd)]
     return all(size > 0.0 and is_short(size * DEGREE) and not is_short(size) for size in sizes)
 
@@ -282,15 +283,20 @@ def _by_frequency(
     kp: Quantity, kd: Quantity | None, joint: JointActuator, gains: Gains, inertia: float
 ) -> tuple[str, str, float] | None:
     """Message, help and size where the natural frequency is no joint's."""
-    words = frequency_words(gains, inertia, joint.friction_coulomb.value or 0.0)
+    stiffness, armature = kp.require(), joint.armature
+    rotor = (armature.value or 0.0) if armature.origin is Origin.DERIVED else 0.0
+    words = frequency_words(gains, inertia, joint.friction_coulomb.value or 0.0, rotor)
     if words is None:
         return None
     message, help, size = words
-    stiffness, armature = kp.require(), joint.armature
     links = inertia - (armature.value or 0.0)
     if stiffness < SOFT**2 * inertia:
         if armature.origin is Origin.DERIVED and stiffness > SOFT**2 * links:
-            help += f". Or is a gear too large? {shown(armature)} of the inertia is the armature: {armature.formula}"
+            gear = (
+                f"is a gear too large? {shown(armature)} of the inertia is the armature: {armature.formula}"
+            )
+            # What is hardly anything but the rotor is hardly the links'.
+            help = f"{gear}. Or {help}" if rotor > ROTOR_ERROR[0] * links else f"{help}. Or {gear}"
     elif help != POINT and kd is not None and kd.value and kd.value > RETURN[1] * stiffness * DEGREE:
         # Alone kp would be too soft for that kd.
         both = [format_quantity(gain.require() * DEGREE, gain.unit, 4) for gain in (kp, kd)]

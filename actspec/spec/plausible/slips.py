@@ -96,7 +96,7 @@ def slips_of(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str
         yield 1e-3, _of_milli(value), 0.0
         yield 1e3, f"did you mean {in_unit(multiplied(value, 1e3))}?", 0.0
     amount, unit = amount_of(value)
-    if unit.startswith("kgf*"):
+    if unit.startswith("kgf"):
         meant = replace(value, value=amount)
         yield amount / (size or 1.0), f"did you mean {in_unit(meant)}?", 0.0
     servo = value.unit in ("N*m", "N*m/A") and "kgf" not in value.written and size * KGF_CM < SERVO

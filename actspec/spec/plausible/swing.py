@@ -17,6 +17,9 @@ links."""
 SOFT_ERROR = 10.0
 """Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`, or dry friction holds the joint.
 Published, with a motor: to 2.2."""
+ROTOR_ERROR = (10.0, 4.0)
+"""Rotor behind its gear over the links [-], from which on an error above the second [rad] is noticed there, where kd
+over kp is at most `SLACK_RETURN`. Published: 3 to 10 times; errors to 3.4, with a motor to 2.2."""
 HELD_ERROR = 0.1
 """Dry friction over kp [rad]: noticed where viscous friction is above kd and the natural frequency below `SOFT`.
 Chosen: arms are held within 0.003 rad, legs within 0.03."""
@@ -37,8 +40,13 @@ STIFF = 150.0
 """Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""
 STIFF_ERROR = 0.06
 """[rad]."""
+FIRM = (500.0, 0.5, 3.0)
+"""Natural frequency [rad/s] to which, and damping ratios [-] between which, a joint with a motor may be as stiff as
+that if both gains have two digits, as of machines. Times 57.3 they have more; kp alone makes a tenth of the ratio."""
 STIFF_LINK = 1e-3
 """Joints of less are fingers, which are stiff for their inertia [kg*m^2]."""
+DIGITS = 1e-3
+"""A number has two digits by this part."""
 STIFFEST_SERVO = 3000.0
 """Natural frequency from which on also what may be a simulator's own servo, without a motor, is noticed [rad/s].
 Published, of 2223 hinges: 5.9 to 719 (arms of a G1 that Isaac Lab holds with 3000 N*m/rad)."""
@@ -46,20 +54,25 @@ DAMPING_RATIO = (0.015, 60.0)
 """kd and viscous friction over 2 sqrt(kp I)."""
 
 
-def frequency_words(gains: Gains, inertia: float, dry: float = 0.0) -> tuple[str, str, float] | None:
+def frequency_words(
+    gains: Gains, inertia: float, dry: float = 0.0, rotor: float = 0.0
+) -> tuple[str, str, float] | None:
     """Message, help and size where the natural frequency of a hinge is no joint's; None where it may be one's.
 
     Args:
         gains: Of the hinge.
         inertia: With the other joints held, armature included [kg*m^2].
         dry: Friction [N*m].
+        rotor: What of the inertia is a rotor's behind its gear [kg*m^2].
     """
     unit = units_of(gains.kind)
     frequency = math.sqrt(gains.kp / inertia)
     error = None if gains.limit is None else gains.limit / gains.kp
     message = _swing(gains, inertia)
     heavy = inertia >= STIFF_LINK
-    slack = error is not None and error > SOFT_ERROR
+    heavier, most = ROTOR_ERROR
+    geared = rotor > heavier * (inertia - rotor) and 0.0 < (gains.kd or 0.0) <= SLACK_RETURN * gains.kp
+    slack = error is not None and error > (most if geared else SOFT_ERROR)
     tight = error is not None and error < STIFF_ERROR
     soft = frequency < TOO_SOFT and (gains.driven or heavy)
     held = dry / gains.kp > HELD_ERROR and (gains.kd or 0.0) < gains.viscous
@@ -73,11 +86,30 @@ def frequency_words(gains: Gains, inertia: float, dry: float = 0.0) -> tuple[str
             f"is it per degree? Per radian it is {degrees}, and kd 57.3 times as well",
             1 / frequency,
         )
-    if heavy and (tight and frequency > STIFF if gains.driven else frequency > STIFFEST_SERVO):
+    stiff = (
+        tight and frequency > STIFF and not _is_firm(gains, inertia)
+        if gains.driven
+        else frequency > STIFFEST_SERVO
+    )
+    if heavy and stiff:
         without = replace(gains, kp=gains.kp * DEGREE)
         help = f"is it multiplied by 57.3? Without that it is {without.shown_kp}"
         return message, POINT if without.kp > STIFF**2 * inertia else help, frequency
     return None
+
+
+def is_short(size: float) -> bool:
+    """Whether a number has two digits at most."""
+    return math.isclose(float(f"{size:.1e}"), size, rel_tol=DIGITS)
+
+
+def _is_firm(gains: Gains, inertia: float) -> bool:
+    """Whether a joint of that inertia [kg*m^2] is stiff and damped as a machine's, by gains that are no slip's."""
+    kd = gains.kd or 0.0
+    most, low, high = FIRM
+    ratio = kd / (2.0 * math.sqrt(gains.kp * inertia))
+    fits = gains.kp <= most**2 * inertia and low <= ratio <= high
+    return fits and is_short(gains.kp) and is_short(kd)
 
 
 def slack_words(gains: Gains, inertia: float, rubs: bool) -> tuple[str, str, float] | None:

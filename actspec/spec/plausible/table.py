@@ -53,20 +53,22 @@ CHECKS = (
     Check(
         "SPEC180",
         "torque-above-stall",
-        "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it; a "
-        "brake torque far from the drive torque.",
+        "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it, or a "
+        "stall torque that is just the gear apart from it; a brake torque far from the drive torque.",
         "A peak above the line is a warning from 2 % on and an error from 3 times on; a continuous torque above it is "
         "an error. The largest peak in robots/motors is 1 times the stall torque. A warning for a continuous torque "
         "below 0.004 and a peak below 0.015 of it: windings have 0.02 (EC-i) and 0.05 (AK80-64) and more, and mN*m as "
-        "N*m are a thousandth. Of a curve a warning for a brake torque above 3 times the drive torque or below a "
-        "third (1.16, Unitree Go2HV, to 1.79, W4010-25).",
+        "N*m are a thousandth. Stall over peak torque that is the gear to 0.5 %, if it is above 20 or the figure of "
+        "the other side has three digits. Of a curve a warning for a brake torque above 3 times the drive torque or "
+        "below a third (1.16, Unitree Go2HV, to 1.79, W4010-25).",
     ),
     Check(
         "SPEC181",
         "torque-constant",
         "Torque constant times current far from the torque, or times no-load speed far from the voltage; a speed "
         "constant in its place; a nominal current above the peak current.",
-        "N*m/A and V*s/rad are one unit. A warning outside of 0.4 to 2.5 times the torque: amplitudes for effective "
+        "N*m/A and V*s/rad are one unit, as N/A and V*s/m. A warning outside of 0.4 to 2.5 times the torque: "
+        "amplitudes for effective "
         "values, phases for lines, losses and saturation make up to 2. A stall torque that stands alone is a "
         "winding's, unless it is in kgf*cm, to 1 %, what constant, current and effort limit agree on. Outside of 0.2 "
         "to 3 times the voltage: field weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. "
@@ -80,19 +82,21 @@ CHECKS = (
         "A gear ratio or a reduction below 1, or stages that make one: the output would turn faster than the rotor, "
         "or the joint than the output; one stage of several that does. Teeth that are no whole number; a planetary "
         "stage that nobody can make. A reduction, or a transmission of ratios, that is the motor's own gear again, as "
-        "many motors for one joint as there are joints.",
+        "many motors for one joint as there are joints. A gear that dry and viscous friction of its joints contradict.",
         "A warning; an error below 0.05, as no joint is geared up twenty times. Published: gears of 5 to 345, "
         "reductions to 2.2. One stage below 0.8 of several that reduce together, unless the robot's file has the "
         "torque. A planetary stage above 15: three planets touch each other from 14.9 on (published: 4.5). A reduction "
         "of 5 or more that is the motor's gear ratio to 1 %, and 3 motors or more per joint that are as many as the "
-        "joints of the group or the robot, or more than 8 (published: 2), but for a torque that the file has.",
+        "joints of the group or the robot, or more than 8 (published: 2), but for a torque that the file has. Where "
+        "both frictions are too large by FRC101 and FRC106 (3 times the torque) and of the motor's figures the gear "
+        "alone explains it, with its point elsewhere.",
     ),
     Check(
         "SPEC183",
         "beyond-any-motor",
         "Torque or power at the gearbox output beyond any motor of a robot, of the robot's size, or of its own "
         "voltage, gear and peak torque; force behind a transmission; an effort limit without a motor that the joint's "
-        "other figures contradict together.",
+        "other figures contradict together, or one many times that of every other hinge.",
         "A warning above 100 kN*m (chosen: the strongest arms hold 2300 kg at 3.7 m, 84 kN*m; axes of a KR 210 have "
         "11 kN*m, slews of excavators 400), or 1000 N*m behind more than 1000 turns (gears of large arms have to 350, "
         "and 9 N*m are published behind 1462); above 200 kW (peak torque times no-load speed; chosen, a KR 210 has 24 "
@@ -108,7 +112,9 @@ CHECKS = (
         "above 31000 rad/s^2 of the armature (30000, H1), an error above 4 rad by kp (3.4, but for fingers and one "
         "ankle), the whole robot on a lever of more than 1.8 m (1.7, Aloha; of 6051 published hinges none has two of "
         "these); or above 700 N*m where one of its other figures is of a usual size and impossible beside it; or one "
-        "below 5 rad/s^2 of the armature that kp asks for at less than 3.5 mrad.",
+        "below 5 rad/s^2 of the armature that kp asks for at less than 3.5 mrad. An effort limit above 700 N*m, and no "
+        "power of ten, that is 8 times that of every other hinge of the spec and that kp asks for at 3 rad or more (of "
+        "355 published robots only placeholders are).",
     ),
     Check(
         "SPEC184",
@@ -123,8 +129,9 @@ CHECKS = (
         "(chosen: belts reach 10 m/s; a screw above 5, as fast ones reach 2.5), "
         "as a motor that travels, or one of 200 kW (20 kW below 100 V); a lever arm "
         "above 3 m (chosen: large excavators have 1); a joint, behind reduction and transmission, above 1000 rad/s "
-        "divided by the root of its torque in N*m; a velocity limit above 3 times the motor's speed at the joint, and "
-        "where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s; where the "
+        "divided by the root of its torque in N*m (3000 without a gear, of a wheel or where constant and voltage make "
+        "the speed; hobby motors have 1081 and 1185); a velocity limit above 3 times the motor's speed at the joint, "
+        "and where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s; where the "
         "robot's file has it too, from 3 times that. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs "
         "to 40 rad/s, speed times root of torque to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the "
         "H2 100.7), velocity limits to 1 times the speed. From 5 times above or below the file's limit on, where a "
@@ -134,7 +141,8 @@ CHECKS = (
         "Of a motor whose gear is not stated, below 700 N*m, a no-load speed below 0.02 rad/s, or below 0.3 where the "
         "error at which kp asks for the effort limit takes more than 1.5 s at it (legs: 0.1 s) or the motor has 8.4 V "
         "and 10 N*m at most (servos); not where the robot's file or the motor's inertia has it (2 ms to that speed; "
-        "published: 5). "
+        "published: 5). Of a servo of 14.8 V with a stated gear one of 0.03 to 0.3 to which its torque turns its rotor "
+        "in 0.5 ms. A velocity limit in deg/s or rpm below 1 rad/s whose number other hinges have in rad/s. "
         "A stated Stribeck velocity from the motor's no-load speed, else the velocity limit, on (published: to 1 "
         "rad/s).",
     ),
@@ -267,9 +275,11 @@ CHECKS = (
         "error of more than 50 rad for the effort limit (2.2 rad), or of less than 0.015 rad with kd over kp below 2 "
         "ms (an so101 with 998 N*m/rad); and, by the inertia of links and armature at the reference pose: below 6 "
         "rad/s where the limit needs an error of more than 10 rad, or dry friction holds one of 0.1 rad and viscous "
-        "friction is above kd, or below 1 rad/s (published: 6.2 rad/s and up; an "
+        "friction is above kd, or below 1 rad/s, or where a rotor behind its gear is 10 times the links and the limit "
+        "needs more than 4 rad (published: 6.2 rad/s and up; an "
         "error of 25 rad at most, at 16 rad/s); above 150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or "
-        "more (95 rad/s; 203 at 0.1 rad); a damping ratio below 0.015 with friction (0.064) or above 60 (12). Servos "
+        "more (95 rad/s; 203 at 0.1 rad), but to 500 rad/s where both gains have two digits and damp it with 0.5 to 3 "
+        "(machines); a damping ratio below 0.015 with friction (0.064) or above 60 (12). Servos "
         "without a motor are often a simulator's own: Isaac Lab's G1 has arms of 1482 rad/s. Of them only the 0.015 "
         "rad are noticed, with kd over kp below 0.1 ms (0.4 ms, an so101 with 1600 N*m/rad), but for powers of ten "
         "and what the robot's file has as well. Of joints of 10 N*m or more, with a motor or without: a kp that needs "

@@ -403,6 +403,15 @@ MODEL = """<mujoco><compiler angle="radian"/><worldbody><body>
         ("kp: 2251, kd: 3, effort_limit: 136", "", []),
         ("kp: 2251, kd: 3, effort_limit: 135", "", ["SPEC192"]),
         ("kp: 2249, kd: 3, effort_limit: 134", "", []),
+        # Machines: to 500 rad/s, with two digits, and 19 or 110, but not 18 or 120, / 2 sqrt(3600 x 0.1): 0.5 to 2.9.
+        ("kp: 4000, kd: 40, effort_limit: 113", "", []),
+        ("kp: 25000, kd: 300, effort_limit: 400", "", []),
+        ("kp: 26000, kd: 300, effort_limit: 400", "", ["SPEC192"]),
+        ("kp: 4010, kd: 40, effort_limit: 113", "", ["SPEC192"]),
+        ("kp: 4000, kd: 40.1, effort_limit: 113", "", ["SPEC192"]),
+        ("kp: 3600, kd: 19, effort_limit: 113", "", []),
+        ("kp: 3600, kd: 18, effort_limit: 113", "", ["SPEC192"]),
+        ("kp: 3600, kd: 120, effort_limit: 113", "", ["SPEC192"]),
         # 2 sqrt(10 x 0.1) = 2: a damping ratio of 0.015 is 0.03.
         ("kp: 10, kd: 0.031", "", []),
         ("kp: 10, kd: 0.029", "", ["SPEC192"]),
@@ -609,8 +618,8 @@ def test_a_gear_that_makes_a_joint_slow() -> None:
     (found,) = said(text, MODEL)
     assert (found.code, found.where) == ("SPEC192", "actuators.legs.kp")
     assert found.help == (
-        "is it per degree? Per radian it is 1146 N*m/rad, and kd 57.3 times as well. Or is a gear too large? "
-        "4.5 kg*m^2 of the inertia is the armature: 5e-05 kg*m^2 x 36 (gear_ratio^2) x 2500 (reduction^2)"
+        "is a gear too large? 4.5 kg*m^2 of the inertia is the armature: 5e-05 kg*m^2 x 36 (gear_ratio^2) x 2500 "
+        "(reduction^2). Or is it per degree? Per radian it is 1146 N*m/rad, and kd 57.3 times as well"
     )
 
 

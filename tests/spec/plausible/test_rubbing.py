@@ -1,0 +1,118 @@
+"""A gear with its point in the wrong place, which friction of the joint contradicts: a telescope's mount."""
+
+from __future__ import annotations
+
+import pytest
+
+from actspec.diagnostics import ActspecError, Severity
+from actspec.spec.plausible import BY_CODE
+from tests.fitting import fit, spec_of
+
+REST = "rest: {joints: [calf, slide], level: ideal_pd, kp: 1, kd: 1}"
+# 0.4 x 720 x 0.4 = 115.2 N*m and 62.8 / 720 = 0.0873 rad/s: 8 N*m are 0.07, 20 N*m*s/rad 0.015 of it.
+STEPPER = (
+    "side: motor, gear_ratio: {value: GEAR, sure: SURE}, efficiency: 0.4, stall_torque: 0.44, peak_torque: 0.4, "
+    "no_load_speed: 600 rpm, rotor_inertia: 57 g*cm^2"
+)
+
+
+def told(
+    gear: str,
+    friction: str = "coulomb: 8, viscous: 20",
+    limit: str = "peak",
+    sure: bool = False,
+    more: str = "",
+) -> list[tuple[str, str, str, str]]:
+    """Code, with `!` for an error, place, message and help of what the checks report."""
+    motor = STEPPER.replace("GEAR", gear).replace("SURE", str(sure).lower()) + more
+    text = spec_of(
+        f"axes: {{joints: [hip], motor: m, level: ideal_pd, effort_limit: {limit}, kp: 3e4, kd: 1500, "
+        f"friction: {{{friction}}}}}, {REST}",
+        motors=f"{{m: {{{motor}}}}}",
+    )
+    try:
+        found = fit(text).diagnostics
+    except ActspecError as err:
+        found = err.diagnostics
+    return [
+        (item.code + "!" * (item.severity is Severity.ERROR), item.where, item.message, item.help or "")
+        for item in found
+        if item.code in BY_CODE
+    ]
+
+
+def test_the_gear_that_is_right() -> None:
+    assert told("720") == []
+
+
+@pytest.mark.parametrize("friction", ["coulomb: 8, viscous: 20", "coulomb: 8"])
+def test_a_gear_that_friction_refuses_is_not_offered(friction: str) -> None:
+    """1152 N*m behind 7200 turns; 7.2 would leave 1.15, 72 11.5 N*m, of which the friction takes 0.69."""
+    ((code, where, _, help),) = told("7200", friction)
+    assert (code, where) == ("SPEC183", "motors.m.gear_ratio")
+    assert help == "did you mean 720? `sure: true` beside it keeps a number that is right"
+
+
+def test_without_friction_nothing_tells_which_gear_it_is() -> None:
+    ((_, where, _, help),) = told("7200", "coulomb: unknown, viscous: unknown")
+    assert where == "motors.m.gear_ratio" and "720?" not in help
+
+
+def test_a_gear_that_both_frictions_contradict_is_told_itself() -> None:
+    """1.152 N*m and 8.73 rad/s: 8 N*m, and 20 x 8.73 = 175 N*m."""
+    ((code, where, message, help),) = told("7.2")
+    assert (code, where, help) == ("SPEC182!", "motors.m.gear_ratio", "did you mean 720?")
+    assert message == (
+        "behind 7.2 turns the joint's limit is 1.152 N*m, and dry and viscous friction take too much of it: coulomb "
+        "(s.yaml:4:121), viscous (s.yaml:4:133)"
+    )
+    ((_, _, message, _),) = told("7.2", limit="continuous", more=", continuous_torque: 0.2")
+    assert message.startswith("behind 7.2 turns the joint's limit is 0.576 N*m,")
+    # Who is sure of it has one of the frictions wrong; so has a joint whose limit is stated.
+    assert [item[0] for item in told("7.2", sure=True)] == ["FRC101!", "FRC106"]
+    assert "SPEC182!" not in [item[0] for item in told("7.2", limit="1.1")]
+
+
+def test_beside_one_friction_the_gear_is_named() -> None:
+    """11.52 N*m: 8 N*m are 69 % of it, and may be mN*m."""
+    ((code, where, _, help),) = told("72")
+    assert (code, where) == ("FRC101", "actuators.axes.friction.coulomb")
+    assert help.endswith(
+        " Or is the limit wrong (s.yaml:3:115)? Or gear_ratio (s.yaml:3:39): did you mean 720?"
+    )
+    # Sure of it, or with 0.5 N*m, which no gear explains with its point one place further: it is not named.
+    for found in (told("72", sure=True), told("720", "coulomb: 8000")):
+        ((code, *_, help),) = found
+        assert code.startswith("FRC101") and "gear_ratio" not in help
+
+
+CASSIE = (
+    "side: motor, gear_ratio: {}, peak_torque: {}, stall_torque: {}, no_load_speed: {}, rotor_inertia: 6.1e-5"
+)
+
+
+@pytest.mark.parametrize(
+    ("sheet", "viscous", "gear"),
+    [
+        # 1 N*m*s/rad x 12.1 of 112 N*m; behind 2.5 turns 121 of 11.2.
+        (("25", "4.5", "4.5", "2900 rpm"), "1", None),
+        (("2.5", "4.5", "4.5", "2900 rpm"), "1", "25"),
+        (("5", "0.9", "0.9", "5500 rpm"), "0.5", "50"),
+        # A friction that is wrong itself beside a usual gear; a direct drive.
+        (("9", "2", "2", "2000 rpm"), "5", ""),
+        (("1", "4.5", "4.5", "1000 rpm"), "1", ""),
+    ],
+)
+def test_beside_viscous_friction_a_gear_that_is_too_small_is_named(
+    sheet: tuple[str, ...], viscous: str, gear: str | None
+) -> None:
+    text = spec_of(
+        f"legs: {{joints: [hip], motor: m, level: dc_motor, effort_limit: peak, kp: 90, kd: 9, "
+        f"friction: {{viscous: {viscous}}}}}, {REST}",
+        motors=f"{{m: {{{CASSIE.format(*sheet)}}}}}",
+    )
+    found = [item for item in fit(text).diagnostics if item.code in BY_CODE and item.code != "SPEC192"]
+    assert [item.where for item in found] == ["actuators.legs.friction.viscous"] * (gear is not None)
+    for item in found:
+        named = f"Or gear_ratio (s.yaml:3:39): did you mean {gear}?" if gear else "gear_ratio"
+        assert (named in (item.help or "")) is bool(gear)
