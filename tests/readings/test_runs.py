@@ -315,6 +315,13 @@ def test_a_run_among_several_configurations(workspace: Path, model: str, expecte
     assert {report.case.artifacts[i].name for i in owners} == expected
 
 
+def test_a_configuration_with_other_patterns_is_another_robots(workspace: Path) -> None:
+    """A foot more: the run was trained from another configuration, whatever the model is called."""
+    other = CONFIG.replace('["hip", "knee"]', '["hip", "knee", "foot"]').replace("60.0", "600.0")
+    Path("leggy_cfg.py").write_text(other, encoding="utf-8")
+    assert not audit(["leggy_cfg.py", "logs/one/params/env.yaml"], Settings(select=("SRC103",))).findings
+
+
 def test_a_configuration_that_another_run_was_trained_with(workspace: Path) -> None:
     """The first run had a tenth of the knee's kp, the second has what the configuration has: the slip was mended."""
     Path("leggy_cfg.py").write_text(CONFIG, encoding="utf-8")
