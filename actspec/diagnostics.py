@@ -288,6 +288,11 @@ def listed(names: Iterable[str], most: int = 8) -> str:
     return text
 
 
+def alternatives(readings: Iterable[str]) -> str:
+    """What a number may be meant as, one after the other: "did you mean 3 rpm? Or did you mean 0.3 rad/s?"."""
+    return "; or ".join(readings).replace("?; or ", "? Or ")
+
+
 def many(count: int, noun: str) -> str:
     """A count with its noun: `1 joint`, `2 joints`."""
     return f"{count} {noun}{'s' * (count != 1)}"

@@ -42,7 +42,11 @@ def case_of(
     artifacts = tuple(artifact for reading in readings for artifact in reading.artifacts)
     in_folder = [reading.in_folder for reading in readings for _ in reading.artifacts]
     by_hand = frozenset(index for index, met in enumerate(in_folder) if not met)
-    paired = (part for robot in pair(artifacts, spec, by_hand) for part in _by_variant(robot, artifacts))
+    recorded = [reading.record for reading in readings for _ in reading.artifacts]
+    records = frozenset(index for index, record in enumerate(recorded) if record)
+    paired = (
+        part for robot in pair(artifacts, spec, by_hand, records) for part in _by_variant(robot, artifacts)
+    )
     robots = tuple(sorted(paired, key=lambda robot: robot.artifacts))
     rows = _rows(artifacts, robots, versions, whole, joints)
     artifacts = with_other_variants(artifacts, robots, rows)

@@ -361,7 +361,9 @@ def _lifted(
             every_name = names_of(joints) or beside or own
             lost = list(unselected(config, every_name, of, typed))
             lost += selected_twice(config, every_name)
-            if typed and not lost:
+            # A list may be typed, too; a robot's file has its joints as they are called.
+            listed_alone = named is not None and all(isinstance(joint, str) for joint in joints)
+            if listed_alone and not lost:
                 lost += misspelt(config, names_of(joints))
             if model is None and named is not None and config.framework is Framework.DEPLOY:
                 lost += not_listed(config, names_of(joints))

@@ -35,12 +35,15 @@ _NO_NAME = re.compile(r"[,;\s]+")
 _COMMENT = re.compile(r"#.*")
 _NUMBERED = re.compile(r"^[ \t]*(?:[-*][ \t]+)?(?:\d+[:.)][ \t]+)?", re.MULTILINE)
 """Before a name in a list of lines: a dash, a number."""
-_PRINTED = re.compile(r"\s*(?:[A-Za-z][\w ]*[:=])?\s*\[([^\[\]]*)\]\s*")
-"""A list as Python prints it, alone or behind words: `Joint names: ['hip', 'knee']`."""
+_PRINTED = re.compile(r"\s*(?:\[[A-Z]+\]:?\s+)?(?:[A-Za-z][\w ]*[:=])?\s*\[([^\[\]]*)\]\s*")
+"""A list as Python prints it, alone or behind words: `[INFO]: Joint names: ['hip', 'knee']`, as Isaac Lab logs it."""
+_QUOTED = re.compile(r"(['\"])(.*)\1")
 _NAME_KEYS = ("name", "joint", "joint_name", "joint name", "dof_name", "dof name")
 """What the name of a joint is called in a table, or in a list of mappings."""
 _NO_JOINT = ("", "t", "time", "timestamp", "index", "step")
 """Columns of a recording that are no joint's."""
+_SIGNAL_ENDS = re.compile(r"(.+)_(?:pos|position|vel|velocity|torque|tau)")
+"""A column of one joint's signal, `hip_pos`."""
 _SIGNALS = ("command", "position", "velocity", "torque", "pos", "vel", "q", "qd", "tau")
 _CONSTANT = re.compile(r"(?:^|_)joint_names$", re.IGNORECASE)
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -179,6 +182,17 @@ def differ_by_ending(configs: Sequence[RobotConfig], names: Sequence[str]) -> bo
     )
 
 
+def _differ_by_case(configs: Sequence[RobotConfig], names: Sequence[str]) -> bool:
+    """Whether patterns would select joints in small letters, or in capital ones."""
+    written = ([name.lower() for name in names], [name.upper() for name in names])
+    return any(
+        matching(config.framework, pattern, others)
+        for config in configs
+        for pattern in patterns_of(config)
+        for others in written
+    )
+
+
 def named_joints(
     artifacts: Sequence[Artifact], named: str, out: Collector
 ) -> tuple[Sequence[JointView | str], str]:
@@ -205,6 +219,8 @@ def named_joints(
         help = f"its joints: {listed(map(one_line, names), 4)}"
         if differ_by_ending(configs, names):
             help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
+        elif _differ_by_case(configs, names):
+            help += "; they differ from the configuration's by capital letters alone"
         if not patterns and any(config.framework is Framework.DEPLOY for config in every):
             message = "no file selects joints: the lists of the deploy file have no names"
             help = "add joint_names: [...] to it, in the order of its lists"
@@ -332,6 +348,10 @@ def _heads(rows: Sequence[Sequence[str]]) -> list[str]:
     heads = [re.sub(r"\s*\[[^\[\]]*\]$", "", head) for head in first]
     heads = [head for head in heads if head.lower() not in _NO_JOINT]
     stems = [stem for stem, _, end in (head.rpartition(".") for head in heads) if stem and end in _SIGNALS]
+    ends = [_SIGNAL_ENDS.fullmatch(head) for head in heads]
+    if all(ends):
+        # One that ends otherwise may be a joint's own name.
+        stems = [end[1] for end in ends if end]
     names = list(dict.fromkeys(stems or heads))
     return names if len(names) > 1 else []
 
@@ -362,7 +382,7 @@ def _distinct(names: str, text: str) -> Joints:
         raise _refusal("is no text", text, _HELP)
     if printed := _PRINTED.fullmatch(names):
         names = re.sub("['\"]", "", printed[1])
-    found = [name for name in _NO_NAME.split(names) if name]
+    found = [name for name in (_QUOTED.sub(r"\2", each) for each in _NO_NAME.split(names)) if name]
     twice = next((name for name in found if found.count(name) > 1), None)
     pattern = next(filter(_PATTERN.search, found), None)
     if pattern is not None:

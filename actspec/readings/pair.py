@@ -16,7 +16,7 @@ from actspec.files import in_common
 from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import Artifact, Framework, Robot, RobotConfig
 from actspec.readings.body import BODY, SHARE, Figures, are_alike, figures_of, share_a_body
-from actspec.readings.pair_mappings import with_mappings
+from actspec.readings.pair_mappings import with_mappings, with_runs
 
 VARIANT = 0.5
 """Patterns that must match where the names say that it is the same robot. Chosen: a cfg for a robot with hands
@@ -52,7 +52,10 @@ _WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+[0-9]*|[A-Z]+[0-9]*|[0-9]+
 
 
 def pair(
-    artifacts: Sequence[Artifact], spec: str | None = None, by_hand: Collection[int] = ()
+    artifacts: Sequence[Artifact],
+    spec: str | None = None,
+    by_hand: Collection[int] = (),
+    records: Collection[int] = (),
 ) -> tuple[Robot, ...]:
     """Put the artifacts of one robot together.
 
@@ -61,7 +64,8 @@ def pair(
     configuration joins the robot whose file it names, or that of its name where at least half of its patterns match a
     joint, else the one whose joints all of its patterns match and that nothing tells from it, such as another name that
     it shares with its own file; where several do, none: nothing is guessed; without a robot,
-    the deploy file that has its keys. Ranges of randomisation without actuators
+    the deploy file that has its keys. What a run recorded joins the one configuration that was named with its patterns
+    and its model. Ranges of randomisation without actuators
     join the robot that their file's name tells, or the only one. Models that somebody named are one robot where they
     have one body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never compared with
     `arm1.xml`, nor one in `my_arm.xml`.
@@ -71,6 +75,7 @@ def pair(
         spec: File of the spec that the user holds the others to: what names its joints is its robot, whatever it
             is called, and so is the one configuration of a file. None: there is none.
         by_hand: Indices of those whose files were named, and not met in a folder.
+        records: Indices of those that a training wrote of itself.
 
     Returns: Every artifact in exactly one robot, in the order of the files.
     """
@@ -156,6 +161,7 @@ def pair(
         else:
             groups[choice[0]].append(index)
     groups = with_mappings(groups, artifacts, _overlap, agree)
+    groups = with_runs(groups, artifacts, records, by_hand, agree)
     for index in unnamed:
         if _is_events(artifacts[index]):
             called = words[index] | telling(_stem(artifacts[index].path))

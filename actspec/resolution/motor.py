@@ -10,6 +10,7 @@ from actspec.diagnostics import Path
 from actspec.fields import unit_of_kind
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity, tidy, unknown
 from actspec.resolution.gearbox import (
+    OTHER,
     Train,
     carried,
     check_train,
@@ -25,6 +26,23 @@ from actspec.spec.models import Motor
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity
+
+DOES = {JointKind.HINGE: "turns", JointKind.SLIDE: "travels"}
+UNITS = {JointKind.HINGE: "N*m and rad/s", JointKind.SLIDE: "N and m/s"}
+CONVERTING = ("lead", "radius", "lever_arm")
+"""Stages of which one side turns and the other travels."""
+SCREW = "`{lead: 5 mm/rev}`"
+INERTIAS = ("rotor_inertia", "reflected_inertia")
+"""Figures that are of one shaft whatever `side` says."""
+
+
+@dataclass(frozen=True, slots=True)
+class ShaftFigure:
+    """A figure of a motor, what is written, and what the shaft does that it is of."""
+
+    field: str
+    value: SpecValue
+    shaft: JointKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +108,7 @@ def drivetrain_of(motor: Motor, name: str, stated: Stated) -> Drivetrain:
     transmission = joint_train(
         stated.get("transmission"),
         None if reduction is None else reduction.value,
-        stated.path("transmission"),
+        stated.path("transmission" if reduction is None else "reduction"),
         stated.kind,
     )
     gearbox = gear_train(motor, name, transmission.input)
@@ -112,15 +130,86 @@ def check_motor(motor: Motor, name: str, drivetrain: Drivetrain, end: str, breac
     # Units of shafts mean nothing where it is wrong which of them turn.
     if not all(fits):
         return
-    for field, value, shaft in linear_faults(motor, drivetrain):
-        path: Path = ("motors", name, *field.split("."))
-        does = "turns" if shaft is JointKind.HINGE else "travels"
+    figures = _shaft_figures(motor, drivetrain)
+    faults = [figure for figure in figures if unfit(figure.value, figure.shaft)]
+    if len(faults) > 1 and _is_of_side(figures, faults, drivetrain):
+        _report_side(motor, name, faults, end, breaches)
+        return
+    if len(faults) > 1 and len(faults) == len(figures):
+        _report_gears(faults, name, drivetrain, end, breaches)
+        return
+    for fault in faults:
+        path: Path = ("motors", name, *fault.field.split("."))
         help = "what turns has figures in rad and N*m, what travels in m and N"
-        if shaft is JointKind.SLIDE and shaft is drivetrain.kind:
-            help += "; a screw between the two is a stage `{lead: 5 mm/rev}` of gearbox or transmission"
-        breaches.error(
-            "RES001", f"{field} is {value.written}, but its shaft {does}, on the way to {end}", path, help
-        )
+        if fault.shaft is JointKind.SLIDE and fault.shaft is drivetrain.kind:
+            help += f"; a screw between the two is a stage {SCREW} of gearbox or transmission"
+        does = DOES[fault.shaft]
+        message = f"{fault.field} is {fault.value.written}, but its shaft {does}, on the way to {end}"
+        breaches.error("RES001", message, path, help)
+
+
+def _is_of_side(
+    figures: Sequence[ShaftFigure], faults: Sequence[ShaftFigure], drivetrain: Drivetrain
+) -> bool:
+    """Whether all that `side` says of a motor with a screw fits its other side."""
+    sided = [figure for figure in figures if figure.field not in INERTIAS]
+    return drivetrain.gearbox.input is not drivetrain.transmission.input and list(faults) == sided
+
+
+def _report_side(
+    motor: Motor, name: str, faults: Sequence[ShaftFigure], end: str, breaches: Breaches
+) -> None:
+    """Say once that the figures are quoted at the other side of the gearbox."""
+    at_rotor = motor.side == "motor"
+    here, there = ("rotor", "joint") if at_rotor else ("output of the gearbox", "motor")
+    shaft = faults[0].shaft
+    breaches.error(
+        "RES001",
+        f"by `side: {motor.side}` the figures are of the {here}, which {DOES[shaft]}, on the way to {end}, and they "
+        f"are of what {DOES[OTHER[shaft]]} ({_listed(faults)})",
+        ("motors", name, "side"),
+        f"write `side: {there}`, or figures of the {here} in {UNITS[shaft]}",
+    )
+
+
+def _report_gears(
+    faults: Sequence[ShaftFigure], name: str, drivetrain: Drivetrain, end: str, breaches: Breaches
+) -> None:
+    """Say once, at the stage, that all figures of what turns are of what travels, or the reverse."""
+    shaft = faults[0].shaft
+    own = OTHER[shaft]
+    steps = (*drivetrain.gearbox.steps, *drivetrain.transmission.steps)
+    converting = [step for step in steps if step.key in CONVERTING]
+    if converting:
+        step = converting[-1]
+        path: Path = (*step.path, step.key)
+        into = "travel into rotation" if step.output is JointKind.HINGE else "rotation into travel"
+        message = f"a {step.key} turns {into}, on the way to {end}: with it the motor {DOES[shaft]}, and its figures "
+        message += f"are of one that {DOES[own]} ({_listed(faults)})"
+        help = "remove this stage"
+        if step.key == "radius" and own is JointKind.HINGE:
+            help += ", as a wheel's radius is no gear: its joint turns"
+        if own is JointKind.HINGE:
+            help += f"; or add the screw in front of it, {SCREW}"
+        else:
+            help += f", or write figures in {UNITS[shaft]}"
+    else:
+        path = steps[-1].path if steps else ("motors", name)
+        message = f"the motor {DOES[own]} ({_listed(faults)}) and the part that it drives {DOES[shaft]}, on the way to "
+        message += f"{end}, without a stage that makes one of the other"
+        if own is JointKind.HINGE:
+            help = f"add the screw, {SCREW}, or the rack, belt or rope, `{{radius: 20 mm}}`, as the last stage of "
+            help += f"`gearbox` or as `transmission`; a linear motor has figures in {UNITS[shaft]}"
+        else:
+            help = "add the lever, `{lever_arm: 50 mm}`, or the rack, belt or rope, `{radius: 20 mm}`, as "
+            help += f"`transmission`; what turns has figures in {UNITS[shaft]}"
+    breaches.error("RES001", message, path, help)
+
+
+def _listed(faults: Sequence[ShaftFigure]) -> str:
+    """The first figure as it is written, and how many more there are."""
+    more = len(faults) - 1
+    return f"{faults[0].field} {faults[0].value.written}, and {more} more figure{'s' * (more > 1)}"
 
 
 def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> JointMotor:
@@ -257,8 +346,8 @@ def _reflected(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> Q
     return replace(found, formula=found.formula + "".join(train.legend for train in passed))
 
 
-def linear_faults(motor: Motor, drivetrain: Drivetrain) -> list[tuple[str, SpecValue, JointKind]]:
-    """Fields of a motor whose unit does not fit their shaft, with what is written and what the shaft does."""
+def _shaft_figures(motor: Motor, drivetrain: Drivetrain) -> list[ShaftFigure]:
+    """The figures of a motor whose unit tells what their shaft does."""
     rotor, output = drivetrain.gearbox.input, drivetrain.transmission.input
     quoted = rotor if motor.side == "motor" else output
     named: list[tuple[str, SpecValue | None, JointKind]] = [
@@ -274,10 +363,11 @@ def linear_faults(motor: Motor, drivetrain: Drivetrain) -> list[tuple[str, SpecV
             (f"curve.{field}", getattr(motor.curve, field), quoted)
             for field in ("drive_torque", "brake_torque", "knee_speed", "no_load_speed")
         ]
-    faults = [
-        (field, value, kind) for field, value, kind in named if value is not None and unfit(value, kind)
+    # Nothing is made of a torque constant at what travels without a current.
+    if motor.nominal_current or motor.peak_current or quoted is JointKind.HINGE:
+        named.append(("torque_constant", motor.torque_constant, quoted))
+    return [
+        ShaftFigure(field, value, shaft)
+        for field, value, shaft in named
+        if value is not None and value.linear is not None
     ]
-    constant, currents = motor.torque_constant, motor.nominal_current or motor.peak_current
-    if constant is not None and unfit(constant, quoted) and (currents or quoted is JointKind.HINGE):
-        faults.append(("torque_constant", constant, quoted))
-    return faults

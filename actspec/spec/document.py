@@ -215,8 +215,8 @@ def _document(
             digest.update(b"\0" + name.encode("utf-8", "surrogateescape") + b"\0" + more)
             names.append(name)
             part = parse(more, shown, collector, included=True)
-            if part is not None:
-                check_included(part, collector)
+            at = collector.at(f"include[{index}]", span)
+            if part is not None and check_included(part, at, name, collector):
                 merge(merged, part, collector)
     if variant is not None:
         own = merged
@@ -255,6 +255,9 @@ MAX_INCLUDES = 64
 """Most included files. Chosen: one a motor, with room."""
 INCLUDED_KEYS = ("motors", "sources")
 """What an included file may hold."""
+
+_SECTIONS = ("robot", "timing", "actuators", "targets")
+"""Sections that only a spec has; one alone in an included file was put into the wrong file."""
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://.*|file:.*", re.S)
 _DRIVE = re.compile(r"[A-Za-z]:.*", re.S)
@@ -328,9 +331,26 @@ def _climbs(name: str) -> bool:
     return False
 
 
-def check_included(root: Node, collector: Collector) -> None:
-    """An included file holds motors and sources by name, and nothing else."""
+def check_included(root: Node, place: Place, name: str, collector: Collector) -> bool:
+    """An included file holds motors and sources by name, and nothing else.
+
+    Args:
+        root: The file.
+        place: The include; gets the error of a whole spec.
+        name: The file, as the include names it.
+        collector: Gets the error of each other key.
+
+    Returns: Whether it is no whole spec, so that its motors and sources may be added.
+    """
     assert isinstance(root.value, dict)
+    sections = [key for key in root.value if key in _SECTIONS]
+    if len(sections) > 1:
+        keys = ", ".join(f"`{key}`" for key in sections)
+        message = (
+            f"'{cut(name)}' is a whole spec, with {keys}; an included file holds `motors` and `sources` only"
+        )
+        place.error("SPEC014", message, "put its `motors` into a file of their own, and include that in both")
+        return False
     for key, (span, node) in root.value.items():
         if key == "include":
             message = "an included file cannot include another"
@@ -341,6 +361,7 @@ def check_included(root: Node, collector: Collector) -> None:
             collector.error("SPEC014", message, where=cut(key), span=span, help=help)
         elif not isinstance(node.value, dict) and node.value is not None:
             collector.error("SPEC014", f"`{key}` must be a mapping of names", where=key, span=node.span)
+    return True
 
 
 def merge(into: Node, part: Node, collector: Collector) -> None:

@@ -118,6 +118,13 @@ def test_a_misspelt_joint_of_the_list(folder: Path, capsys: pytest.CaptureFixtur
     err = capsys.readouterr().err
     assert "is `left_kne` misspelt in --joints? If not, LEG_CFG is refused for it" in err
     assert "did you mean" not in err
+    (folder / "leg_cfg.py").write_text(CFG, encoding="utf-8")
+    (folder / "typo.txt").write_text("\n".join([*NAMES[:3], "right_kneee"]), encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "typo.txt"]) == 0
+    err = capsys.readouterr().err
+    assert "DRF012 [warning]: no group of LEG_CFG selects `right_kneee` of --joints\n" in err
+    assert "did you mean `right_knee`? The joint is left alone as it is" in err
+    (folder / "leg_cfg.py").write_text(cfg, encoding="utf-8")
     assert main(["import", "leg_cfg.py", "--joints", "left_hip,wheel"]) == 0
     assert "is a joint misspelt in --joints, or missing? If not, LEG_CFG is" in capsys.readouterr().err
     (folder / "leg.urdf").write_text(URDF, encoding="utf-8")
@@ -420,6 +427,10 @@ class LegCfg(LeggedRobotCfg):
         ("names.lst", "\n".join(NAMES), "the names of the 4 joints are from names.lst", NAMES),
         ("names", f"{NAMES}\n", "the names of the 4 joints are from names", NAMES),
         ("p.txt", f"Joint names: {NAMES}\n", "from p.txt", NAMES),
+        ("i.txt", f"[INFO]: Joint names: {NAMES}\n", "from i.txt", NAMES),
+        ("q.txt", "".join(f'"{n}",\n' for n in NAMES), "from q.txt", NAMES),
+        ("pos.csv", "t," + ",".join(f"{n}_{s}" for n in NAMES for s in ("pos", "vel")) + "\n" + ",".join("0" * 9),
+            "from pos.csv", NAMES),
         ("log.csv", "time [s]," + ",".join(f"{n}.{s} [x]" for n in NAMES for s in ("position", "torque"))
             + ",base.position.x [m]\n" + ",".join("0" * 10) + "\n", "from log.csv", NAMES),
         ("head.csv", ",".join(NAMES) + "\n0,0,0,0\n0.5,0,0,-1e-3\n", "from head.csv", NAMES),
@@ -436,7 +447,8 @@ class LegCfg(LeggedRobotCfg):
         *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "mappings"),
         *("CSV", "semicolons", "numbers", "blanks", "sides", "one column", "two lines", "a number a line"),
         "any ending",
-        *("printed", "printed behind words", "recording", "heads", "keys", "constant", "URDF"),
+        *("printed", "printed behind words", "in a log", "quoted", "columns of signals"),
+        *("recording", "heads", "keys", "constant", "URDF"),
     ],
 )  # fmt: skip
 def test_a_spec_that_compiles(
@@ -500,6 +512,7 @@ def test_a_spec_that_compiles(
         ("leg", "<robot", "cannot be read: "),
         ("a,b", "", "help: its joints: a, b\n"),
         ("left_hip_joint,head", "", "the ending _joint alone, which a USD may lack"),
+        ("LEFT_HIP,head", "", "they differ from the configuration's by capital letters alone"),
     ],
 )
 def test_what_names_none(

@@ -223,6 +223,118 @@ def test_a_run_that_departs_from_the_model(workspace: Path) -> None:
     }
 
 
+CONFIG = """\
+from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+from isaaclab.sim import UsdFileCfg
+
+LEGGY_CFG = ArticulationCfg(
+    spawn=UsdFileCfg(usd_path="leggy.usd"),
+    init_state=ArticulationCfg.InitialStateCfg(joint_pos={"hip": 0.25, "knee": -0.5}),
+    actuators={
+        "legs": IdealPDActuatorCfg(
+            joint_names_expr=["hip", "knee"],
+            effort_limit=23.5,
+            stiffness={"hip": 40.0, "knee": 60.0},
+            damping=1.5,
+        )
+    },
+)
+"""
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "code", "severity"),
+    [
+        pytest.param("60.0", "600.0", "SRC103", "warning", id="a digit more"),
+        pytest.param("60.0", "6000.0", "SRC103", "warning", id="two digits more"),
+        pytest.param("60.0", "6.0", "SRC103", "warning", id="a digit less"),
+        pytest.param("60.0", "480.0", "SRC103", "info", id="8 times, as somebody may train next"),
+        pytest.param('"knee": -0.5', '"knee": 0.5', "SRC106", "warning", id="bent the other way"),
+        pytest.param('"knee": -0.5', '"knee": -1.0', "SRC106", "info", id="another pose"),
+        pytest.param("damping=1.5", "damping=0.15", "SRC103", "warning", id="all of one gain"),
+        pytest.param(
+            '40.0, "knee": 60.0},\n            damping=1.5',
+            '400.0, "knee": 600.0},\n            damping=15.0',
+            "SRC103",
+            "warning",
+            id="all gains",
+        ),
+        pytest.param(
+            'effort_limit=23.5,\n            stiffness={"hip": 40.0',
+            'effort_limit=23.0,\n            stiffness={"hip": 400.0',
+            "SRC103",
+            "info",
+            id="half of the figures, of another training",
+        ),
+        pytest.param(
+            '40.0, "knee": 60.0},\n            damping=1.5',
+            '40.0, "knee": 1.5},\n            damping={"hip": 1.5, "knee": 60.0}',
+            "SRC103",
+            "warning",
+            id="exchanged",
+        ),
+        pytest.param("effort_limit=23.5", "effort_limit=235.0", "SRC101", "error", id="a limit"),
+    ],
+)
+def test_a_configuration_beside_its_run(
+    workspace: Path, written: str, instead: str, code: str, severity: str
+) -> None:
+    """60 N*m/rad, 1.5 N*m*s/rad and -0.5 rad at the knee were trained with: told at the configuration, in any order."""
+    assert written in CONFIG
+    Path("leggy_cfg.py").write_text(CONFIG.replace(written, instead), encoding="utf-8")
+    run = "logs/one/params/env.yaml"
+    for names in ((run, "leggy_cfg.py"), ("leggy_cfg.py", run)):
+        found = audit(list(names), Settings(select=(code, "SRC103", "SRC106"))).findings
+        assert {(one.finding.code, one.severity.value, one.finding.span.path) for one in found} == {
+            (code, severity, "leggy_cfg.py")
+        }
+        assert {one.finding.help for one in found} <= {
+            f"{run} is what was trained with: write its figure here, or train again with this one",
+            "write 60 N*m/rad and 1.5 N*m*s/rad",
+        }
+
+
+@pytest.mark.parametrize(
+    ("model", "expected"),
+    [
+        pytest.param("other", {"LEGGY_CFG"}, id="the one with the run's model"),
+        pytest.param("leggy", set(), id="two with its model, and nothing is guessed"),
+    ],
+)
+def test_a_run_among_several_configurations(workspace: Path, model: str, expected: set[str]) -> None:
+    """Isaac Lab's `unitree.py` has robots with the same patterns: the model that a run loads tells its own."""
+    second = (
+        CONFIG[CONFIG.index("LEGGY_CFG") :]
+        .replace("LEGGY_CFG", "OTHER_CFG")
+        .replace("leggy.usd", f"{model}.usd")
+    )
+    Path("legs_cfg.py").write_text(CONFIG.replace("60.0", "600.0") + second, encoding="utf-8")
+    report = audit(["legs_cfg.py", "logs/one/params/env.yaml"], Settings(select=("SRC103",)))
+    owners = {i for one in report.findings for i in report.case.whose(one.finding.span)}
+    assert {report.case.artifacts[i].name for i in owners} == expected
+
+
+def test_a_configuration_with_other_patterns_is_another_robots(workspace: Path) -> None:
+    """A foot more: the run was trained from another configuration, whatever the model is called."""
+    other = CONFIG.replace('["hip", "knee"]', '["hip", "knee", "foot"]').replace("60.0", "600.0")
+    Path("leggy_cfg.py").write_text(other, encoding="utf-8")
+    assert not audit(["leggy_cfg.py", "logs/one/params/env.yaml"], Settings(select=("SRC103",))).findings
+
+
+def test_a_configuration_that_another_run_was_trained_with(workspace: Path) -> None:
+    """The first run had a tenth of the knee's kp, the second has what the configuration has: the slip was mended."""
+    Path("leggy_cfg.py").write_text(CONFIG, encoding="utf-8")
+    first = Path("logs/one/params/env.yaml")
+    first.write_text(first.read_text(encoding="utf-8").replace("knee: 60.0", "knee: 6.0"), encoding="utf-8")
+    alone = audit(["leggy_cfg.py", str(first)], Settings(select=("SRC103",))).findings
+    both = audit(
+        ["leggy_cfg.py", str(first), "logs/two/params/env.yaml"], Settings(select=("SRC103",))
+    ).findings
+    assert [one.severity.value for one in alone] == ["warning"]
+    assert {one.severity.value for one in both} == {"info"}
+
+
 @pytest.mark.parametrize("folder", ["logs/one", "logs/one/params"])
 def test_the_folder_of_a_run_has_it(workspace: Path, folder: str) -> None:
     """Whoever names the run means it."""
@@ -260,3 +372,19 @@ def test_a_key_twice(tmp_path: Path) -> None:
     assert item.code == "DEPLOY004" and item.span is not None
     assert item.span.line == 1 + text[: text.index("damping: 15.0")].count("\n")
     assert reading.not_taken == (item,)
+
+
+def test_an_action_of_a_class_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A policy that drives the robot by one action that names no joints: nothing is known of its scale, told once."""
+    monkeypatch.chdir(tmp_path)
+    text = ISAACLAB.format(cls="IdealPDActuator")
+    start, end = text.index("  joint_pos:\n    class_type"), text.index("events:")
+    own = "  bow:\n    class_type: somebody.actions:BowAction\n    asset_name: robot\n    clip: null\n"
+    Path("env.yaml").write_text(text[:start] + own + text[end:], encoding="utf-8")
+    with pending_files(["env.yaml"]) as pending:
+        (found,) = pending.finish()
+    config = found.artifacts[0].config
+    assert config is not None
+    assert [item.message for item in config.notes if item.where == "actions.bow"] == [
+        "not known without running it: BowActionCfg makes the command in a way of its own, and names no joints"
+    ]

@@ -255,7 +255,7 @@ def test_a_curve_through_a_rack() -> None:
 
 
 def test_the_shaft_of_every_figure_is_followed() -> None:
-    """In front of the screw the motor turns, behind it it travels: figures in the other unit are refused there."""
+    """In front of the screw the motor turns, behind it it travels: one message, at the screw that makes it so."""
     text = spec_of(
         "all: {joints: [lift], motor: m, level: ideal_pd, kp: 1 N/m, kd: 1 N*s/m, transmission: [{lead: 5 mm/rev, "
         "inertia: 1 kg*m^2}]}",
@@ -263,12 +263,86 @@ def test_the_shaft_of_every_figure_is_followed() -> None:
         motors="{m: {side: motor, peak_torque: 2 N, rotor_inertia: 1 kg, gear_ratio: 3}}",
     )
     assert refused(text) == [
-        "RES001 motors.m.peak_torque: peak_torque is 2 N, but its shaft turns, on the way to 'lift', a slide joint",
-        "RES001 motors.m.rotor_inertia: rotor_inertia is 1 kg, but its shaft turns, on the way to 'lift', a slide "
-        "joint",
+        "RES001 actuators.all.transmission[0].lead: a lead turns rotation into travel, on the way to 'lift', a slide "
+        "joint: with it the motor turns, and its figures are of one that travels (peak_torque 2 N, and 1 more figure)",
         "RES001 actuators.all.transmission[0].inertia: the inertia is 1 kg*m^2, but the stage's output travels, on "
         "the way to 'lift', a slide joint",
     ]
+
+
+SERVO = "peak_torque: 0.96 N*m, no_load_speed: 100 rad/s, rotor_inertia: 25 g*cm^2"
+TURNING = SLIDE.replace("slide", "hinge")
+
+
+@pytest.mark.parametrize(
+    ("motor", "group", "robot", "expected"),
+    [
+        pytest.param(
+            f"side: motor, gearbox: [{{ratio: 3}}, {{ratio: 2}}], {SERVO}",
+            "",
+            SLIDE,
+            "motors.m.gearbox[1]: the motor turns (no_load_speed 100 rad/s, and 2 more figures) and the part that it "
+            "drives travels, on the way to 'lift', a slide joint, without a stage that makes one of the other",
+            id="a screw is missing",
+        ),
+        pytest.param(
+            f"side: motor, gear_ratio: 3, {SERVO}",
+            "",
+            SLIDE,
+            "motors.m.gear_ratio: the motor turns (no_load_speed 100 rad/s, and 2 more figures)",
+            id="behind a ratio",
+        ),
+        pytest.param(
+            f"side: joint, {SERVO}, gear_ratio: 3",
+            ", reduction: 2",
+            SLIDE,
+            "actuators.all.reduction: the motor turns (no_load_speed 100 rad/s, and 2 more figures)",
+            id="behind a reduction",
+        ),
+        pytest.param(
+            "side: joint, peak_torque: 20 N, no_load_speed: 1 m/s",
+            "",
+            TURNING,
+            "motors.m: the motor travels (no_load_speed 1 m/s, and 1 more figure) and the part that it drives turns, ",
+            id="a lever is missing",
+        ),
+        pytest.param(
+            f"side: motor, gearbox: [{{ratio: 3}}, {{radius: 165 mm}}], {SERVO}",
+            "",
+            TURNING,
+            "motors.m.gearbox[1].radius: a radius turns travel into rotation, on the way to 'lift', a hinge joint: "
+            "with it the motor travels, and its figures are of one that turns (no_load_speed 100 rad/s, and 2 more "
+            "figures)",
+            id="a wheel's radius",
+        ),
+        pytest.param(
+            f"side: joint, gearbox: [{{lead: 5 mm/rev}}], {SERVO}",
+            "",
+            SLIDE,
+            "motors.m.side: by `side: joint` the figures are of the output of the gearbox, which travels, on the way "
+            "to 'lift', a slide joint, and they are of what turns (no_load_speed 100 rad/s, and 1 more figure)",
+            id="the other side",
+        ),
+        pytest.param(
+            f"side: motor, gearbox: [{{lead: 5 mm/rev}}], {SERVO.replace('0.96 N*m', '0.96 N')}",
+            "",
+            SLIDE,
+            "motors.m.peak_torque: peak_torque is 0.96 N, but its shaft turns, on the way to 'lift', a slide joint",
+            id="one figure of three",
+        ),
+    ],
+)
+def test_what_makes_all_figures_misfit_is_told_once(
+    motor: str, group: str, robot: str, expected: str
+) -> None:
+    """Where no figure fits its shaft the stages are wrong, or the side; where the others do, the figure is."""
+    text = spec_of(
+        f"all: {{joints: [lift], motor: m, level: ideal_pd, kp: 1, kd: 1{group}}}",
+        robot=robot,
+        motors=f"{{m: {{{motor}}}}}",
+    )
+    (line,) = refused(text)
+    assert line.startswith(f"RES001 {expected}")
 
 
 @pytest.mark.parametrize(

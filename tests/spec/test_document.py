@@ -1177,6 +1177,17 @@ def test_an_included_file_holds_motors_and_sources_only(tree: Path) -> None:
     ]
 
 
+def test_a_whole_spec_is_told_once_where_it_is_included(tree: Path) -> None:
+    """Not once a section, and not once a motor that both have."""
+    own = "motors: {m: {}}\nrobot: {}\ntiming: {}\nactuators: {}\ntargets: {}\ninclude: [x.yaml]\n"
+    put(f"actspec: 1\n{own}", "whole.yaml")
+    assert refused("motors: {m: {}}\ninclude: [whole.yaml]") == [
+        "robots/spec.yaml:2:11: SPEC014 include[0]: 'whole.yaml' is a whole spec, with `robot`, `timing`, `actuators`, "
+        "`targets`; an included file holds `motors` and `sources` only"
+        "\n  help: put its `motors` into a file of their own, and include that in both",
+    ]
+
+
 def test_errors_of_all_files_are_told_at_once(tree: Path) -> None:
     """The spec's own, two broken includes, a missing, an empty, a repeated one, and the spec itself."""
     put("motors: {a: 1, a: 2}", "one.yaml")

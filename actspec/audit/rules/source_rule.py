@@ -14,7 +14,7 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import same
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joints import is_called_undriven, is_exporters, top_speed
-from actspec.audit.rules.source_blame import GRAVE, SAME, Disagreement
+from actspec.audit.rules.source_blame import GRAVE, SAME, Disagreement, is_met
 from actspec.audit.rules.source_pairs import compared, disagreements
 from actspec.diagnostics import SEVERITIES, Severity
 from actspec.fields import FIELDS, LIMITS, is_placeholder
@@ -59,9 +59,67 @@ def is_no_limit(found: Disagreement) -> bool:
     return min(values) <= 0.0 or is_placeholder(max(values))
 
 
-def _runs(case: Case) -> frozenset[str]:
+def runs(case: Case) -> frozenset[str]:
     """Paths of what trainings wrote of themselves."""
     return frozenset(file.path for file in case.files if file.record)
+
+
+def is_of_run(case: Case, found: Disagreement) -> bool:
+    """Whether a run's own record and a configuration differ, and somebody named both."""
+    files = [case.artifacts[rows[0].artifact] for rows in (found.rows, found.others)]
+    records = sum(file.path in case.once(runs) for file in files)
+    return records == 1 and all(file.kind is FileKind.CFG for file in files) and not is_met(case, found)
+
+
+def at_what_is_edited(case: Case, found: Disagreement) -> Disagreement:
+    """Turned where a run's record departs from a configuration: it says what was, and nobody edits it."""
+    turns = not found.published and is_of_run(case, found) and found.rows[0].file in case.once(runs)
+    return found.turned if turns else found
+
+
+_TRAINED = (*LIMITS, "kp", "kd", "armature", "action_scale", "default_position")
+"""Figures of which a digit more is no training's choice; friction is."""
+
+
+def is_slip_of_run(case: Case, found: Disagreement) -> bool:
+    """Whether a run and the configuration that it was trained from differ as no two trainings would on purpose.
+
+    Who trains again changes gains, but not by a digit, not their sign, nor the side to which an elbow is bent. Most
+    figures of the two agree: else the configuration is another training's. Of several runs that were named another one
+    may have been trained with what the configuration has now.
+    """
+    ratio = found.ratio
+    if found.field not in _TRAINED or ratio is None or not is_of_run(case, found):
+        return False
+    if found.field == "default_position":
+        is_odd = math.isclose(ratio, -1.0, rel_tol=SAME)
+    else:
+        is_odd = ratio < 0.0 or max(ratio, 1.0 / ratio) >= _DIGIT - 1e-9 or are_exchanged(found)
+    if not is_odd:
+        return False
+    side = found if found.rows[0].file in case.once(runs) else found.turned
+    run, config = side.rows[0], side.others[0]
+    for index in case.robot_of(run.artifact).artifacts:
+        path, rows = case.artifacts[index].path, case.joints.get((index, run.joint), ())
+        is_other = path in case.once(runs) and path != run.file and bool(rows)
+        if is_other and same(figure(rows, found.field).value, side.theirs.value or 0.0):
+            return False
+    return _is_of_its_run(case, run.artifact, config.artifact)
+
+
+_OF_A_RUN = ("kp", "kd", "effort_limit", "velocity_limit", "armature")
+"""Figures by which a configuration shows that a run is its own."""
+
+
+def _is_of_its_run(case: Case, run: int, config: int) -> bool:
+    """Whether a configuration has most figures of a run, or all of its gains with a digit more or less."""
+    one, other = (case.joints_by_artifact.get(index, {}) for index in (run, config))
+    figures = {name: _both(one, other, name) for name in _OF_A_RUN}
+    pairs = [pair for each in figures.values() for pair in each]
+    gains = [figures["kp"], figures["kd"]]
+    if all(gains) and _are_a_digit_off(gains):
+        return True
+    return 2 * sum(math.isclose(*pair, rel_tol=SAME) for pair in pairs) > len(pairs)
 
 
 def is_of_one_training(case: Case, found: Disagreement) -> bool:
@@ -249,7 +307,7 @@ class SourceRule(RuleInParts):
         """Compare the files of each robot."""
         tolerance = self.option(case, "tolerance")
         found = [
-            self._gravest(case, item, tolerance)
+            at_what_is_edited(case, self._gravest(case, item, tolerance))
             for fields in self.groups
             for item in disagreements(case, fields, tolerance)
             if not self.is_none(case, item, tolerance)
@@ -302,7 +360,9 @@ class SourceRule(RuleInParts):
         mine, theirs = found.mine, found.theirs
         severity, confidence = self.severity_of(case, found)
         idle = found.field in LIMITS and is_called_undriven(found.rows[0])
-        if found.variant or not found.one_machine or idle or (found.field in LIMITS and is_small(found)):
+        if is_slip_of_run(case, found) and not idle:
+            severity, confidence = Severity.WARNING, Confidence.MEDIUM
+        elif found.variant or not found.one_machine or idle or (found.field in LIMITS and is_small(found)):
             severity, confidence = Severity.INFO, Confidence.LOW
         # Beside a spec, which tells who is wrong, SPC101 has the error.
         beside = case.kinds_by_artifact[found.rows[0].artifact]
@@ -312,13 +372,13 @@ class SourceRule(RuleInParts):
             grave = self.grave(case, found)
             if grave is not None:
                 severity, confidence = grave, Confidence.MEDIUM
-        file, runs = found.others[0].file, case.once(_runs)
+        file, trained = found.others[0].file, case.once(runs)
         if found.published:
             advice = f"{shown(theirs.value, theirs.unit)} is published for {found.published}: write it here, or set "
             advice += "this aside with the reason"
-        elif file in runs:
+        elif file in trained:
             advice = f"{file} is what was trained with: write its figure here, or train again with this one"
-        elif found.rows[0].file in runs:
+        elif found.rows[0].file in trained:
             advice = (
                 f"this is what was trained with: write it into {file}, or train again with that one's figure"
             )

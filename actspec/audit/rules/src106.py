@@ -8,7 +8,14 @@ from actspec.audit.rules.joints import starts_there_alone
 from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_blame import POSE, Disagreement
 from actspec.audit.rules.source_pairs import compared, disagreements
-from actspec.audit.rules.source_rule import SourceRule, is_of_one_training, shown
+from actspec.audit.rules.source_rule import (
+    SourceRule,
+    at_what_is_edited,
+    is_of_one_training,
+    is_of_run,
+    runs,
+    shown,
+)
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
@@ -26,8 +33,9 @@ class ActionOrPose(SourceRule):
         return f"no deploy file and configuration of one robot state {self.needs}"
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
-        """Compare deploy files with the training configuration."""
-        if any(compared(case, fields, FileKind.DEPLOY) for fields in self.groups):
+        """Compare deploy files with the training configuration, and that with what a run recorded."""
+        kinds = (FileKind.DEPLOY, *((None,) if case.once(runs) else ()))
+        if any(compared(case, fields, kind) for fields in self.groups for kind in kinds):
             yield self._departing(case)
 
     def _departing(self, case: Case) -> Iterator[Finding]:
@@ -40,12 +48,12 @@ class ActionOrPose(SourceRule):
                 ):
                     continue
                 kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
-                if kinds == {FileKind.DEPLOY, FileKind.CFG}:
-                    yield self.finding(case, found)
+                if kinds == {FileKind.DEPLOY, FileKind.CFG} or is_of_run(case, found):
+                    yield self.finding(case, at_what_is_edited(case, found))
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A note where the robot has policies of several trainings."""
-        if is_of_one_training(case, found):
+        """A note where the robot has policies of several trainings, and beside a run: one may train otherwise."""
+        if not is_of_run(case, found) and is_of_one_training(case, found):
             return self.severity, self.confidence
         return Severity.INFO, Confidence.MEDIUM
 
@@ -56,5 +64,6 @@ class ActionOrPose(SourceRule):
         if found.field == "action_scale":
             times = "0" if found.ratio is None else f"{abs(found.ratio):.3g}"
             sign = ", the other way" if found.ratio is not None and found.ratio < 0.0 else ""
-            return f"the same action moves the command {times} times as far as in training{sign}"
+            beside = "here" if is_of_run(case, found) else "as in training"
+            return f"the same action moves the command {times} times as far {beside}{sign}"
         return f"every command is {shown(mine.value - theirs.value, mine.unit)} off"

@@ -49,6 +49,12 @@ def take_actions(draft: Draft, actions: Value | None, robot: str) -> None:
         for name, one in fields_of(actions).items()
         if (term := _term(draft, name, one))
     ]
+    if not found:
+        for name, one in fields_of(actions).items():
+            # A class of the author's own that finds its joints itself: the policy drives the robot by that alone.
+            if isinstance(one.data, Obj):
+                why = f"{one.data.cls.name} makes the command in a way of its own, and names no joints"
+                draft.note(f"actions.{name}", why, one.span)
     named = {whose for whose, _ in found}
     own = next((name for name in (robot, _FIRST) if name in named), None)
     draft.actions.extend(term for whose, term in found if own is None or whose in (own, None))

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Path, alternatives
 from actspec.spec.document import SourceMap
 from actspec.spec.models import Motor, SpecModel
 from actspec.spec.plausible.drive import Drive
@@ -57,7 +57,7 @@ def exchanges(drives: Sequence[Drive], model: SpecModel, spans: SourceMap) -> It
             continue
         del off[first], off[second]
         told = [_efforts(drive, thermal)[0] for drive in (one, two)]
-        help = "; or ".join(
+        help = alternatives(
             f"are {line} of '{ours[-2]}' and of '{theirs[-2]}' ({spans.value(theirs)}) exchanged?"
             for line, ours, theirs in found
         )

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Path, Span, dotted
+from actspec.diagnostics import Path, Span, alternatives, dotted
 from actspec.fields import units_of
 from actspec.joints import JointKind
 from actspec.spec.plausible.relations import ALIKE, DEGREE, RARE, Relation, Repair, explained
@@ -135,7 +135,7 @@ def gain_words(gains: Gains, places: Mapping[str, Span | None]) -> tuple[str, st
         return _by_size(gains, broken[0].message, places)
     (place,) = best[0].paths[0]
     mine = [repair.help for repair in best if repair.paths == best[0].paths and repair.help is not None]
-    help = "; or ".join(mine)
+    help = alternatives(mine)
     rivals = [repair for repair in best if repair.paths != best[0].paths]
     if gains.limit is None and best[0].help in _degrees(gains):
         # The effort limit would tell which of the two it is.

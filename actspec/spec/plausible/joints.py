@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Collector, Diagnostic, Path, Span, dotted
+from actspec.diagnostics import Collector, Diagnostic, Path, Span, alternatives, dotted
 from actspec.fields import is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import Document, SourceMap
@@ -419,7 +419,7 @@ def _viscous(
         ]
         place = spans.value(readings[0].path) if readings else place
     if readings:
-        fast, named = "; or ".join(reading.help for reading in readings), readings[0].path[-1]
+        fast, named = alternatives(reading.help for reading in readings), readings[0].path[-1]
         known = in_file(*viscous.lost)
         bearing = 0.0 if known is None else known.value or 0.0
         if bearing / AGREES < viscous.value < bearing * AGREES or any(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from actspec.diagnostics import listed
+from actspec.diagnostics import alternatives, listed
 from actspec.fields import FRICTION_SHARE, GRAVITY, LONGEST_LEVER, is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.models import Motor
@@ -200,7 +200,7 @@ def _meant(joint: JointActuator, size: float, mass: float | None) -> str:
     if points and not (points == [-3] and readings):
         only = f"did you mean {format_quantity(size * 10.0 ** points[0], 'N*m', 4)}?"
         readings.append(only if len(points) == 1 else POINT)
-    return "; or ".join(readings) or "look for a wrong unit"
+    return alternatives(readings) or "look for a wrong unit"
 
 
 def velocity_found(joint: JointActuator) -> Iterator[Found]:
@@ -235,7 +235,7 @@ def velocity_found(joint: JointActuator) -> Iterator[Found]:
         for factor, unit in slips
         if least <= fast * factor <= min(0.5 * most, usual)
     ]
-    help = "; or ".join(readings) or "look for a wrong unit"
+    help = alternatives(readings) or "look for a wrong unit"
     # One of the two is of no usual size, or nothing tells which it is.
     sure = fast > USUAL_SPEED[1] and strong <= LARGEST_LIMIT
     if fast > most and is_stated(force) and not sure:

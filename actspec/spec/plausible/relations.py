@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Path, alternatives
 from actspec.spec.plausible.table import Doubt, at
 
 if TYPE_CHECKING:
@@ -236,7 +236,7 @@ def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: Sourc
     readings = dict.fromkeys(repair.help for repair in best if repair.paths == best[0].paths and repair.help)
     judged = [path for relation in broken for path in (relation.path, *relation.others)]
     error = any(relation.error for relation in broken)
-    help = "; or ".join(readings) or None
+    help = alternatives(readings) or None
     rivals = [repair for repair in best if repair.paths != best[0].paths]
     judged += [path for repair in rivals for path in repair.paths]
     if rivals and help is not None:

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
-from actspec.ir import JointActuator, Origin, Quantity
+from actspec.ir import ROUNDED, JointActuator, Origin, Quantity
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
@@ -490,18 +490,21 @@ def at(
     return Doubt(code, message, dotted(path), spans.value(path), help, judged, error)
 
 
+_BOUND = re.compile(r"\b(?:up to|at most) ([0-9]+(?:\.[0-9]+)?) ?([A-Za-z%][\w*·/^]*)")
+
+
 @dataclass(frozen=True, slots=True)
 class Kept:
     """What the author of a spec is sure of.
 
     Attributes:
-        codes: Of the checks all of whose findings `accept` keeps.
+        codes: Of the checks whose findings `accept` keeps, with the reason.
         sure: Where the numbers with `sure: true` are written.
         numbers: Where numbers are written.
         paths: Paths of the numbers with `sure: true`.
     """
 
-    codes: frozenset[str] = frozenset()
+    codes: Mapping[str, str] = field(default_factory=dict)
     sure: frozenset[Span] = frozenset()
     numbers: frozenset[Span] = frozenset()
     paths: frozenset[Path] = frozenset()
@@ -512,17 +515,32 @@ class Kept:
         A word, such as `side`, has no `sure`: any number that was judged with it keeps it.
         """
         blamed = (doubt.span,) if doubt.span in self.numbers else (doubt.span, *doubt.judged)
-        return doubt.code in self.codes or not self.sure.isdisjoint(blamed)
+        reason = self.codes.get(doubt.code)
+        taken = reason is not None and _is_within(doubt.message, reason)
+        return taken or not self.sure.isdisjoint(blamed)
 
 
-def kept_of(document: Document, accept: Collection[str]) -> Kept:
+def _is_within(message: str, reason: str) -> bool:
+    """Whether what a check found is no more than a bound of the reason, as in "up to 300 rad/s".
+
+    The first figure of the message in the bound's unit is the one that was found; one in no such unit is not bounded.
+    """
+    for size, unit in _BOUND.findall(reason):
+        written = re.escape(unit.replace("·", "*"))
+        found = re.search(rf"(?<![\w.])([0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]+)?) {written}(?![\w*/^])", message)
+        if found is not None and float(found[1]) > ROUNDED * float(size):
+            return False
+    return True
+
+
+def kept_of(document: Document, accept: Mapping[str, str]) -> Kept:
     """What a spec keeps by `sure` and `accept`.
 
     Args:
         document: The spec.
-        accept: Keys of its `accept`; `spec.CODE` keeps all that a check finds.
+        accept: Its `accept`; `spec.CODE` keeps what a check finds, up to a bound that the reason states.
     """
-    codes = frozenset(code for code in BY_CODE if f"spec.{code}" in accept)
+    codes = {code: accept[f"spec.{code}"] for code in BY_CODE if f"spec.{code}" in accept}
     written = list(_numbers(document.data))
     spans = document.spans
     return Kept(

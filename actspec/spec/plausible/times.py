@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Path, alternatives
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import CONTROL_PERIOD, STEP, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, SpecModel
@@ -163,7 +163,7 @@ def _time(
         "SPEC186",
         f"{value.written} is no usual size of {what}: {_usual(low, value.unit)} to {_usual(high, value.unit)}",
         path,
-        "; or ".join(_meant(value, bounds)) or "look for a wrong unit, or the point in the wrong place",
+        alternatives(_meant(value, bounds)) or "look for a wrong unit, or the point in the wrong place",
         error=value.value > WRONG_BY * high or value.value < low / WRONG_BY,
     )
 

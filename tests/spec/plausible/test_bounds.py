@@ -872,6 +872,28 @@ def test_a_kept_size_hides_nothing(kept: str, rotor: str, fields: str, expected:
     assert [item.where for item in said(text)] == expected
 
 
+@pytest.mark.parametrize(
+    ("reason", "kept"),
+    [
+        ("a wheel", True),
+        # A tenth more is 209 rad/s.
+        ("up to 190 rad/s at this wheel", True),
+        ("up to 180 rad/s at this wheel", False),
+        ("at most 20 N*m", False),
+        ("at most 30 N*m, and up to 250 rad/s", True),
+        ("up to 3 kg", True),
+    ],
+)
+def test_a_bound_in_the_reason_holds_for_a_check(reason: str, kept: bool) -> None:
+    """SPEC184 finds 201 rad/s of a motor of 25 N*m."""
+    text = spec_of(
+        f"legs: {{joints: [hip], motor: m, level: ideal_pd, kp: 9, kd: 1}}, {REST}",
+        motors="{m: {side: joint, stall_torque: 25, no_load_speed: 201 rad/s}}",
+        more=f'accept: {{spec.SPEC184: "{reason}"}}',
+    )
+    assert codes(text) == ([] if kept else ["SPEC184"])
+
+
 def test_beside_a_size_that_is_told_only_what_follows_from_it_is_not() -> None:
     """The velocity limit is held to speed and gear, the dry friction to the torque that is told."""
     text = f"{AXIS}, velocity_limit: 115 rad/s, friction: {{coulomb: 4e5}}}}, {REST}"

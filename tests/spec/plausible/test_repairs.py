@@ -426,7 +426,7 @@ def test_a_speed_that_the_voltage_refutes_is_not_offered() -> None:
         "side: motor, gear_ratio: 20, torque_constant: 0.055, nominal_voltage: {} V, no_load_speed: 300 rpm"
     )
     (found,) = said(sheet=sheet.format(24))
-    assert found.help == "did you mean 3000 rpm (314.2 rad/s)?; or did you mean 300 rad/s?"
+    assert found.help == "did you mean 3000 rpm (314.2 rad/s)? Or did you mean 300 rad/s?"
     (found,) = said(sheet=sheet.format(48))
     assert "quoted at the gearbox output? At the rotor it is 628.3 rad/s" in (found.help or "")
 

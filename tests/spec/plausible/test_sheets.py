@@ -323,7 +323,7 @@ def test_friction_names_the_pulley() -> None:
             [("0.945 N*m/A", "8.505 N*m/A")],
             "SPEC181",
             "motors.ak80_9.torque_constant",
-            "is it in kgf*cm/A? 8.505 kgf*cm/A is 0.8341 N*m/A; or did you mean 0.8505 N*m/A?; or is the gear in it "
+            "is it in kgf*cm/A? 8.505 kgf*cm/A is 0.8341 N*m/A; or did you mean 0.8505 N*m/A? Or is the gear in it "
             "twice? Then it is 0.945 N*m/A",
         ),
         (
@@ -397,13 +397,13 @@ def test_sheets_with_a_voltage_are_sound(sheet: str) -> None:
             HUB,
             ("560 rpm", "56 rpm"),
             "no_load_speed",
-            "did you mean 560 rpm (58.64 rad/s)?; or did you mean 56 rad/s?",
+            "did you mean 560 rpm (58.64 rad/s)? Or did you mean 56 rad/s?",
         ),
         (
             EC45,
             ("6110 rpm", "611 rpm"),
             "no_load_speed",
-            "did you mean 6110 rpm (639.8 rad/s)?; or did you mean 611 rad/s?",
+            "did you mean 6110 rpm (639.8 rad/s)? Or did you mean 611 rad/s?",
         ),
         # Of speed and voltage only the product with the constant is known.
         (

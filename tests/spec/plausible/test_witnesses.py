@@ -295,7 +295,7 @@ def test_two_digits_exchanged(tmp_path: Path) -> None:
     ("wrong", "help"),
     [
         # 480 rad/s are 59 V, 4800 rpm 61.8 V.
-        ({"no_load_speed": "480 rpm"}, "did you mean 480 rad/s?; or did you mean 4800 rpm (502.7 rad/s)?"),
+        ({"no_load_speed": "480 rpm"}, "did you mean 480 rad/s? Or did you mean 4800 rpm (502.7 rad/s)?"),
         # 60 / (2 pi 100) = 0.0955: 100 rpm/V x 48 V are just 4800 rpm; 0.1 is nearer to 2.48 / 23.2 = 0.107.
         ({"torque_constant": "100"}, "is it Kv, in rpm/V? Then the constant is 60 / (2 pi Kv), 0.0955 N*m/A"),
         # 5000 rpm are not.
