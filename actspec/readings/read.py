@@ -265,6 +265,8 @@ class PendingFiles:
         self.named, self.exclude = tuple(paths), exclude
         self.met: list[str] = []
         """Files and folders that were found, those that are passed over too."""
+        self.passed_over: tuple[str, ...] = ()
+        """Of the files that were read, those with nothing to audit that nobody asked for; known when all are read."""
         self._not_read: dict[str, str] = {}
 
         def passes_over(path: str, named: bool) -> bool:
@@ -336,7 +338,9 @@ class PendingFiles:
                 around.update((self._pool.add(one, False, None), (index, one)) for one in wholes)
             if progress is not None:
                 progress(len(found), len(self._files))
-        chosen = _chosen(self._paths, self._files, found, self._skip_other, self.exclude, self._not_read)
+        chosen, self.passed_over = _chosen(
+            self._paths, self._files, found, self._skip_other, self.exclude, self._not_read
+        )
         if not chosen:
             # Globs that are too wide would be a green check of nothing.
             gone = [path for path in self.named if path not in self._paths and os.path.isdir(path)]
@@ -436,9 +440,9 @@ def _chosen(
     skip_other: bool,
     exclude: Callable[[str, bool], bool] | None,
     not_read: dict[str, str],
-) -> list[FileReading]:
-    """The readings without files that have nothing to do with actuators and that nobody named."""
-    chosen = []
+) -> tuple[list[FileReading], tuple[str, ...]]:
+    """The readings without files that have nothing to do with actuators and that nobody named; and those files."""
+    chosen, passed_over = [], []
     past = {index for index, file in enumerate(files) if found[index].record and _is_past(file, skip_other)}
     not_read.update((files[index].path, RECORD) for index in sorted(past))
     concerned = {index for index in range(len(files)) if index not in past and _concerns(found[index])}
@@ -472,11 +476,13 @@ def _chosen(
                     idle=idle_there.configs.get(file.path, frozenset()),
                 )
             )
+        elif index not in past:
+            passed_over.append(file.path)
     for path in dict.fromkeys(paths):
         if path in empty:
             others = [kind for each, kind in not_read.items() if _is_below(each, path)]
             chosen.append(_nothing_in(path, seen[path], others))
-    return chosen
+    return chosen, tuple(passed_over)
 
 
 def _is_past(file: NamedFile, skip_other: bool) -> bool:
