@@ -87,13 +87,18 @@ class NamedFile:
 
     Attributes:
         path: As the user named it, or below the folder that the user named.
-        folder: That folder; None when the file is in none that was named.
+        folders: The folders that were named and that it is in, as they were named.
         named: Whether the file itself was named.
     """
 
     path: str
-    folder: str | None = None
+    folders: tuple[str, ...] = ()
     named: bool = False
+
+    @property
+    def folder(self) -> str | None:
+        """The innermost of them, in whatever order they were named: whoever names a folder asks for what is in it."""
+        return max(self.folders, key=_depth, default=None)
 
 
 def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None) -> FileReading:
@@ -373,7 +378,7 @@ def expand(
         if not os.path.isdir(path):
             if not skip_other or _has_known_ending(path) or not os.path.exists(path):
                 # Whoever names a file and its folder asks for the file.
-                found[path] = NamedFile(path, found[path].folder if path in found else None, named=True)
+                found[path] = replace(found.get(path, NamedFile(path)), named=True)
             continue
         shut: list[str] = []
         for full in files_in(path, exclude, shut.append):
@@ -381,12 +386,19 @@ def expand(
             if kind is not None and not_read is not None and not exclude(full, False):
                 not_read[full] = kind
             if _has_known_ending(full) and not exclude(full, False):
-                before = found.get(full)
-                found[full] = (
-                    NamedFile(full, path) if before is None else replace(before, folder=before.folder or path)
-                )
-        found.update((inside, NamedFile(inside, path)) for inside in shut)
+                found[full] = _in(found.get(full, NamedFile(full)), path)
+        found.update((inside, _in(found.get(inside, NamedFile(inside)), path)) for inside in shut)
     return tuple(found.values())
+
+
+def _in(file: NamedFile, folder: str) -> NamedFile:
+    return replace(file, folders=(*file.folders, folder))
+
+
+def _depth(folder: str) -> int:
+    """Of folders that are in each other, `.` is the outermost."""
+    folder = os.path.normpath(folder)
+    return 0 if folder == os.curdir else len(folder)
 
 
 def _is_below(path: str, folder: str) -> bool:
@@ -446,10 +458,11 @@ def _chosen(
     past = {index for index, file in enumerate(files) if found[index].record and _is_past(file, skip_other)}
     not_read.update((files[index].path, RECORD) for index in sorted(past))
     concerned = {index for index in range(len(files)) if index not in past and _concerns(found[index])}
-    shut = {file.folder for file in files if file.folder and os.path.isdir(file.path)}
     empty = {path for path in paths if os.path.isdir(path)}
-    empty -= shut | {files[index].folder for index in concerned}
-    seen = Counter(file.folder for file in files)
+    empty.difference_update(
+        *(file.folders for index, file in enumerate(files) if index in concerned or os.path.isdir(file.path))
+    )
+    seen = Counter(folder for file in files for folder in file.folders)
     idle_there = _idle([(files[index], found[index]) for index in concerned], exclude)
     for index, file in enumerate(files):
         if file.folder is not None and not found[index].readable and os.path.isdir(file.path):
