@@ -359,19 +359,38 @@ def test_a_joint_that_is_not_there_any_more(folder: Path) -> None:
 
 
 def test_a_model_without_any_actuator(folder: Path) -> None:
-    """All of them at once, at the file; not where a configuration drives the robot that was stripped for it."""
+    """All of them at once, at the file; not where mjlab loads it, which brings its own: Isaac Lab loads a USD."""
     Path("leg.xml").write_text(_leg(*MOTORS.values()))
     known = audit(["leg.xml"], Settings())
     write_baseline((), "base.json", driven=driven(known.case, ""))
     Path("leg.xml").write_text(_leg())
     (told,) = audit(["leg.xml"], Settings(baseline="base.json")).problems
     assert str(told).startswith("leg.xml: AUD023 [warning]: no actuator drives any of its joints any more")
-    Path("leg_cfg.py").write_text(
+    isaaclab = (
         "from isaaclab.actuators import IdealPDActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
         'LEG_CFG = ArticulationCfg(actuators={"all": IdealPDActuatorCfg(joint_names_expr=["hip", "knee", "toe"], '
         "stiffness=20.0, damping=1.0, effort_limit=24.0)})\n"
     )
+    Path("leg_cfg.py").write_text(isaaclab)
+    assert audit(["leg.xml", "leg_cfg.py"], Settings(baseline="base.json")).problems == (told,)
+    mjlab = (
+        "import mujoco\nfrom mjlab.actuator import BuiltinPositionActuatorCfg\n"
+        "from mjlab.entity import EntityArticulationInfoCfg, EntityCfg\n"
+        'LEG = BuiltinPositionActuatorCfg(target_names_expr=(".*",), stiffness=20.0, damping=1.0, effort_limit=24.0)\n'
+        'def get_spec(): return mujoco.MjSpec.from_file("@")\n'
+        "LEG_CFG = EntityCfg(spec_fn=get_spec, articulation=EntityArticulationInfoCfg(actuators=(LEG,)))\n"
+    )
+    for model, lost in (("leg.xml", False), ("other.xml", True)):
+        Path("leg_cfg.py").write_text(mjlab.replace("@", model))
+        assert bool(audit(["leg.xml", "leg_cfg.py"], Settings(baseline="base.json")).problems) is lost
+    # Which one it loads is not told: one that lies beside it.
+    mjlab = mjlab.replace('"@"', "mujoco.anything()")
+    Path("leg_cfg.py").write_text(mjlab)
+    Path("sub").mkdir()
+    Path("sub/leg_cfg.py").write_text(mjlab)
     assert not audit(["leg.xml", "leg_cfg.py"], Settings(baseline="base.json")).problems
+    assert audit(["leg.xml", "sub/leg_cfg.py"], Settings(baseline="base.json")).problems == (told,)
+    Path("leg_cfg.py").write_text(isaaclab)
     # Joints that are called otherwise now, and a file that was not audited, say nothing.
     Path("leg.xml").write_text(_leg(MOTORS["hip"], joints="hip shank toe").replace("toe", "foot"))
     assert not audit(["leg.xml"], Settings(baseline="base.json")).problems
