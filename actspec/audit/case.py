@@ -37,6 +37,7 @@ class Case:
         robots: Artifacts put together; each artifact is in exactly one.
         versions: What the files are meant for.
         options: Rule code to its options (thresholds) from the configuration.
+        passed_over: Files of the folders that were looked at and have nothing to audit.
         explicit: While specs are compiled: what to, in words, to the joints whose drive is integrated explicitly there.
         joints: Rows of each joint of each artifact, in their order; rows without a joint are left out.
         joints_by_artifact: The same, by artifact and then by joint.
@@ -50,6 +51,7 @@ class Case:
     robots: tuple[Robot, ...]
     versions: Versions = field(default_factory=Versions)
     options: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    passed_over: tuple[str, ...] = ()
     explicit: Mapping[str, Collection[str]] = field(default_factory=dict)
     joints: Mapping[tuple[int, str], Sequence[LedgerRow]] = field(init=False, repr=False, compare=False)
     joints_by_artifact: Mapping[int, Mapping[str, Sequence[LedgerRow]]] = field(

@@ -116,10 +116,15 @@ class Difference:
     left: tuple[Change, ...]
 
     @property
+    def changed(self) -> bool:
+        """Whether anything did of what was compared."""
+        return bool(self.added or self.removed or self.changes)
+
+    @property
     def same(self) -> bool:
         """Whether nothing changed of what was compared; where nothing was, nobody knows."""
         nothing = bool(self.left) and not self.compared
-        return not (self.added or self.removed or self.changes or nothing)
+        return not (self.changed or nothing)
 
 
 def compare_files(

@@ -4,15 +4,17 @@ actuator, and reads like a mended fault.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from actspec.audit.baseline import relative_path
 from actspec.audit.case import Case
 from actspec.audit.outcome import LOST_DRIVE
+from actspec.audit.rules.configs import names_model
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.files import name_in_file
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import FileKind, Framework
 from actspec.robot.view import RobotView
 
 
@@ -91,7 +93,8 @@ class Lost:
 def lost_drives(case: Case, before: Mapping[str, frozenset[str]], folder: str) -> Iterator[Lost]:
     """Joints that are still there and that nothing drives any more.
 
-    Not of a model without any actuator whose joints a configuration of the robot drives: it was stripped for that.
+    Not of a model without any actuator that a configuration of mjlab loads, which was stripped for that: Isaac Lab and
+    legged_gym load other files.
 
     Args:
         case: What was read.
@@ -104,6 +107,22 @@ def lost_drives(case: Case, before: Mapping[str, frozenset[str]], folder: str) -
         if robot is None or now is None:
             continue
         joints = [one for one in robot.joints if one.name in before.get(name, frozenset()) - now]
-        others = (case.artifacts[other].kind for other in case.robot_of(index).artifacts)
-        if joints and (robot.actuators or FileKind.CFG not in others):
+        if joints and (robot.actuators or not _is_driven_by_mjlab(case, index)):
             yield Lost(name, tuple(one.name for one in joints), joints[0].span, not robot.actuators)
+
+
+def _is_driven_by_mjlab(case: Case, index: int) -> bool:
+    """Whether a configuration of mjlab loads a model; of one that does not tell which, those beside or below it."""
+    model = case.artifacts[index]
+    for other in case.robot_of(index).artifacts:
+        config, path = case.artifacts[other].config, case.artifacts[other].path
+        if config is None or config.framework is not Framework.MJLAB:
+            continue
+        beside = os.path.join(os.path.dirname(os.path.abspath(path)), "")
+        if (
+            names_model(case, config, model)
+            if config.model
+            else os.path.abspath(model.path).startswith(beside)
+        ):
+            return True
+    return False

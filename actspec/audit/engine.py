@@ -69,6 +69,7 @@ def audit(
     if settings.as_named:
         readings = tuple(reading.as_named() for reading in readings)
     case = case_of(readings, settings.versions, settings.options, spec)
+    case = replace(case, passed_over=files.passed_over)
     globs = files.exclude.globs if isinstance(files.exclude, Exclude) else ()
     ignored = [(glob, settings.folder) for glob, _ in settings.per_file_ignores]
     said = (
@@ -149,7 +150,7 @@ def judge(
         problems += dict.fromkeys(one.told(settings.baseline or "") for one in lost)
         problems += _stale(
             stale,
-            reach_of(baseline.entries, case, by_code, ran, folder, own_exclude(settings)),
+            reach_of(baseline, case, by_code, ran, folder, own_exclude(settings)),
             settings.baseline or "",
             lost,
             vanished(case, baseline.driven, folder),
@@ -381,16 +382,19 @@ def _unsure(confidence: Confidence, settings: Settings) -> bool:
 def _stale(
     stale: Counter[Entry], reach: Reach, path: str, lost: Sequence[Lost], away: Collection[tuple[str, str]]
 ) -> Iterator[Diagnostic]:
-    """Entries of the baseline no longer found, of files and rules that were looked at, or of deleted files.
+    """Entries of the baseline no longer found, of files and rules that were looked at, or of deleted and emptied files.
 
     What is no longer found of a joint that has lost its actuator is not mended; of one that is not there it is said.
     """
     undriven = {(one.file, joint) for one in lost for joint in one.joints}
     help = f"write the baseline again with --write-baseline {path}"
-    for file in sorted({entry.file for entry in reach.gone}):
+    for file in sorted({*reach.hollow, *(entry.file for entry in reach.gone)}):
         codes = sorted({entry.code for entry in reach.gone if entry.file == file})
-        message = f"the baseline has findings of {file}, which is not there: {listed(codes)}"
-        yield Diagnostic(LOST_FILE, Severity.WARNING, message, "", Span(path), help)
+        has = f"findings of {file}" if codes else f"the drives of {file}"
+        state = "in which nothing is left to audit" if file in reach.hollow else "which is not there"
+        message = f"the baseline has {has}, {state}" + (f": {listed(codes)}" if codes else "")
+        back = "put back what it had; if it is meant, " if file in reach.hollow else ""
+        yield Diagnostic(LOST_FILE, Severity.WARNING, message, "", Span(path), back + help)
     gone = [
         entry
         for entry in stale

@@ -7,13 +7,13 @@ from collections import Counter
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from actspec.audit.baseline import Entry, relative_path
+from actspec.audit.baseline import Baseline, Entry, relative_path
 from actspec.audit.case import MODELS, Case
 from actspec.audit.exclude import Exclude
 from actspec.audit.rule import Rule
-from actspec.audit.selection import NOT_JUDGED
+from actspec.audit.selection import NOT_JUDGED, is_diagnostic
 from actspec.files import name_in_file, path_of_name
-from actspec.readings.artifact import FileReading
+from actspec.readings.artifact import FileKind, FileReading
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,13 +25,15 @@ class Reach:
         other_files: Of files that are there and were not audited.
         other_rules: Of audited files that could not be read, or by rules that did not run, or that compare with files
             that were not audited.
-        gone: Of files that are not there.
+        gone: Of files that are not there, or in which nothing is left to audit.
+        hollow: Those that are there; also of models of which the baseline has the drives alone.
     """
 
     within: Counter[Entry]
     other_files: Counter[Entry]
     other_rules: Counter[Entry]
     gone: Counter[Entry]
+    hollow: frozenset[str]
 
     @property
     def kept(self) -> Counter[Entry]:
@@ -40,7 +42,7 @@ class Reach:
 
 
 def reach_of(
-    entries: Counter[Entry],
+    baseline: Baseline,
     case: Case,
     rules: Mapping[str, type[Rule]],
     ran: Collection[str],
@@ -50,7 +52,7 @@ def reach_of(
     """Divide the entries of a baseline.
 
     Args:
-        entries: All of them, with their counts.
+        baseline: Of which all entries are divided.
         case: What was read.
         rules: All rules by code.
         ran: Codes of those that ran and had input.
@@ -61,12 +63,19 @@ def reach_of(
     for reading in case.files:
         for path in (reading.path, *(part.path for part in reading.files)):
             audited.setdefault(name_in_file(relative_path(path, folder)), reading)
+    entries = baseline.entries
     paths = {file: os.path.join(folder, path_of_name(file)) for file in {entry.file for entry in entries}}
-    others = {file for file, path in paths.items() if file not in audited and os.path.lexists(path)}
-    partial = any(not exclude(paths[file], True) for file in others)
-    reach = Reach(Counter(), Counter(), Counter(), Counter())
+    hollow = _hollow(baseline, case, audited)
+    passed_over = {name_in_file(relative_path(path, folder)) for path in case.passed_over} - audited.keys()
+    others = {file for file, path in paths.items() if file not in audited and os.path.exists(path)}
+    partial = any(not exclude(paths[file], True) for file in others - passed_over)
+    if not partial:
+        # What is passed over may have been a part of a file that is not in this run.
+        hollow |= passed_over & _judged(baseline)
+        others -= hollow
+    reach = Reach(Counter(), Counter(), Counter(), Counter(), hollow)
     for entry, count in entries.items():
-        home = audited.get(entry.file)
+        home = None if entry.file in hollow else audited.get(entry.file)
         if home is None:
             (reach.other_files if entry.file in others else reach.gone)[entry] = count
             continue
@@ -77,3 +86,26 @@ def reach_of(
         known = rule is None or (looked and not compared)
         (reach.within if known else reach.other_rules)[entry] = count
     return reach
+
+
+def _hollow(baseline: Baseline, case: Case, audited: Mapping[str, FileReading]) -> frozenset[str]:
+    """Models that were read and have no joint any more; those of other files may come from one outside of the run."""
+    moving = {entry.file for entry in baseline.entries if entry.joint}
+    having = {case.artifacts[row.artifact].path for row in case.rows}
+    return frozenset(
+        file
+        for file, home in audited.items()
+        if home.readable
+        and home.path not in having
+        # A part of an MJCF has none where it is read alone.
+        and (file in baseline.driven or (home.kind is FileKind.URDF and file in moving))
+    )
+
+
+def _judged(baseline: Baseline) -> frozenset[str]:
+    """Files of which a baseline has more than that they cannot be read: that is told where somebody names them."""
+    return frozenset(
+        entry.file
+        for entry in baseline.entries
+        if not (entry.code.startswith(NOT_JUDGED) or is_diagnostic(entry.code))
+    ).union(baseline.driven)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -12,7 +13,7 @@ from actspec.ir import ActuatorSet
 from actspec.readings import read
 from actspec.readings.artifact import Artifact, FileKind, FileReading
 from actspec.readings.networks import networks_of
-from actspec.robot.view import RobotView
+from actspec.robot.view import ModelFile, RobotView
 
 
 def resolved(path: str, robot: RobotView | None = None) -> ActuatorSet:
@@ -47,11 +48,27 @@ def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None
     reading = read.read_file(path, keep_matrices, refusal)
     if reading.kind is not FileKind.SPEC:
         return reading
+    reading = replace(reading, files=(*reading.files, *_included(path, reading.files)))
     try:
         actuators = resolved(path)
     except ActspecError as err:
         return replace(read.unreadable(path, reading.kind, err.diagnostics), files=reading.files)
     return replace(reading, artifacts=(artifact_of(path, actuators),), diagnostics=actuators.diagnostics)
+
+
+def _included(path: str, own: Sequence[ModelFile]) -> Iterator[ModelFile]:
+    """What a spec includes; nothing of one that cannot be read, which is told where it is resolved."""
+    if not any(b"include" in file.data for file in own):
+        return
+    from actspec.spec.document import load_document
+    from actspec.spec.yaml_text import MAX_BYTES
+
+    try:
+        for name in load_document(path).includes:
+            part = os.path.normpath(os.path.join(os.path.dirname(path), name))
+            yield ModelFile(part, name, files.read_regular(part, MAX_BYTES))
+    except (ActspecError, *files.FAULTS):
+        return
 
 
 def read_file_changed(

@@ -288,8 +288,8 @@ def _before(
     except AuditError:
         # None yet, or none that anybody can read.
         return {}, {}, []
-    old, folder = before.entries, os.path.dirname(path)
-    reach = reach_of(old, report.case, rules, report.ran, folder, own_exclude(settings))
+    folder = os.path.dirname(path)
+    reach = reach_of(before, report.case, rules, report.ran, folder, own_exclude(settings))
     left, _, stale = apply_baseline(report.findings, reach.other_rules, folder)
     # Of those that are found again, the new entry stands for the old one.
     _, _, gone = apply_baseline(left, reach.within, folder)
@@ -308,7 +308,7 @@ def _before(
     there = {
         file: joints
         for file, joints in before.driven.items()
-        if file not in audited and os.path.lexists(os.path.join(folder, path_of_name(file)))
+        if file not in audited | reach.hollow and os.path.exists(os.path.join(folder, path_of_name(file)))
     }
     return reach.other_files + stale, there, told
 

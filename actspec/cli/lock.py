@@ -159,7 +159,7 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
     # An older actspec recorded no joints without gains.
     case = _case(recorded, versions, path, whole="hash" in old)
     found = [item for item in changes(old, case, recorded) if item[0] in wanted]
-    changed = [(name, item) for name, item in found if not item.same]
+    changed = [(name, item) for name, item in found if item.changed]
     if arguments.output_format == "json":
         print_json({"format": "actspec-diff/1", "robots": [record(item, path, name) for name, item in found]})
     else:

@@ -87,13 +87,18 @@ class NamedFile:
 
     Attributes:
         path: As the user named it, or below the folder that the user named.
-        folder: That folder; None when the file is in none that was named.
+        folders: The folders that were named and that it is in, as they were named.
         named: Whether the file itself was named.
     """
 
     path: str
-    folder: str | None = None
+    folders: tuple[str, ...] = ()
     named: bool = False
+
+    @property
+    def folder(self) -> str | None:
+        """The innermost of them, in whatever order they were named: whoever names a folder asks for what is in it."""
+        return max(self.folders, key=_depth, default=None)
 
 
 def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None) -> FileReading:
@@ -265,6 +270,8 @@ class PendingFiles:
         self.named, self.exclude = tuple(paths), exclude
         self.met: list[str] = []
         """Files and folders that were found, those that are passed over too."""
+        self.passed_over: tuple[str, ...] = ()
+        """Of the files that were read, those with nothing to audit that nobody asked for; known when all are read."""
         self._not_read: dict[str, str] = {}
 
         def passes_over(path: str, named: bool) -> bool:
@@ -336,7 +343,9 @@ class PendingFiles:
                 around.update((self._pool.add(one, False, None), (index, one)) for one in wholes)
             if progress is not None:
                 progress(len(found), len(self._files))
-        chosen = _chosen(self._paths, self._files, found, self._skip_other, self.exclude, self._not_read)
+        chosen, self.passed_over = _chosen(
+            self._paths, self._files, found, self._skip_other, self.exclude, self._not_read
+        )
         if not chosen:
             # Globs that are too wide would be a green check of nothing.
             gone = [path for path in self.named if path not in self._paths and os.path.isdir(path)]
@@ -369,7 +378,7 @@ def expand(
         if not os.path.isdir(path):
             if not skip_other or _has_known_ending(path) or not os.path.exists(path):
                 # Whoever names a file and its folder asks for the file.
-                found[path] = NamedFile(path, found[path].folder if path in found else None, named=True)
+                found[path] = replace(found.get(path, NamedFile(path)), named=True)
             continue
         shut: list[str] = []
         for full in files_in(path, exclude, shut.append):
@@ -377,12 +386,19 @@ def expand(
             if kind is not None and not_read is not None and not exclude(full, False):
                 not_read[full] = kind
             if _has_known_ending(full) and not exclude(full, False):
-                before = found.get(full)
-                found[full] = (
-                    NamedFile(full, path) if before is None else replace(before, folder=before.folder or path)
-                )
-        found.update((inside, NamedFile(inside, path)) for inside in shut)
+                found[full] = _in(found.get(full, NamedFile(full)), path)
+        found.update((inside, _in(found.get(inside, NamedFile(inside)), path)) for inside in shut)
     return tuple(found.values())
+
+
+def _in(file: NamedFile, folder: str) -> NamedFile:
+    return replace(file, folders=(*file.folders, folder))
+
+
+def _depth(folder: str) -> int:
+    """Of folders that are in each other, `.` is the outermost."""
+    folder = os.path.normpath(folder)
+    return 0 if folder == os.curdir else len(folder)
 
 
 def _is_below(path: str, folder: str) -> bool:
@@ -436,16 +452,17 @@ def _chosen(
     skip_other: bool,
     exclude: Callable[[str, bool], bool] | None,
     not_read: dict[str, str],
-) -> list[FileReading]:
-    """The readings without files that have nothing to do with actuators and that nobody named."""
-    chosen = []
+) -> tuple[list[FileReading], tuple[str, ...]]:
+    """The readings without files that have nothing to do with actuators and that nobody named; and those files."""
+    chosen, passed_over = [], []
     past = {index for index, file in enumerate(files) if found[index].record and _is_past(file, skip_other)}
     not_read.update((files[index].path, RECORD) for index in sorted(past))
     concerned = {index for index in range(len(files)) if index not in past and _concerns(found[index])}
-    shut = {file.folder for file in files if file.folder and os.path.isdir(file.path)}
     empty = {path for path in paths if os.path.isdir(path)}
-    empty -= shut | {files[index].folder for index in concerned}
-    seen = Counter(file.folder for file in files)
+    empty.difference_update(
+        *(file.folders for index, file in enumerate(files) if index in concerned or os.path.isdir(file.path))
+    )
+    seen = Counter(folder for file in files for folder in file.folders)
     idle_there = _idle([(files[index], found[index]) for index in concerned], exclude)
     for index, file in enumerate(files):
         if file.folder is not None and not found[index].readable and os.path.isdir(file.path):
@@ -472,11 +489,13 @@ def _chosen(
                     idle=idle_there.configs.get(file.path, frozenset()),
                 )
             )
+        elif index not in past:
+            passed_over.append(file.path)
     for path in dict.fromkeys(paths):
         if path in empty:
             others = [kind for each, kind in not_read.items() if _is_below(each, path)]
             chosen.append(_nothing_in(path, seen[path], others))
-    return chosen
+    return chosen, tuple(passed_over)
 
 
 def _is_past(file: NamedFile, skip_other: bool) -> bool:

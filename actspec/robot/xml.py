@@ -121,7 +121,25 @@ def on_disk(main: str, including: str, name: str) -> ModelFile:
             return ModelFile(candidate, name, read_file(candidate, MOST_BYTES))
         except Missing:
             continue
+    folder = _missing_folder(main, including, name)
+    if folder is not None:
+        # Of many files in it that is said once.
+        raise Missing(
+            f"there is no folder {folder!r}", tried(folder, candidates_for(main, including, folder))
+        )
     raise Missing(f"there is no file {name!r}", tried(name, candidates))
+
+
+def _missing_folder(main: str, including: str, name: str) -> str | None:
+    """The outermost folder of a file's name that is in no place where it is looked for; None: all are there."""
+    parts = name.replace("\\", "/").split("/")[:-1]
+    for count in range(1, len(parts) + 1):
+        folder = "/".join(parts[:count])
+        places = candidates_for(main, including, folder or "/")
+        if not any(map(os.path.isdir, places)):
+            # Nobody looks for a drive of another system, or in a file.
+            return None if ":" in folder or any(map(os.path.lexists, places)) else folder
+    return None
 
 
 def parse_document(files: Sequence[ModelFile]) -> XmlDocument:

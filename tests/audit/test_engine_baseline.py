@@ -16,8 +16,10 @@ from actspec.audit.engine import audit, judge
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Report
 from actspec.audit.settings import Settings
+from actspec.cli.main import main
 from actspec.diagnostics import SEVERITIES, AuditError, Severity
 from tests.audit.making import case_of, finding, rule_of
+from tests.audit.robots import CFG, LEG, SPEC
 from tests.schemas import fits
 
 
@@ -357,21 +359,125 @@ def test_a_joint_that_is_not_there_any_more(folder: Path) -> None:
 
 
 def test_a_model_without_any_actuator(folder: Path) -> None:
-    """All of them at once, at the file; not where a configuration drives the robot that was stripped for it."""
+    """All of them at once, at the file; not where mjlab loads it, which brings its own: Isaac Lab loads a USD."""
     Path("leg.xml").write_text(_leg(*MOTORS.values()))
     known = audit(["leg.xml"], Settings())
     write_baseline((), "base.json", driven=driven(known.case, ""))
     Path("leg.xml").write_text(_leg())
     (told,) = audit(["leg.xml"], Settings(baseline="base.json")).problems
     assert str(told).startswith("leg.xml: AUD023 [warning]: no actuator drives any of its joints any more")
-    Path("leg_cfg.py").write_text(
+    isaaclab = (
         "from isaaclab.actuators import IdealPDActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
         'LEG_CFG = ArticulationCfg(actuators={"all": IdealPDActuatorCfg(joint_names_expr=["hip", "knee", "toe"], '
         "stiffness=20.0, damping=1.0, effort_limit=24.0)})\n"
     )
+    Path("leg_cfg.py").write_text(isaaclab)
+    assert audit(["leg.xml", "leg_cfg.py"], Settings(baseline="base.json")).problems == (told,)
+    mjlab = (
+        "import mujoco\nfrom mjlab.actuator import BuiltinPositionActuatorCfg\n"
+        "from mjlab.entity import EntityArticulationInfoCfg, EntityCfg\n"
+        'LEG = BuiltinPositionActuatorCfg(target_names_expr=(".*",), stiffness=20.0, damping=1.0, effort_limit=24.0)\n'
+        'def get_spec(): return mujoco.MjSpec.from_file("@")\n'
+        "LEG_CFG = EntityCfg(spec_fn=get_spec, articulation=EntityArticulationInfoCfg(actuators=(LEG,)))\n"
+    )
+    for model, lost in (("leg.xml", False), ("other.xml", True)):
+        Path("leg_cfg.py").write_text(mjlab.replace("@", model))
+        assert bool(audit(["leg.xml", "leg_cfg.py"], Settings(baseline="base.json")).problems) is lost
+    # Which one it loads is not told: one that lies beside it.
+    mjlab = mjlab.replace('"@"', "mujoco.anything()")
+    Path("leg_cfg.py").write_text(mjlab)
+    Path("sub").mkdir()
+    Path("sub/leg_cfg.py").write_text(mjlab)
     assert not audit(["leg.xml", "leg_cfg.py"], Settings(baseline="base.json")).problems
+    assert audit(["leg.xml", "sub/leg_cfg.py"], Settings(baseline="base.json")).problems == (told,)
+    Path("leg_cfg.py").write_text(isaaclab)
     # Joints that are called otherwise now, and a file that was not audited, say nothing.
     Path("leg.xml").write_text(_leg(MOTORS["hip"], joints="hip shank toe").replace("toe", "foot"))
     assert not audit(["leg.xml"], Settings(baseline="base.json")).problems
     Path("leg.xml").unlink()
     assert not audit(["a.xml"], Settings(baseline="base.json")).problems
+
+
+DEPLOY = "joint_names: [hip, knee]\nkp: [50, 100]\nkd: [3, 3]\n"
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "state", "codes"),
+    [
+        ("deploy.yaml", "", "in which nothing is left to audit", "SRC103"),
+        ("deploy.yaml", None, "which is not there", "SRC103"),
+        ("leg_cfg.py", "# moved\n", "in which nothing is left to audit", "FRC102, SRC103"),
+        (
+            "leg_cfg.py",
+            CFG.partition("    actuators=")[0] + ")\n",
+            "in which nothing is left to audit",
+            "FRC102, SRC103",
+        ),
+        ("leg.xml", "", "in which nothing is left to audit", "DMP101"),
+        ("leg.xml", "<mujoco/>", "in which nothing is left to audit", "DMP101"),
+    ],
+)
+def test_a_file_that_has_lost_its_robot(
+    file: str, text: str | None, state: str, codes: str, folder: Path
+) -> None:
+    """It takes its findings with it, as a deleted one does, and is told and counted as that is."""
+    robots = {"leg.xml": LEG, "leg_cfg.py": CFG.replace("100.0", "200.0"), "deploy.yaml": DEPLOY}
+    Path("robots").mkdir()
+    for name, content in robots.items():
+        Path("robots", name).write_text(content)
+    known = audit(["robots"], Settings(as_named=True))
+    write_baseline(known.findings, "base.json", driven=driven(known.case, ""))
+    settings = Settings(baseline="base.json", as_named=True)
+    assert not audit(["robots"], settings).problems
+    own = Path("robots", file)
+    own.unlink() if text is None else own.write_text(text)
+    told = [one for one in audit(["robots"], settings).problems if one.code == "AUD021"]
+    assert [one.message for one in told] == [f"the baseline has findings of robots/{file}, {state}: {codes}"]
+    back = "" if text is None else "put back what it had; if it is meant, "
+    assert told[0].help == f"{back}write the baseline again with --write-baseline base.json"
+    assert audit(["robots"], settings).fails(Severity.WARNING)
+    # Of the drives of a model alone, too; a run over something else knows nothing of them.
+    write_baseline((), "base.json", driven=driven(known.case, ""))
+    told = [one for one in audit(["robots"], settings).problems if one.code != "AUD007"]
+    assert [one.message for one in told] == (
+        [f"the baseline has the drives of robots/leg.xml, {state}"] if file == "leg.xml" else []
+    )
+    assert not audit(["a.xml"], settings).problems
+
+
+def test_a_file_that_has_lost_its_robot_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of a baseline that is written again, with its drives."""
+    Path("robots").mkdir()
+    Path("robots/leg.xml").write_text(LEG)
+    Path("robots/other.xml").write_text(LEG.replace('"leg"', '"other"'))
+    assert main(["audit", "robots", "--write-baseline", "base.json"]) == 0
+    Path("robots/leg.xml").write_text("")
+    assert main(["audit", "robots", "--write-baseline", "base.json"]) == 0
+    assert "base.json: left out: 2 findings of 1 file, no longer there\n" in capsys.readouterr().err
+    data = json.loads(Path("base.json").read_text())
+    assert {one["file"] for one in (*data["findings"], *data["driven"])} == {"robots/other.xml"}
+
+
+def test_a_part_that_stands_alone_is_not_lost(folder: Path) -> None:
+    """What another file includes or imports, and a file of which it was said that it has nothing to audit."""
+    Path("robots/parts").mkdir(parents=True)
+    Path("robots/leg.xml").write_text(LEG)
+    Path("robots/leg.yaml").write_text(
+        "include: [parts/motors.yaml]\n"
+        + SPEC.replace("    effort_limit: 30 N*m\n    armature: 0.01 kg*m^2\n", "    motor: m\n")
+    )
+    Path("robots/parts/motors.yaml").write_text(
+        "motors:\n  m: {peak_torque: 80 N*m, side: joint, rotor_inertia: 1e-4 kg*m^2, gear_ratio: 10}\n"
+    )
+    Path("robots/parts/gains.py").write_text("LIMIT = -30.0\n")
+    text = "from .parts.gains import LIMIT\n" + CFG.replace("effort_limit=30.0", "effort_limit=LIMIT")
+    Path("robots/leg_cfg.py").write_text(text)
+    Path("robots/notes.yaml").write_text("rate: 50\n")
+    known = audit(["robots", "robots/notes.yaml"], Settings(as_named=True))
+    files = {f"robots/{name}" for name in ("leg.xml", "notes.yaml", "parts/motors.yaml", "parts/gains.py")}
+    assert files <= {one.finding.span.path for one in known.findings}
+    write_baseline(known.findings, "base.json", driven=driven(known.case, ""))
+    for select in (("ALL",), ("DMP",)):
+        settings = Settings(baseline="base.json", as_named=True, select=select)
+        assert not audit(["robots"], settings).problems
+        assert not audit(["robots/parts"], settings).problems

@@ -130,6 +130,23 @@ def test_a_folder_of_files_without_their_parts_is_one_entry() -> None:
     assert len(found(named)) == 2
 
 
+def test_a_folder_that_is_not_there_is_one_entry() -> None:
+    """A submodule that was not fetched: two scenes with three includes of it each, in folders of one's own, too."""
+    Path("robots/arms").mkdir()
+    for name in "ab":
+        parts = "".join(f'\n<include file="../sim/{part}/{name}.xml"/>' for part in ("arm", "hand", "scene"))
+        Path("robots/arms", f"{name}.xml").write_text(f"<mujoco>{parts}</mujoco>")
+    report = audit(["robots"], Settings(as_named=True))
+    scenes = [item for item in report.findings if item.finding.span.path.startswith("robots/arms/")]
+    assert len(scenes) == 6
+    (group,) = for_people(scenes)
+    assert group.headline() == (
+        "the file cannot be read: the include cannot be followed: there is no folder '../sim' (ROBOT006)"
+        " (the same in robots/arms/b.xml)"
+    )
+    assert (group.also_on(3), group.first.finding.help) == ("also on lines 3, 4", "tried robots/sim")
+
+
 def test_a_world_with_robots_in_it_is_no_robot_file() -> None:
     """Another program's: it is passed over in a folder, and refused by name."""
     world = "<?xml version='1.0'?>\n<!-- a <robot> -->\n<world><robot><filename>leg.xml</filename></robot></world>"

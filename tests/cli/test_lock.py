@@ -67,6 +67,28 @@ def test_check(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["lock", "--check"]) == 0
 
 
+def test_a_configuration_that_states_no_figure(capsys: pytest.CaptureFixture[str]) -> None:
+    """Gains left to the USD, as of Isaac Lab's Digit, beside a setting that is no joint's: nothing has changed until
+    something does.
+    """
+    text = """from isaaclab.actuators import ImplicitActuatorCfg
+from isaaclab.assets import ArticulationCfg
+
+LEG_CFG = ArticulationCfg(
+    soft_joint_pos_limit_factor=0.9,
+    actuators={"all": ImplicitActuatorCfg(joint_names_expr=[".*"], stiffness=None, damping=None)},
+)
+"""
+    Path("leg_cfg.py").write_text(text)
+    main(["lock", "leg_cfg.py"])
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 0
+    assert capsys.readouterr().out == "actspec.lock: no change in what it records\n"
+    Path("leg_cfg.py").write_text(text.replace("damping=None", "damping=4.0"))
+    assert main(["lock", "--check"]) == 1
+    assert "    drive gain kd unknown -> 4 N*m*s/rad\n" in capsys.readouterr().out
+
+
 def test_check_of_a_file_that_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
     """It cannot be added; one that is there can."""
     main(["lock", "leg.xml"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from actspec.audit.engine import audit
 from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
+from actspec.cli.main import main
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.deploy import read_deploy
 
@@ -339,6 +341,17 @@ def test_a_configuration_that_another_run_was_trained_with(workspace: Path) -> N
 def test_the_folder_of_a_run_has_it(workspace: Path, folder: str) -> None:
     """Whoever names the run means it."""
     assert "SRC103 deploy.yaml:2:11" in told(folder, "deploy.yaml")
+
+
+@pytest.mark.parametrize("names", [[".", "logs/one"], ["logs/one", "."], [".", "logs", "logs/one/params/"]])
+def test_a_run_in_a_folder_that_is_named_too(workspace: Path, names: list[str]) -> None:
+    """The order of the names means nothing, and a folder in another has the files that it has."""
+    report = audit(names, Settings(as_named=True))
+    assert report.complete and report.not_read == ("past run",)
+    assert "logs/one/params/env.yaml" in {file.path for file in report.case.files}
+    assert "SRC103 deploy.yaml:2:11" in {f"{one.finding.code} {one.finding.span}" for one in report.findings}
+    assert main(["lock", *names]) == 0
+    assert "logs/one/params/env.yaml" in json.loads(Path("actspec.lock").read_text("utf-8"))["files"]
 
 
 @pytest.mark.parametrize("folder", [".", "logs"])

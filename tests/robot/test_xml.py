@@ -785,6 +785,43 @@ def test_all_include_errors_at_once(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("name", "message", "tried"),
+    [
+        ("../sim/arm/leg.xml", "there is no folder '../sim'", "{0}/sim, {0}/m/sim"),
+        (
+            "part/a/leg.xml",
+            "there is no folder 'part'",
+            "{0}/m/part, {0}/m/parts/part; did you mean 'parts'?",
+        ),
+        ("..\\m\\gone\\leg.xml", "there is no folder '../m/gone'", "{0}/m/gone, {0}/m/m/gone"),
+        (
+            "/gone/arm/leg.xml",
+            "there is no folder '/gone'",
+            "/gone; an absolute path works on one machine only",
+        ),
+        # All folders are there; what stands in the place of one is a file; the drive of another system.
+        ("../m/leg.xml", "there is no file '../m/leg.xml'", "{0}/m/leg.xml, {0}/m/m/leg.xml"),
+        (
+            "main.xml/leg.xml",
+            "there is no file 'main.xml/leg.xml'",
+            "{0}/m/main.xml/leg.xml, {0}/m/parts/main.xml/leg.xml",
+        ),
+        ("C:/sim/leg.xml", "there is no file 'C:/sim/leg.xml'", "C:/sim/leg.xml"),
+    ],
+)
+def test_a_folder_that_is_not_there(tmp_path: Path, name: str, message: str, tried: str) -> None:
+    """It is the outermost that is told, where the file was looked for: beside the main file and beside the part."""
+    path = written(tmp_path, {"m/main.xml": including("parts/a.xml"), "m/parts/a.xml": including(name)})
+    with pytest.raises(RobotError) as caught:
+        open_document(path)
+    (told,) = caught.value.diagnostics
+    assert (told.message, told.help) == (
+        f"the include cannot be followed: {message}",
+        f"tried {tried.format(tmp_path)}",
+    )
+
+
 def test_circle_names_the_chain(tmp_path: Path) -> None:
     """The error of a circle lists the files from the first of it back to itself."""
     path = written(

@@ -1,20 +1,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import is_as_written, is_whole_robot, names_model, posed
 from actspec.audit.rules.misnamed import is_misspelt, misnamed
+from actspec.audit.rules.ord101 import stated_order
 from actspec.audit.rules.sided import other_side
+from actspec.diagnostics import Span, listed
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.dict_keys import selects_nothing
 from actspec.readings.pair import joint_names
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
-_Subject = tuple[int, RobotConfig, int, RobotView]
+_Subject = tuple[int, RobotConfig, Sequence[tuple[int, RobotView]]]
+"""A configuration, and the models of its robot that it is held to."""
+
+_Place = tuple[str, tuple[Span, ...]]
+"""A file that has a joint or drives it, and where that and the joint are written."""
 
 _MOVES = ("add_equality", "add_tendon", "add_actuator")
 """Methods of `MjSpec` that give a joint something that moves it."""
@@ -36,39 +42,37 @@ class JointNotCovered(RuleOver[_Subject]):
                 continue
             if not is_whole_robot(config) or not is_as_written(config, *_MOVES):
                 continue
-            for other in case.robot_of(index).artifacts:
-                model = case.artifacts[other]
-                if model.robot is None:
-                    continue
-                own = config.framework is Framework.MJLAB
-                if model.kind is FileKind.URDF and not _driven_by_deploy(case, index, model.robot):
-                    continue
-                if own and (model.kind is not FileKind.MJCF or not names_model(case, config, model)):
-                    continue
-                yield index, config, other, model.robot
+            models = tuple(_models(case, index, config))
+            if models:
+                yield index, config, models
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
-        """Find joints that are in no group."""
-        index, config, other, robot = subject
-        covered = {row.joint for row in case.rows_of(index)}
-        called = {} if case.is_met_at(config.span) else _called(case, index, other)
-        yield from (self._otherwise(config, *found) for found in called.values())
+        """Find joints that are in no group; a joint of several models of the robot once."""
+        index, config, models = subject
         own = config.framework is Framework.MJLAB
-        driven = {row.joint: other for row in case.rows_of(other) if row.joint and row.control != "none"}
-        if not own and robot.format is ModelFormat.URDF:
-            driven = _driven_by_deploy(case, index, robot)
-            # A base for the legs, and a configuration that adds what the deploy file drives beside them.
-            others = (one for one in case.robot_of(index).artifacts if one != index)
-            covered |= {
-                row.joint
-                for one in others
-                if case.artifacts[one].kind is FileKind.CFG
-                for row in case.rows_of(one)
-            }
-        wanted = _loose(robot) - driven.keys() if own else driven.keys()
-        if len(wanted & covered) >= self.option(case, "share") * len(wanted):
-            missing = {joint: driven.get(joint, other) for joint in wanted - covered - called.keys()}
-            yield from self._uncovered(case, config, other, missing, covered)
+        uncovered: dict[tuple[str, str | None], list[_Place]] = {}
+        for other, robot in models:
+            called = {} if case.is_met_at(config.span) else _called(case, index, other)
+            yield from (self._otherwise(config, *found) for found in called.values())
+            covered, driven = _moved(case, index, other, robot)
+            wanted = _loose(robot) - driven.keys() if own else driven.keys()
+            missing = wanted - covered - called.keys()
+            if not missing or len(wanted & covered) < self.option(case, "share") * len(wanted):
+                continue
+            meant = {} if own or case.is_met_at(config.span) else _meant(case, index, other, missing, covered)
+            for joint in robot.joints:
+                if joint.name not in missing:
+                    continue
+                near = None if own or case.is_met_at(joint.span) else _misspelt(case, other, joint.name)
+                if near is not None:
+                    yield self._otherwise(config, joint, *near)
+                    continue
+                by = driven.get(joint.name, other)
+                spans = (joint.span,) if by == other else (case.joints[by, joint.name][0].span, joint.span)
+                place = basename(case.artifacts[by].path), spans
+                uncovered.setdefault((joint.name, meant.get(joint.name)), []).append(place)
+        for (name, why), places in uncovered.items():
+            yield self._uncovered(config, name, why, places)
 
     def _otherwise(self, config: RobotConfig, joint: JointView, name: str, path: str) -> Finding:
         """A joint that the model calls otherwise than the groups and another file of the robot do."""
@@ -83,48 +87,83 @@ class JointNotCovered(RuleOver[_Subject]):
         )
 
     def _uncovered(
-        self, case: Case, config: RobotConfig, other: int, joints: Mapping[str, int], covered: Collection[str]
-    ) -> Iterator[Finding]:
-        """Joints that no group selects, each with the artifact that drives it."""
-        robot = case.artifacts[other].robot
-        assert robot is not None
+        self, config: RobotConfig, joint: str, why: str | None, places: Sequence[_Place]
+    ) -> Finding:
+        """A joint that no group selects, where models have it, and what tells that it is meant to be driven."""
+        first: dict[Span, str] = {}
+        for file, spans in places:
+            # A scene has the joint of the model that it includes.
+            first.setdefault(spans[-1], file)
+        files = list(dict.fromkeys(first.values()))
+        drive = "drive" if files[1:] else "drives"
         own = config.framework is Framework.MJLAB
-        names = joint_names(case.artifacts[other]) or ()
-        # Another robot's USD, and a model of another variant, are of whoever has put them into one folder.
-        stated = () if own or case.is_met_at(config.span) else posed(config, names)
-        lost = any(
-            selects_nothing(config.framework, pattern, names)
-            for group in config.groups
-            for pattern in group.joints or ()
+        return Finding(
+            self.code,
+            f"this joint of {listed(files, 2)} is in no actuator group, and nothing else moves it: it swings freely"
+            if own
+            else f"{listed(files, 2)} {drive} this joint, {why}, and no actuator group selects it: it swings freely"
+            if why
+            else f"{listed(files, 2)} {drive} this joint, and no actuator group selects it: where the USD has it, it "
+            "swings freely",
+            config.span,
+            joint,
+            help="add it to a group",
+            related=tuple(dict.fromkeys(span for _, spans in places for span in spans)),
+            severity=None if own or why else Severity.INFO,
         )
-        for joint in robot.joints:
-            if joint.name not in joints:
-                continue
-            by = joints[joint.name]
-            near = None if own or case.is_met_at(joint.span) else _misspelt(case, other, joint.name, names)
-            if near is not None:
-                yield self._otherwise(config, joint, *near)
-                continue
-            file = basename(case.artifacts[by].path)
-            # ORD104 tells of the pattern that was meant for it.
-            side = None if own or case.is_met_at(config.span) else other_side(joint.name, covered)
-            sure = own or ((joint.name in stated or side is not None) and not lost)
-            placed = joint.name in stated
-            why = "this configuration sets its position" if placed else f"{side} is in a group"
-            yield Finding(
-                self.code,
-                f"this joint of {file} is in no actuator group, and nothing else moves it: it swings freely"
-                if own
-                else f"{file} drives this joint, {why}, and no actuator group selects it: it swings freely"
-                if sure
-                else f"{file} drives this joint, and no actuator group selects it: where the USD has it, it swings "
-                "freely",
-                config.span,
-                joint.name,
-                help="add it to a group",
-                related=(joint.span,) if by == other else (case.joints[by, joint.name][0].span, joint.span),
-                severity=None if sure else Severity.INFO,
-            )
+
+
+def _models(case: Case, index: int, config: RobotConfig) -> Iterator[tuple[int, RobotView]]:
+    """The models of a configuration's robot that say which of its joints are driven."""
+    for other in case.robot_of(index).artifacts:
+        model = case.artifacts[other]
+        if model.robot is None:
+            continue
+        if model.kind is FileKind.URDF and not _driven_by_deploy(case, index, model.robot):
+            continue
+        if config.framework is Framework.MJLAB and (
+            model.kind is not FileKind.MJCF or not names_model(case, config, model)
+        ):
+            continue
+        yield other, model.robot
+
+
+def _moved(case: Case, index: int, other: int, robot: RobotView) -> tuple[set[str], dict[str, int]]:
+    """Joints that a configuration drives, and those that something beside it does, each with the artifact that does."""
+    covered = {row.joint for row in case.rows_of(index)}
+    config = case.artifacts[index].config
+    if robot.format is not ModelFormat.URDF or (config is not None and config.framework is Framework.MJLAB):
+        return covered, {
+            row.joint: other for row in case.rows_of(other) if row.joint and row.control != "none"
+        }
+    # A base for the legs, and a configuration that adds what the deploy file drives beside them.
+    others = (one for one in case.robot_of(index).artifacts if one != index)
+    covered |= {
+        row.joint for one in others if case.artifacts[one].kind is FileKind.CFG for row in case.rows_of(one)
+    }
+    return covered, _driven_by_deploy(case, index, robot)
+
+
+def _meant(
+    case: Case, index: int, other: int, missing: Collection[str], covered: Collection[str]
+) -> dict[str, str]:
+    """Of a model's joints that are in no group those that the configuration's own robot has, with what tells that.
+
+    None where a pattern is lost: ORD104 tells of the one that was meant for them. Not of files in a stranger's folder:
+    another robot's USD, and a model of another variant, are of whoever has put them together.
+    """
+    config = case.artifacts[index].config
+    names = joint_names(case.artifacts[other]) or ()
+    assert config is not None
+    patterns = [pattern for group in config.groups for pattern in group.joints or ()]
+    if any(selects_nothing(config.framework, pattern, names) for pattern in patterns):
+        return {}
+    sides = {name: other_side(name, covered) for name in missing}
+    found = {name: f"{side} is in a group" for name, side in sides.items() if side is not None}
+    order = stated_order(case.artifacts[index])
+    if order is not None:
+        found |= dict.fromkeys(order[0], "joint_sdk_names has it")
+    return found | dict.fromkeys(posed(config, names), "this configuration sets its position")
 
 
 def _driven_by_deploy(case: Case, index: int, robot: RobotView) -> dict[str, int]:
@@ -156,8 +195,9 @@ def _called(case: Case, index: int, model: int) -> dict[str, tuple[JointView, st
     }
 
 
-def _misspelt(case: Case, index: int, joint: str, names: Sequence[str]) -> tuple[str, str] | None:
+def _misspelt(case: Case, index: int, joint: str) -> tuple[str, str] | None:
     """How another file of the robot calls a joint of a model, where it is misspelt in one of the two; and that file."""
+    names = joint_names(case.artifacts[index]) or ()
     for other in case.robot_of(index).artifacts:
         theirs = joint_names(case.artifacts[other]) or ()
         if joint in theirs:
