@@ -18,11 +18,13 @@ from actspec.readings.body import SHARE, Figures, figures_of, share_a_body
 from actspec.readings.pair import (
     distinctive,
     fits,
+    has_joints,
     joint_names,
     matching,
     says_something,
     telling,
 )
+from actspec.readings.pair_named import is_deploy
 from actspec.robot.view import RobotView
 
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
@@ -259,7 +261,7 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
                 )
                 and fits(member.config, sorted(joints))
             )
-        ]
+        ] or _trained_with(case, robot, its)
         if member.config is not None and near:
             deploy = member.kind is FileKind.DEPLOY
             what = "this" if deploy else f"`{member.name}`"
@@ -276,6 +278,22 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
             )
         elif member.config is not None and not case.is_met(its):
             yield from _in_other_letters(case, member, models)
+
+
+def _trained_with(case: Case, robot: Robot, its: int) -> list[str]:
+    """Of a deploy file that somebody named and that is with no other file, the named configurations of its joints."""
+    config = case.artifacts[its].config
+    if config is None or case.is_met(its) or not all(is_deploy(case.artifacts[i]) for i in robot.artifacts):
+        return []
+    keys = frozenset(key for one in config.groups for key in one.joints or () if key != ".*")
+    found = []
+    for index, other in enumerate(case.artifacts):
+        if other.config is None or is_deploy(other) or case.is_met(index):
+            continue
+        known = frozenset(joint_names(other) or ())
+        if has_joints(other, keys) or (keys and len(keys & known) >= SHARE * len(keys)):
+            found.append(other.path)
+    return list(dict.fromkeys(found))
 
 
 def _in_other_letters(

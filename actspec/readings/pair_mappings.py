@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from actspec.readings.artifact import Artifact, Framework
+from actspec.readings.artifact import Artifact
+from actspec.readings.pair_named import is_deploy
 
 
 def with_mappings(
@@ -32,8 +33,8 @@ def with_mappings(
             keys[group[0]] = frozenset(
                 key for one in config.groups for key in one.joints or () if key != ".*"
             )
-    mapped = [index for index in keys if _is_deploy(artifacts[index]) and keys[index]]
-    for index in (index for index in keys if not _is_deploy(artifacts[index])):
+    mapped = [index for index in keys if is_deploy(artifacts[index]) and keys[index]]
+    for index in (index for index in keys if not is_deploy(artifacts[index])):
         # Where nothing else is there, names need not be alike: `go2_cfg.py`, `walk.yaml`.
         sole = len(groups) == 2
         homes = [one for one in mapped if overlap(keys[index], keys[one]) and (sole or agree(index, one))]
@@ -41,7 +42,3 @@ def with_mappings(
             found.remove([index])
             next(group for group in found if homes[0] in group).append(index)
     return found
-
-
-def _is_deploy(artifact: Artifact) -> bool:
-    return artifact.config is not None and artifact.config.framework is Framework.DEPLOY
