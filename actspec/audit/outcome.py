@@ -15,6 +15,7 @@ from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.patterns import recased
 from actspec.readings.artifact import STEP_OF_WHAT, Artifact, FileKind, FileReading, Robot
 from actspec.readings.body import SHARE, Figures, figures_of, share_a_body
+from actspec.readings.motor_names import names_wanted
 from actspec.readings.pair import (
     distinctive,
     fits,
@@ -272,7 +273,7 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
                 "several robots are called so" if by_number else "no name shows that it is the same robot",
                 # Others of one file may be compared.
                 Span(member.path) if deploy else member.config.span,
-                "add joint_names: [...] in the order of its lists"
+                f"add {names_wanted(member.config.motors)}"
                 if by_number
                 else f"write the robot's name into {'the file' if deploy else 'this configuration'}'s name",
             )

@@ -18,7 +18,7 @@ from actspec.diagnostics import (
     one_line,
     shell_word,
 )
-from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remark_of
+from actspec.draft.deploy_lists import lists_of, of_this_robot, remark_of
 from actspec.draft.environment import are_one, in_environments, written_once
 from actspec.draft.including import as_part, whole_of
 from actspec.draft.sources import RobotReading, stated
@@ -41,6 +41,7 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.dict_keys import plain_name
 from actspec.readings.joint_lists import differ_by_ending, environment_of, named_joints, names_of, patterns_of
+from actspec.readings.motor_names import NAMELESS
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
@@ -114,7 +115,7 @@ def read_robot_files(
     said = [*out, *(item for reading in readings for item in reading.diagnostics)]
     said += _once(parts)
     # The remark on all lists of a file says it once.
-    said = [item for item in said if item.code != NOT_NAMED or item.span not in passed_over]
+    said = [item for item in said if item.code != NAMELESS or item.span not in passed_over]
     found = zip(parts, artifacts, strict=True)
     return tuple(RobotReading(part, a, files.get(a.path, ())) for part, a in found), tuple(
         dict.fromkeys(said)

@@ -17,6 +17,7 @@ from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.deploy import NAMES
+from actspec.readings.motor_names import names_wanted
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
 from actspec.readings.read import MOST_YAML_BYTES, YAML, PendingFiles
@@ -207,7 +208,8 @@ def named_joints(
             help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
         if not patterns and any(config.framework is Framework.DEPLOY for config in every):
             message = "no file selects joints: the lists of the deploy file have no names"
-            help = "add joint_names: [...] to it, in the order of its lists"
+            motors = next((config.motors for config in every if config.motors is not None), None)
+            help = f"add to it {names_wanted(motors)}"
         elif not patterns:
             message = "no file selects joints: no actuators are read of the configuration"
             help = "name the file that has the robot's actuators"
