@@ -330,6 +330,8 @@ def _lifted(
     for artifact in artifacts:
         config, others = artifact.config, [other for other in artifacts if other is not artifact]
         beside = next((names for names in map(joint_names, others) if names), None)
+        listed_here = None if joints or beside or artifact.kind is not FileKind.CFG else joint_names(artifact)
+        beside = beside or listed_here
         same = [o.config for o in others if o.config and config and o.config.framework is config.framework]
         step = next((other.physics_dt for other in same if other.physics_dt is not None), None)
         told = config is not None and step is None and config.physics_dt is None
@@ -341,6 +343,10 @@ def _lifted(
             source = one_line(os.path.basename(model.path)) if model is not None else ""
             part = _remarked(
                 part, f"delays count the step of {source}, {format_quantity(step, 's')}: no other is stated"
+            )
+        if listed_here:
+            part = _remarked(
+                part, f"the names of the {many(len(listed_here), 'joint')} are from its joint_sdk_names"
             )
         if named is not None and config is not None and config.groups:
             kinds = "names" if isinstance(next(iter(joints), ""), str) else "names, kinds and ranges"
@@ -458,7 +464,7 @@ def _urdf_of(usd: str) -> str | None:
 
 def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
     """Where patterns select the joints, some file names these."""
-    if any(artifact.robot is not None or artifact.kind is FileKind.DEPLOY for artifact in artifacts):
+    if any(artifact.kind is FileKind.DEPLOY or joint_names(artifact) for artifact in artifacts):
         return
     for artifact in artifacts:
         config = artifact.config

@@ -17,6 +17,7 @@ from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.deploy import NAMES
+from actspec.readings.deploy_motors import SDK_NAMES
 from actspec.readings.motor_names import names_wanted
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
@@ -284,9 +285,16 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
                 for name, value in own
                 if name in _NAME_KEYS and value.tag == "tag:yaml.org,2002:str"
             ]
-            if key in NAMES and texts and len(texts) == len(node.value) == len(set(texts)):
+            if key in SDK_NAMES:
+                # Gaps in the numbering of the motors.
+                names, count = list(filter(None, texts)), len(texts) - texts.count("")
+            else:
+                names, count = texts, len(node.value)
+            listed_so = key in (*NAMES, *SDK_NAMES) and names and len(names) == count == len(set(names))
+            # A run's `joint_names: [.*_wrist_.*]` selects some.
+            if listed_so and not any(map(_PATTERN.search, names)):
                 keyed = None
-                yield tuple(texts)
+                yield tuple(names)
             else:
                 pending += [("", item) for item in node.value]
     yield from keyed or ()

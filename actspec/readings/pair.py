@@ -258,7 +258,8 @@ def joint_names(artifact: Artifact) -> tuple[str, ...] | None:
     if config is not None and "joint_order" in config.settings:
         order = config.settings["joint_order"].value
         if isinstance(order, tuple):
-            return tuple(str(name) for name in order)
+            # A gap in the numbering of the motors has no name.
+            return tuple(str(name) for name in order if name)
     return None
 
 
