@@ -15,14 +15,17 @@ from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.patterns import recased
 from actspec.readings.artifact import STEP_OF_WHAT, Artifact, FileKind, FileReading, Robot
 from actspec.readings.body import SHARE, Figures, figures_of, share_a_body
+from actspec.readings.motor_names import names_wanted
 from actspec.readings.pair import (
     distinctive,
     fits,
+    has_joints,
     joint_names,
     matching,
     says_something,
     telling,
 )
+from actspec.readings.pair_named import is_deploy
 from actspec.robot.view import RobotView
 
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
@@ -259,7 +262,7 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
                 )
                 and fits(member.config, sorted(joints))
             )
-        ]
+        ] or _trained_with(case, robot, its)
         if member.config is not None and near:
             deploy = member.kind is FileKind.DEPLOY
             what = "this" if deploy else f"`{member.name}`"
@@ -270,12 +273,28 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
                 "several robots are called so" if by_number else "no name shows that it is the same robot",
                 # Others of one file may be compared.
                 Span(member.path) if deploy else member.config.span,
-                "add joint_names: [...] in the order of its lists"
+                f"add {names_wanted(member.config.motors)}"
                 if by_number
                 else f"write the robot's name into {'the file' if deploy else 'this configuration'}'s name",
             )
         elif member.config is not None and not case.is_met(its):
             yield from _in_other_letters(case, member, models)
+
+
+def _trained_with(case: Case, robot: Robot, its: int) -> list[str]:
+    """Of a deploy file that somebody named and that is with no other file, the named configurations of its joints."""
+    config = case.artifacts[its].config
+    if config is None or case.is_met(its) or not all(is_deploy(case.artifacts[i]) for i in robot.artifacts):
+        return []
+    keys = frozenset(key for one in config.groups for key in one.joints or () if key != ".*")
+    found = []
+    for index, other in enumerate(case.artifacts):
+        if other.config is None or is_deploy(other) or case.is_met(index):
+            continue
+        known = frozenset(joint_names(other) or ())
+        if has_joints(other, keys) or (keys and len(keys & known) >= SHARE * len(keys)):
+            found.append(other.path)
+    return list(dict.fromkeys(found))
 
 
 def _in_other_letters(

@@ -28,6 +28,7 @@ DIAGNOSTICS = {
     "DEPLOY004": "stands-twice",
     "DEPLOY005": "step-of-what",
     "DEPLOY006": "joint-misspelt",
+    "DEPLOY007": "two-default-positions",
 }
 """What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
 

@@ -10,10 +10,8 @@ from actspec.draft.sources import places, stated
 from actspec.ir import JointActuator, Quantity, unknown
 from actspec.readings.artifact import Artifact, NamelessList, RobotConfig
 from actspec.readings.deploy import LEAST_JOINTS
+from actspec.readings.motor_names import names_wanted
 from actspec.robot.view import JointView, RobotView
-
-NOT_NAMED = "DEPLOY002"
-"""The reader's note on one such list."""
 
 
 def lists_of(config: RobotConfig | None) -> dict[str, NamelessList]:
@@ -83,7 +81,8 @@ def remark_of(part: Artifact) -> str:
         said = f"{listed((one_line(one.key) for one in left), 9)} ({counts.pop()} entries{each})"
     else:
         said = listed((f"{one_line(one.key)} ({one.entries} entries)" for one in left), 9)
-    return f"no joint is named for {said}, so they are left out: add joint_names: [...] in their order to the file"
+    motors = part.config.motors if part.config is not None else None
+    return f"no joint is named for {said}, so they are left out: add to the file {names_wanted(motors)}"
 
 
 def with_reasons(joint: JointActuator, lists: Mapping[str, NamelessList]) -> JointActuator:

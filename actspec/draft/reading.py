@@ -18,7 +18,7 @@ from actspec.diagnostics import (
     one_line,
     shell_word,
 )
-from actspec.draft.deploy_lists import NOT_NAMED, lists_of, of_this_robot, remark_of
+from actspec.draft.deploy_lists import lists_of, of_this_robot, remark_of
 from actspec.draft.environment import are_one, in_environments, written_once
 from actspec.draft.including import as_part, whole_of
 from actspec.draft.sources import RobotReading, stated
@@ -41,6 +41,7 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.dict_keys import plain_name
 from actspec.readings.joint_lists import differ_by_ending, environment_of, named_joints, names_of, patterns_of
+from actspec.readings.motor_names import NAMELESS
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
@@ -114,7 +115,7 @@ def read_robot_files(
     said = [*out, *(item for reading in readings for item in reading.diagnostics)]
     said += _once(parts)
     # The remark on all lists of a file says it once.
-    said = [item for item in said if item.code != NOT_NAMED or item.span not in passed_over]
+    said = [item for item in said if item.code != NAMELESS or item.span not in passed_over]
     found = zip(parts, artifacts, strict=True)
     return tuple(RobotReading(part, a, files.get(a.path, ())) for part, a in found), tuple(
         dict.fromkeys(said)
@@ -329,6 +330,8 @@ def _lifted(
     for artifact in artifacts:
         config, others = artifact.config, [other for other in artifacts if other is not artifact]
         beside = next((names for names in map(joint_names, others) if names), None)
+        listed_here = None if joints or beside or artifact.kind is not FileKind.CFG else joint_names(artifact)
+        beside = beside or listed_here
         same = [o.config for o in others if o.config and config and o.config.framework is config.framework]
         step = next((other.physics_dt for other in same if other.physics_dt is not None), None)
         told = config is not None and step is None and config.physics_dt is None
@@ -340,6 +343,10 @@ def _lifted(
             source = one_line(os.path.basename(model.path)) if model is not None else ""
             part = _remarked(
                 part, f"delays count the step of {source}, {format_quantity(step, 's')}: no other is stated"
+            )
+        if listed_here:
+            part = _remarked(
+                part, f"the names of the {many(len(listed_here), 'joint')} are from its joint_sdk_names"
             )
         if named is not None and config is not None and config.groups:
             kinds = "names" if isinstance(next(iter(joints), ""), str) else "names, kinds and ranges"
@@ -459,7 +466,7 @@ def _urdf_of(usd: str) -> str | None:
 
 def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
     """Where patterns select the joints, some file names these."""
-    if any(artifact.robot is not None or artifact.kind is FileKind.DEPLOY for artifact in artifacts):
+    if any(artifact.kind is FileKind.DEPLOY or joint_names(artifact) for artifact in artifacts):
         return
     for artifact in artifacts:
         config = artifact.config

@@ -385,8 +385,8 @@ def _deploy(readings: Sequence[RobotReading], combined: Combined) -> str:
         settings = artifact.config.settings
         order = settings.get("sdk_order", settings.get("joint_order"))
         entries = order.value if order is not None and isinstance(order.value, tuple) else ()
-        names = [str(name) for name in entries if name is not None]
+        names = [str(name) for name in entries if name]
         if len(names) == len(managed) and set(names) == managed:
-            written = ("null" if name is None else scalar(str(name)) for name in entries)
+            written = (scalar(str(name)) if name else "null" for name in entries)
             return f"{{joint_order: [{', '.join(written)}]}}"
     return "{}"

@@ -243,6 +243,23 @@ class NamelessList:
 
 
 @dataclass(frozen=True, slots=True)
+class Motors:
+    """Lists of a deploy file by the numbers of the robot's motors, which it does not name.
+
+    Attributes:
+        count: How many numbers there are, gaps too.
+        groups: A motor each, in the order of the numbers, called by its number.
+        actions: Terms whose joints are such numbers.
+        span: Where the policy's joints have their numbers.
+    """
+
+    count: int
+    groups: tuple[ActuatorGroup, ...]
+    actions: tuple[ActionTerm, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class RobotConfig:
     """A robot as a training or deploy configuration has it.
 
@@ -263,6 +280,7 @@ class RobotConfig:
         written_for: What its groups are for, where actspec wrote them: names of `case.Versions`' fields.
         nameless: `kp` and `kd` to the entries of lists whose joints nobody names.
         nameless_lists: Field to its list, of all such lists, also of equal entries.
+        motors: What lists of a deploy file that go by the robot's numbering say, whoever names the numbers.
         entries: Numbers that no figure is made from and that may be of a joint, by where they stand: those of lists and
             maps (`entry 3 of kps`), and what is assigned to a robot that is not read.
         others: Other values that no figure is made from, likewise.
@@ -286,6 +304,7 @@ class RobotConfig:
     written_for: Mapping[str, str] = field(default_factory=dict)
     nameless: Mapping[str, tuple[Setting, ...]] = field(default_factory=dict)
     nameless_lists: Mapping[str, NamelessList] = field(default_factory=dict)
+    motors: Motors | None = None
     entries: Mapping[str, Setting] = field(default_factory=dict)
     others: Mapping[str, Setting] = field(default_factory=dict)
     looped: Mapping[str, Setting] = field(default_factory=dict)
@@ -413,7 +432,17 @@ STEP_OF_WHAT = "DEPLOY005"
 """Code of the remark on a `dt` of which nobody knows what it is a step of."""
 
 NOT_TAKEN = frozenset(
-    {"CFG003", "DEPLOY001", "DEPLOY003", "DEPLOY004", "DEPLOY006", "ROBOT009", "ROBOT123", "ROBOT124"}
+    {
+        "CFG003",
+        "DEPLOY001",
+        "DEPLOY003",
+        "DEPLOY004",
+        "DEPLOY006",
+        "DEPLOY007",
+        "ROBOT009",
+        "ROBOT123",
+        "ROBOT124",
+    }
 )
 """Warnings of readers that the file contradicts itself, so that something of it is not taken as it is written.
 

@@ -26,6 +26,7 @@ from actspec.readings.artifact import (
     FileKind,
     FileReading,
     Framework,
+    Motors,
     NamelessList,
     RobotConfig,
     Setting,
@@ -40,9 +41,11 @@ from actspec.readings.deploy_missing import (
     slip,
     why_without_gains,
 )
+from actspec.readings.deploy_motors import LENGTH, motors_of, sdk_names
 from actspec.readings.deploy_numbers import NO_NUMBER, is_meant_for_one, no_number
 from actspec.readings.deploy_steps import nearest, steps_of
 from actspec.readings.leftover import Leftover, node_span
+from actspec.readings.motor_names import NAMELESS, called, names_wanted
 from actspec.readings.twice import keys_twice, name_twice
 from actspec.readings.yaml_nodes import MOST_DEPTH, MOST_STEPS, Unfit, compose, number_of, position
 from actspec.robot.view import ModelFile
@@ -206,6 +209,8 @@ class _Reader:
         """What stands for figures, and is none, in blocks of which nothing is read."""
         self.own: set[frozenset[str]] | None = None
         """Lists of joint names of a file that has no known key of gains, where those of its author's are looked for."""
+        self.motors: Motors | None = None
+        """What the lists of the block at hand say by the robot's numbering."""
         self.keys: Mapping[str, tuple[str, ...]] = PER_JOINT
         """Field to the keys of the block at hand."""
 
@@ -302,13 +307,17 @@ class _Reader:
     def _config(self, node: yaml.Node, block: _Block, above: tuple[_Block, ...], name: str) -> RobotConfig:
         out = Collector()
         self.refused = []
-        names = self._in_policy_order(self._names(block, above), (block, *reversed(above)))
+        scopes = (block, *reversed(above))
+        names = self._in_policy_order(self._names(block, above), scopes)
+        self.motors = motors = motors_of(scopes, self.keys, self.mapping, self._setting, self._span, out)
+        called_so = sdk_names(scopes) or tuple(names or ())
+        if motors is not None and len(called_so) == motors.count:
+            names = None
         joints = tuple(names) if names is not None else None
         fields: dict[str, dict[str, Setting]] = {}
         count: Setting | None = None
         lists: dict[str, NamelessList] = {}
         mapped: dict[str, dict[str, Setting]] = {}
-        scopes = (block, *reversed(above))
         for field, keys in self.keys.items():
             found = nearest(scopes, keys)
             values = {} if found is None else self._per_joint(*found, joints, out)
@@ -347,17 +356,18 @@ class _Reader:
         if ours:
             settings["sdk_order"] = self._sdk_order(block)
         nameless = {} if joints is not None else self._nameless(scopes, fields)
-        at = self._span(node)
-        return RobotConfig(
+        config = RobotConfig(
             Framework.DEPLOY,
             name,
-            at,
+            self._span(node),
             tuple(groups),
             settings,
             notes=tuple(out),
             nameless=nameless,
             nameless_lists=lists,
+            motors=motors,
         )
+        return config if joints is not None else called(config, called_so)
 
     def _nameless(
         self, scopes: Sequence[_Block], fields: Mapping[str, Any]
@@ -487,19 +497,21 @@ class _Reader:
             help = f"the names are {listed(joints)}"
             if first is not None and len(values) > len(joints) and all(value == first for value, _ in values):
                 # Whoever reads it takes the right one for each joint.
-                out.info("DEPLOY001", f"{message}, all {first:g}", where=key, span=span, help=help)
+                out.info(LENGTH, f"{message}, all {first:g}", where=key, span=span, help=help)
                 return {joint: Setting(first, span) for joint in joints}
-            out.warning("DEPLOY001", message, where=key, span=span, help=help)
+            out.warning(LENGTH, message, where=key, span=span, help=help)
             return {}
         if first is not None and all(value == first for value, _ in values):
             return {".*": Setting(first, span)}
         if values:
             message = "it is a list without joint names: which joint a value belongs to is not guessed"
-            help = f"add joint_names: [...] with {len(values)} names in the order of the lists"
+            help = f"add {names_wanted(self.motors, len(values))}"
+            if self.motors is not None:
+                help = f"name the env.yaml of its run with it, which has them, or {help}"
             if any(len(twice.value) == len(values) for twice in self.refused[:1]):
                 message = message.replace("without joint names", "whose joint names have one twice")
                 help = f"name each of its {len(values)} joints once"
-            out.info("DEPLOY002", message, where=key, span=span, help=help)
+            out.info(NAMELESS, message, where=key, span=span, help=help)
         return {}
 
     def _by_name(

@@ -17,6 +17,8 @@ from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.deploy import NAMES
+from actspec.readings.deploy_motors import SDK_NAMES
+from actspec.readings.motor_names import names_wanted
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
 from actspec.readings.read import MOST_YAML_BYTES, YAML, PendingFiles
@@ -223,7 +225,8 @@ def named_joints(
             help += "; they differ from the configuration's by capital letters alone"
         if not patterns and any(config.framework is Framework.DEPLOY for config in every):
             message = "no file selects joints: the lists of the deploy file have no names"
-            help = "add joint_names: [...] to it, in the order of its lists"
+            motors = next((config.motors for config in every if config.motors is not None), None)
+            help = f"add to it {names_wanted(motors)}"
         elif not patterns:
             message = "no file selects joints: no actuators are read of the configuration"
             help = "name the file that has the robot's actuators"
@@ -298,9 +301,16 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
                 for name, value in own
                 if name in _NAME_KEYS and value.tag == "tag:yaml.org,2002:str"
             ]
-            if key in NAMES and texts and len(texts) == len(node.value) == len(set(texts)):
+            if key in SDK_NAMES:
+                # Gaps in the numbering of the motors.
+                names, count = list(filter(None, texts)), len(texts) - texts.count("")
+            else:
+                names, count = texts, len(node.value)
+            listed_so = key in (*NAMES, *SDK_NAMES) and names and len(names) == count == len(set(names))
+            # A run's `joint_names: [.*_wrist_.*]` selects some.
+            if listed_so and not any(map(_PATTERN.search, names)):
                 keyed = None
-                yield tuple(texts)
+                yield tuple(names)
             else:
                 pending += [("", item) for item in node.value]
     yield from keyed or ()

@@ -16,7 +16,8 @@ from actspec.files import in_common
 from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import Artifact, Framework, Robot, RobotConfig
 from actspec.readings.body import BODY, SHARE, Figures, are_alike, figures_of, share_a_body
-from actspec.readings.pair_mappings import with_mappings, with_runs
+from actspec.readings.pair_mappings import with_mappings
+from actspec.readings.pair_named import is_deploy, with_deploy_files, with_runs
 
 VARIANT = 0.5
 """Patterns that must match where the names say that it is the same robot. Chosen: a cfg for a robot with hands
@@ -48,6 +49,10 @@ the surveyed repositories."""
 _NUMBERED = re.compile(r"(?!(?:v|ver|rev|run|exp|seed|scene|task|copy|test)\d)([a-z]+)\d")
 """Letters before the first digit of a word, which are a family's; not of versions and runs."""
 
+_LIKE_A_ROBOT = re.compile(r"(?!v\d)[a-z]{1,2}\d")
+"""How many robots are called: `a1`, `go2`, `h1`, `x30`; what a policy does is no such word. Chosen: longer words with a
+number, `walk2`, may be any."""
+
 _WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+[0-9]*|[A-Z]+[0-9]*|[0-9]+[a-z]*")
 
 
@@ -65,7 +70,8 @@ def pair(
     joint, else the one whose joints all of its patterns match and that nothing tells from it, such as another name that
     it shares with its own file; where several do, none: nothing is guessed; without a robot,
     the deploy file that has its keys. What a run recorded joins the one configuration that was named with its patterns
-    and its model. Ranges of randomisation without actuators
+    and its model, and a deploy file that somebody named what was named with it and has the same joints, where nothing
+    else has them. Ranges of randomisation without actuators
     join the robot that their file's name tells, or the only one. Models that somebody named are one robot where they
     have one body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never compared with
     `arm1.xml`, nor one in `my_arm.xml`.
@@ -153,7 +159,11 @@ def pair(
         silent = [g for g in fitting if any(agree(index, i) for i in named[g])]
         sole = len(named) == 1 and (only or not calls[index][0]) and says_something(artifacts[index].config)
         alone = [
-            g for g in fitting if sole and not _is_of_another(artifacts[index], [calls[i] for i in named[g]])
+            g
+            for g in fitting
+            if sole
+            and not _is_of_another(artifacts[index], [calls[i] for i in named[g]])
+            and not any(is_deploy(artifacts[i]) and _are_two(calls[index], calls[i]) for i in named[g])
         ]
         choice = next((found for found in (alike, silent, alone) if len(found) == 1), None)
         if choice is None or (not alike and len(fitting) > 1):
@@ -162,6 +172,13 @@ def pair(
             groups[choice[0]].append(index)
     groups = with_mappings(groups, artifacts, _overlap, agree)
     groups = with_runs(groups, artifacts, records, by_hand, agree)
+    groups = with_deploy_files(
+        groups,
+        artifacts,
+        by_hand,
+        lambda one, other: has_joints(artifacts[one], sets[other]),
+        lambda one, other: _are_two(calls[one], calls[other]),
+    )
     for index in unnamed:
         if _is_events(artifacts[index]):
             called = words[index] | telling(_stem(artifacts[index].path))
@@ -247,7 +264,8 @@ def joint_names(artifact: Artifact) -> tuple[str, ...] | None:
     if config is not None and "joint_order" in config.settings:
         order = config.settings["joint_order"].value
         if isinstance(order, tuple):
-            return tuple(str(name) for name in order)
+            # A gap in the numbering of the motors has no name.
+            return tuple(str(name) for name in order if name)
     return None
 
 
@@ -353,10 +371,25 @@ def _agree(one: frozenset[str], other: frozenset[str]) -> bool:
     Signs are a letter or digit of its own (`anymal_b`, `anymal_c`) and a number in a word (`gr1t1`, `gr2t2`, `kr16`,
     `kr120`), unless one begins as the other does (`gr2t2`, `gr2t2d`) or it is a version's (`v2`).
     """
+    return bool(_shared(one, other)) and not _has_signs(one, other)
+
+
+def _has_signs(one: frozenset[str], other: frozenset[str]) -> bool:
+    """Whether signs tell models of one family apart."""
     apart = one - other, other - one
     signs = [{word.rpartition("_")[0] for word in mine if "_" in word} for mine in apart]
     numbered = any(_is_another_number(mine, its) for mine in apart[0] for its in apart[1])
-    return bool(_shared(one, other)) and not signs[0] & signs[1] and not numbered
+    return bool(signs[0] & signs[1]) or numbered
+
+
+def _are_two(one: Sequence[frozenset[str]], other: Sequence[frozenset[str]]) -> bool:
+    """Whether names of two artifacts, or else of their folders, are of one family's robots, or like `a1` and `go2`."""
+    mine, its = (
+        next(filter(None, (frozenset(filter(_LIKE_A_ROBOT.match, words)) for words in each)), frozenset())
+        for each in (one, other)
+    )
+    alike = any(a.startswith(b) or b.startswith(a) for a in mine for b in its)
+    return _has_signs(one[0], other[0]) or (bool(mine and its) and not alike)
 
 
 def _is_another_number(one: str, other: str) -> bool:
@@ -426,6 +459,14 @@ def fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) 
     patterns = [pattern for group in config.groups for pattern in group.joints or ()]
     met = sum(bool(matching(config.framework, pattern, joints)) for pattern in patterns)
     return bool(patterns) and met >= share * len(patterns)
+
+
+def has_joints(artifact: Artifact, joints: Collection[str]) -> bool:
+    """Whether an artifact names just these joints, or all of its patterns, which say something, match one of them."""
+    own = joint_names(artifact)
+    if own is not None:
+        return bool(own) and set(own) == set(joints)
+    return bool(joints) and says_something(artifact.config) and fits(artifact.config, sorted(joints))
 
 
 def says_something(config: RobotConfig | None) -> bool:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 
-from actspec.readings.artifact import Artifact, Framework
+from actspec.readings.artifact import Artifact
+from actspec.readings.pair_named import is_deploy
 
 
 def with_mappings(
@@ -33,8 +33,8 @@ def with_mappings(
             keys[group[0]] = frozenset(
                 key for one in config.groups for key in one.joints or () if key != ".*"
             )
-    mapped = [index for index in keys if _is_deploy(artifacts[index]) and keys[index]]
-    for index in (index for index in keys if not _is_deploy(artifacts[index])):
+    mapped = [index for index in keys if is_deploy(artifacts[index]) and keys[index]]
+    for index in (index for index in keys if not is_deploy(artifacts[index])):
         # Where nothing else is there, names need not be alike: `go2_cfg.py`, `walk.yaml`.
         sole = len(groups) == 2
         homes = [one for one in mapped if overlap(keys[index], keys[one]) and (sole or agree(index, one))]
@@ -42,57 +42,3 @@ def with_mappings(
             found.remove([index])
             next(group for group in found if homes[0] in group).append(index)
     return found
-
-
-def with_runs(
-    groups: Sequence[list[int]],
-    artifacts: Sequence[Artifact],
-    records: Collection[int],
-    by_hand: Collection[int],
-    agree: Callable[[int, int], bool],
-) -> list[list[int]]:
-    """Groups, what a run recorded in that of the one configuration that it was trained from.
-
-    A run has its configuration's patterns, letter by letter, and the model that it loads.
-
-    Args:
-        groups: Of artifacts that are one robot each.
-        artifacts: All of them.
-        records: Those that a training wrote of itself.
-        by_hand: Those whose files were named: of a folder's configurations many have the same patterns.
-        agree: Whether nothing tells two artifacts apart.
-    """
-    found = [list(group) for group in groups]
-    named = [index for group in groups for index in group if index in by_hand]
-    for index in (group[0] for group in groups if len(group) == 1 and group[0] in records):
-        homes = [
-            one
-            for one in named
-            if one not in records and _is_trained_from(artifacts[index], artifacts[one], agree(index, one))
-        ]
-        if index in by_hand and len(homes) == 1:
-            found.remove([index])
-            next(group for group in found if homes[0] in group).append(index)
-    return found
-
-
-def _is_trained_from(run: Artifact, other: Artifact, agree: bool) -> bool:
-    """Whether a run has the patterns of a configuration, and its model where both say which they load."""
-    if run.config is None or other.config is None or run.config.framework is not other.config.framework:
-        return False
-    models = [
-        os.path.splitext(os.path.basename(config.model.replace("\\", "/")))[0]
-        for config in (run.config, other.config)
-        if config.model
-    ]
-    patterns, its = (
-        frozenset(key for group in config.groups for key in group.joints or ())
-        for config in (run.config, other.config)
-    )
-    if not patterns or patterns != its:
-        return False
-    return models[0] == models[1] if len(models) == 2 else agree and patterns != {".*"}
-
-
-def _is_deploy(artifact: Artifact) -> bool:
-    return artifact.config is not None and artifact.config.framework is Framework.DEPLOY

@@ -14,6 +14,7 @@ from actspec.files import NotRegular, TooLarge, read_regular, why
 from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import Artifact, FileKind, FileReading
 from actspec.readings.including import INCLUDED, MOST_WHOLES, Around
+from actspec.readings.motor_names import with_names
 from actspec.readings.programs import ASIDE, Idle, files_in, idle, programs_in
 from actspec.robot.sizes import TOO_LARGE
 from actspec.robot.view import ModelFile, RobotView
@@ -350,7 +351,7 @@ class PendingFiles:
             # Globs that are too wide would be a green check of nothing.
             gone = [path for path in self.named if path not in self._paths and os.path.isdir(path)]
             chosen += [_nothing_in(path, None) for path in gone]
-        return tuple(chosen)
+        return tuple(with_names(chosen))
 
 
 def expand(

@@ -11,7 +11,7 @@ mjlab/scripts/train.py and utils/os.py; 91 such files of strangers.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Any
@@ -45,6 +45,9 @@ _BY_FIELDS = (
 """Fields to the class of mjlab's that has them, the first that fits. Three have those of a position drive, and one law:
 all of mjlab's own robots have the one that is taken. Source: mjlab 1.6.0, mjlab/actuator/."""
 
+_ROBOT = "robot"
+"""Key of a scene's robot where there is one; what stands beside it is another's, or a door."""
+
 _ONE_OF_THREE = "BuiltinPositionActuatorCfg"
 _UNSAID = (
     f"position drives are taken for {_ONE_OF_THREE}: a run's file has their figures and not their class, and "
@@ -65,10 +68,13 @@ def read_run(file: ModelFile, root: yaml.Node) -> FileReading | None:
     of_isaaclab = _is_isaaclab(keys)
     if not of_isaaclab and not _keys(_keys(keys["scene"]).get("entities")):
         return None
-    config = _config(file.path, root, of_isaaclab)
-    artifact = Artifact(file.path, FileKind.CFG, config.name, config=config)
-    twice = keys_twice(root, file.path)
-    return FileReading(file.path, FileKind.CFG, None, (artifact,), (file,), twice, record=True)
+    artifacts = tuple(
+        Artifact(file.path, FileKind.CFG, config.name, config=config)
+        for config in _configs(file.path, root, of_isaaclab)
+    )
+    return FileReading(
+        file.path, FileKind.CFG, None, artifacts, (file,), keys_twice(root, file.path), record=True
+    )
 
 
 def _keys(node: yaml.Node | None) -> dict[str, yaml.Node]:
@@ -86,18 +92,26 @@ def _is_isaaclab(keys: Mapping[str, yaml.Node]) -> bool:
     )
 
 
-def _config(path: str, root: yaml.Node, of_isaaclab: bool) -> RobotConfig:
+def _configs(path: str, root: yaml.Node, of_isaaclab: bool) -> Iterator[RobotConfig]:
+    """Each robot of the scene, the one that the task is for first; what has none is one, too."""
     whole = _Folder(path).value(root)
-    if of_isaaclab:
-        found = isaaclab.environment("", whole, whole.span)
-    else:
-        found = mjlab.environment("", _of_mjlab(whole), whole.span, lambda maker: maker, {})
-        unsaid = Collector()
-        for group in [group for group in found.groups if group.cls == _ONE_OF_THREE][:1]:
-            unsaid.info(UNFOLDED, _UNSAID, where="actuators", span=group.span)
-        found = replace(found, notes=(*found.notes, *unsaid))
-    name = PurePosixPath((found.model or "").replace("\\", "/")).stem or "robot"
-    return replace(found, name=name)
+    whole = whole if of_isaaclab else _of_mjlab(whole)
+    robots: list[str] = isaaclab.robots_in(whole) if of_isaaclab else mjlab.robots_in(whole)
+    every: list[str | None] = [*robots] or [None]
+    for robot in every:
+        if of_isaaclab:
+            found = isaaclab.environment("", whole, whole.span, robot)
+        else:
+            found = mjlab.environment("", whole, whole.span, lambda maker: maker, {}, robot)
+            unsaid = Collector()
+            for group in [group for group in found.groups if group.cls == _ONE_OF_THREE][:1]:
+                unsaid.info(UNFOLDED, _UNSAID, where="actuators", span=group.span)
+            found = replace(found, notes=(*found.notes, *unsaid))
+        name = PurePosixPath((found.model or "").replace("\\", "/")).stem
+        if robot is not None and len(robots) > 1 and robot != _ROBOT:
+            # Two arms of one file have their keys alone to tell them by.
+            name = f"{name}.{robot}" if name else robot
+        yield replace(found, name=name or "robot")
 
 
 def _of_mjlab(whole: Value) -> Value:

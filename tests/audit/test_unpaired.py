@@ -21,31 +21,80 @@ DEPLOY = "joint_names: [{}]\nkp: [4, 5]\nkd: [1, 1]\n"
 
 
 @pytest.mark.parametrize(
-    ("name", "joints", "reported"),
+    ("name", "joints", "robots", "reported"),
     [
-        ("walk.yaml", "hip, knee", True),
-        ("biped_walk.yaml", "hip, knee", False),
-        ("deploy.yaml", "hip, knee", False),
+        ("walk.yaml", "hip, knee", 1, False),
+        ("dep2.yaml", "hip, knee", 1, False),
+        ("h1_walk.yaml", "hip, knee", 1, False),
+        ("deploy.yaml", "hip, knee", 1, False),
+        ("g1_walk.yaml", "hip, knee", 2, True),
         # One of two joints is less than 0.8.
-        ("walk.yaml", "hip, elbow", False),
+        ("walk.yaml", "hip, elbow", 2, False),
     ],
-    ids=["another-name", "its-name", "no-name", "other-joints"],
+    ids=["no-robot", "number", "its-name", "no-name", "another-name", "other-joints"],
 )
+@pytest.mark.parametrize("beside", ["h1.xml", "h1_cfg.py"])
 def test_another_name(
-    name: str, joints: str, reported: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    beside: str,
+    name: str,
+    joints: str,
+    robots: int,
+    reported: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A deploy file that is called otherwise than the model with its joints is reported as not compared."""
+    """A deploy file with the joints of what was named with it is compared, unless it is called as another robot is."""
     monkeypatch.chdir(tmp_path)
-    Path("biped.xml").write_text(MODEL)
+    Path("h1.xml").write_text(MODEL.replace("biped", "h1"))
+    Path("h1_cfg.py").write_text(CFG.format('"hip", "kn.*"').replace("ROVER", "H1"))
     Path(name).write_text(DEPLOY.format(joints))
-    with pending_files(("biped.xml", name)) as pending:
+    with pending_files((beside, name)) as pending:
         report = audit(pending, Settings(select=("SRC103",)))
+    assert len(report.case.robots) == robots
     found = [str(item).partition("\n")[0] for item in report.for_people()]
-    message = (
-        "this has the joints of biped.xml, and is not compared with it: "
-        "no name shows that it is the same robot"
-    )
+    message = f"this has the joints of {beside}, and is not compared with it: no name shows that it is the same robot"
     assert found == ([f"{name}: AUD015 [info]: {message}"] if reported else [])
+    # The configuration has 9 N*m/rad at both joints, the deploy file 4 and 5; the model has no drives.
+    told = [(one.finding.joint, one.finding.value, one.finding.expected) for one in report.findings]
+    assert told == ([("hip", 4.0, 9.0), ("knee", 5.0, 9.0)] if robots == 1 and beside == "h1_cfg.py" else [])
+
+
+def test_two_deploy_files_of_one_configuration(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which of them runs the policy is not known: neither is compared, and both are told. Nor is one of a folder."""
+    monkeypatch.chdir(tmp_path)
+    Path("h1_cfg.py").write_text(CFG.format('"hip", "kn.*"').replace("ROVER", "H1"))
+    for name in ("stand.yaml", "walk.yaml"):
+        Path(name).write_text(DEPLOY.format("hip, knee"))
+    report = audit(["h1_cfg.py", "stand.yaml", "walk.yaml"], Settings())
+    assert len(report.case.robots) == 3
+    told = [one for one in report.diagnostics() if one.code == "AUD015"]
+    assert [one.span for one in told] == [Span("stand.yaml"), Span("walk.yaml")]
+    assert [one.help for one in told] == ["write the robot's name into the file's name"] * 2
+    assert len(audit(["h1_cfg.py", "walk.yaml"], Settings()).case.robots) == 1
+    Path("stand.yaml").unlink()
+    # A robot that is called after its file is none of one that is called otherwise, in a folder.
+    spawn = 'spawn=sim_utils.UsdFileCfg(usd_path="h1.usd"),\n    actuators='
+    text = Path("h1_cfg.py").read_text().replace("actuators=", spawn, 1)
+    Path("h1_cfg.py").write_text("import isaaclab.sim as sim_utils\n" + text)
+    assert len(audit(["."], Settings()).case.robots) == 2
+    assert not any(one.code == "AUD015" for one in audit(["."], Settings()).diagnostics())
+
+
+def test_an_environment_and_its_robot_are_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both in one file, and the environment's robot is that constant: a deploy file belongs to both, and not to two."""
+    monkeypatch.chdir(tmp_path)
+    env = """
+class RoverEnvCfg(DirectRLEnvCfg):
+    decimation = 4
+    robot = ROVER_CFG
+"""
+    other = CFG.format('"hip", "kn.*"').replace("ROVER", "CRANE").partition("\n\n")[0]
+    text = CFG.format('"hip", "kn.*"')
+    for more, robots in ((env, 1), (env + other[other.index("CRANE") :], 4)):
+        Path("train.py").write_text("from isaaclab.envs import DirectRLEnvCfg\n" + text + more)
+        Path("walk.yaml").write_text(DEPLOY.format("hip, knee"))
+        found = audit(["train.py", "walk.yaml"], Settings()).case.robots
+        assert len(found) == robots, found
 
 
 CFG = """from isaaclab.actuators import ImplicitActuatorCfg
@@ -158,19 +207,19 @@ def test_files_of_one_name_are_told_apart(tmp_path: Path, monkeypatch: pytest.Mo
     """Two robots have a scene.xml: which one has the joints is told by its path; one name alone needs none."""
     monkeypatch.chdir(tmp_path)
     for folder, model in (
-        ("biped", MODEL),
+        ("h1", MODEL.replace("biped", "h1")),
         ("crane", MODEL.replace("biped", "crane").replace("hip", "boom")),
     ):
         Path(folder).mkdir()
         Path(folder, "scene.xml").write_text(model)
-    Path("walk.yaml").write_text(DEPLOY.format("hip, knee"))
-    files = ["biped/scene.xml", "crane/scene.xml", "walk.yaml"]
+    Path("g1_walk.yaml").write_text(DEPLOY.format("hip, knee"))
+    files = ["h1/scene.xml", "crane/scene.xml", "g1_walk.yaml"]
 
     def told(*names: str) -> str:
         (said,) = [one for one in audit(names, Settings()).diagnostics() if one.code == "AUD015"]
         return said.message.partition(",")[0]
 
-    assert told(*files) == "this has the joints of biped/scene.xml"
+    assert told(*files) == "this has the joints of h1/scene.xml"
     Path("crane/scene.xml").rename("crane/floor.xml")
     assert told(files[0], "crane/floor.xml", files[2]) == "this has the joints of scene.xml"
 

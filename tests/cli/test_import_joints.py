@@ -631,7 +631,7 @@ def test_of_a_deploy_file_without_names(folder: Path, capsys: pytest.CaptureFixt
     assert main(["import", "deploy.yaml", "--joints", ",".join(NAMES)]) == 2
     err = capsys.readouterr().err
     assert "DRF011 --joints: no file selects joints: the lists of the deploy file have no names\n" in err
-    assert "  help: add joint_names: [...] to it, in the order of its lists\n" in err
+    assert "  help: add to it joint_names: [...] in the order of its lists\n" in err
     deploy.write_text("kp: [25, 25, 25, 25]\nkd: [1, 1, 1, 1]\n", encoding="utf-8")
     assert main(["import", "deploy.yaml", "--joints", ",".join(NAMES)]) == 0
     assert "kp: {value: 25 N*m/rad, source: deploy}" in capsys.readouterr().out
@@ -651,3 +651,65 @@ def test_one_cause_is_told_once(folder: Path, capsys: pytest.CaptureFixture[str]
     assert len(lines) == 1
     figures = ", ".join(f"{name}.stiffness" for name in NAMES)
     assert f"CFG001 [info] {figures}: not known without running it: calls array(): " in lines[0]
+
+
+RUN = """sim: {dt: 0.005}
+decimation: 4
+scene:
+  robot:
+    class_type: isaaclab.assets.articulation.articulation:Articulation
+    spawn: {usd_path: /far/away/leg.usd}
+    SDK
+    actuators:
+      legs:
+        class_type: isaaclab.actuators.actuator_pd:IdealPDActuator
+        joint_names_expr: [.*_hip, .*_knee]
+        effort_limit: 24.0
+        stiffness: {.*_hip: 40.0, .*_knee: 50.0}
+        damping: 1.5
+rewards:
+  deviation: {params: {asset_cfg: {joint_names: [.*_hip, .*_ankle]}}}
+"""
+SDK = "joint_sdk_names: [right_hip, right_knee, '', '', left_hip, left_knee]"
+
+
+@pytest.mark.parametrize("joints", [[], ["--joints", "env.yaml"]])
+def test_a_run_that_names_its_motors(
+    joints: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """unitree_rl_lab's has them for the robot's own order, with gaps: nothing else needs to name the joints."""
+    Path("env.yaml").write_text(RUN.replace("SDK", SDK), encoding="utf-8")
+    assert main(["import", "env.yaml", *joints, "-o", "leg.yaml"]) == 0
+    of = "env.yaml (--joints)" if joints else "its joint_sdk_names"
+    said = capsys.readouterr()
+    assert f"  the names of the 4 joints are from {of}\n" in said.out and "DRF012" not in said.err
+    robot = load_spec("leg.yaml").model.robot
+    assert [str(one if isinstance(one, str) else one.name) for one in robot.joints or ()] == [
+        "right_hip",
+        "right_knee",
+        "left_hip",
+        "left_knee",
+    ]
+
+
+def test_patterns_of_a_reward_are_no_joints(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """They select joints: a spec of two joints that are called `.*_hip` and `.*_ankle` was written of them."""
+    Path("env.yaml").write_text(RUN.replace("SDK", "init_state: null"), encoding="utf-8")
+    assert main(["import", "env.yaml", "-o", "leg.yaml"]) == 2
+    assert "DRF009" in capsys.readouterr().err
+    assert main(["import", "env.yaml", "--joints", "env.yaml", "-o", "leg.yaml"]) == 2
+    assert "DRF011 --joints: no list of joint names is in it" in capsys.readouterr().err
+    assert not Path("leg.yaml").exists()
+
+
+def test_a_gap_of_the_motors_is_one_in_the_spec(folder: Path) -> None:
+    """The robot's numbering is kept: the knee of a deploy file is motor 3."""
+    Path("leg_deploy.yaml").write_text(
+        "joint_ids_map: [0, 3]\njoint_sdk_names: [left_hip, '', '', left_knee]\n"
+        "stiffness: [40, 0, 0, 50]\ndamping: [1, 0, 0, 2]\ndefault_joint_pos: [0.1, 0.2]\n",
+        encoding="utf-8",
+    )
+    assert main(["import", "leg_deploy.yaml", "-o", "leg.yaml"]) == 0
+    text = Path("leg.yaml").read_text(encoding="utf-8")
+    assert "joint_order: [left_hip, null, null, left_knee]" in text
+    assert "left_knee" in text and "0.2 rad" in text and "50 N*m/rad" in text

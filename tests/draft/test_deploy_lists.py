@@ -41,8 +41,8 @@ def test_lists_without_names(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     deploy = "policy_dt: 0.02\nkps: [30, 30, 40, 50]\nkds: [1, 1, 2, 2]\ndefault_angles: [0, 0.5, -1, 0]\n"
     text, out, err = imported(tmp_path, deploy, capsys)
     remark = (
-        "deploy.yaml: no joint is named for kps, kds, default_angles (4 entries each), so they are left out: add "
-        "joint_names: [...] in their order to the file"
+        "deploy.yaml: no joint is named for kps, kds, default_angles (4 entries each), so they are left out: add to "
+        "the file joint_names: [...] in the order of its lists"
     )
     assert f"  {remark}\n" in out and remark in text.replace("\n  # ", " ")
     assert "  kp is left out, deploy.yaml:2 has 4 without joint names: legs\n" in out

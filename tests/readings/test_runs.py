@@ -155,6 +155,80 @@ def test_mjlab(fields: str, cls: str) -> None:
     assert len(said) == (cls == "BuiltinPositionActuatorCfg")
 
 
+_ARM = """
+  {name}:
+    class_type: isaaclab.assets.articulation.articulation:Articulation
+    spawn: {{usd_path: /somewhere/arm.usd}}
+    init_state: {{joint_pos: {{lift: {pose}}}}}
+    actuators:
+      all:
+        class_type: isaaclab.actuators.actuator_pd:IdealPDActuator
+        joint_names_expr: [lift]
+        effort_limit: {limit}
+        stiffness: 400.0
+        damping: 80.0"""
+
+_MJLAB_ARM = """
+    {name}:
+      init_state: {{joint_pos: {{lift: {pose}}}}}
+      articulation:
+        actuators: [{{target_names_expr: [lift], stiffness: 400.0, damping: 80.0, effort_limit: {limit}}}]"""
+
+_TERM = (
+    "  {name}: {{class_type: isaaclab.envs.mdp.actions.joint_actions:JointPositionAction, asset_name: {name},\n"
+    + ("    joint_names: [.*], scale: {scale}, offset: 0.0, use_default_offset: true}}\n")
+)
+
+
+@pytest.mark.parametrize(
+    ("head", "arm", "term"),
+    [
+        ("sim: {dt: 0.01}\ndecimation: 2\nscene:", _ARM, _TERM),
+        (
+            "sim: {mujoco: {timestep: 0.01}}\ndecimation: 2\nscene:\n  entities:",
+            _MJLAB_ARM,
+            "  {name}: {{entity_name: {name}, actuator_names: [.*], scale: {scale}, offset: 0.0}}\n",
+        ),
+    ],
+    ids=["isaaclab", "mjlab"],
+)
+@pytest.mark.parametrize(
+    ("keys", "names"),
+    [
+        (("left_arm", "right_arm"), ("left_arm", "right_arm")),
+        (("robot", "second"), ("", "second")),
+        (("first", "robot"), ("first", "")),
+    ],
+)
+def test_two_robots_of_a_scene(
+    head: str, arm: str, term: str, keys: tuple[str, str], names: tuple[str, str], tmp_path: Path
+) -> None:
+    """Each with its own pose, figures and actions; the one that both frameworks call `robot` keeps its model's name."""
+    text = (
+        head
+        + arm.format(name=keys[0], pose=0.5, limit=87.0)
+        + arm.format(name=keys[1], pose=-0.5, limit=-8.7)
+    )
+    text += "\nactions:\n" + term.format(name=keys[0], scale=0.25) + term.format(name=keys[1], scale=0.75)
+    file = tmp_path / "env.yaml"
+    file.write_text(text, encoding="utf-8")
+    found = {artifact.name: artifact.config for artifact in read_deploy(str(file), text.encode()).artifacts}
+    model = "arm" if head.startswith("sim: {dt") else ""
+    called = [".".join(filter(None, (model, name))) or "robot" for name in names]
+    assert set(found) == set(called)
+    for name, key, pose, limit, scale in zip(
+        called, keys, (0.5, -0.5), (87.0, -8.7), (0.25, 0.75), strict=True
+    ):
+        config = found[name]
+        assert config is not None and config.physics_dt == 0.01
+        assert config.settings["default_position"].value == {"lift": pose}
+        assert [group.settings["effort_limit"].value for group in config.groups] == [limit]
+        assert [(one.name, one.scale and one.scale.value) for one in config.actions] == [(key, scale)]
+        assert not any("left out" in note.message for note in config.notes)
+    (one,) = audit([str(file)], Settings(select=("SGN101",))).findings
+    assert (one.finding.code, one.finding.value) == ("SGN101", -8.7)
+
+
 def test_nothing_is_executed(tmp_path: Path) -> None:
     """A tag that names a function is a name; one that would call it is no value, and says so where it stands."""
     made = tmp_path / "made"

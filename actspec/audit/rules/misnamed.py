@@ -84,7 +84,7 @@ def _of_list(case: Case, index: int) -> Iterator[Misnamed]:
         and not names_undriven(joint.name)
     }
     for name, meant in _meant(lost, tuple(free)).items():
-        patterns = next((one for one in members if _selects(one, name) and not _selects(one, meant)), None)
+        patterns = next((one for one in members if selects(one, name) and not selects(one, meant)), None)
         yield Misnamed(index, name, names[name], free[meant], model, patterns)
 
 
@@ -111,7 +111,7 @@ def _has(member: Artifact, name: str) -> bool:
     return any(joint.name == name for joint in robot.joints) or any(map(member.states, quoted))
 
 
-def _selects(member: Artifact, name: str) -> bool:
+def selects(member: Artifact, name: str) -> bool:
     """Whether a configuration of a whole robot has a group for a joint."""
     config = member.config
     if config is None or config.framework not in FRAMEWORKS or not is_whole_robot(config):

@@ -108,17 +108,31 @@ def robot(name: str, value: Value, span: Span) -> RobotConfig:
     return draft.config(Framework.ISAACLAB, name, span)
 
 
-def environment(name: str, value: Value, span: Span) -> RobotConfig:
-    """An environment's cfg: step, decimation, action scale, randomisation, and its robot."""
+def environment(name: str, value: Value, span: Span, robot: str | None = None) -> RobotConfig:
+    """An environment's cfg: step, decimation, action scale, randomisation, and its robot.
+
+    Args:
+        name: What it is called.
+        value: It.
+        span: Where it is.
+        robot: Key of the robot that is meant, of those that `robots_in` has; None: the first, which has the ranges.
+    """
     draft = Draft()
     fields = fields_of(value)
     draft.set("physics_dt", fields_of(fields.get("sim")).get("dt"))
     draft.set("decimation", fields.get("decimation"))
     # Of a direct task, which has no terms.
     draft.set("action_scale", fields.get("action_scale"))
-    draft.events(fields.get("events"), _EVENTS)
-    take_actions(draft, fields.get("actions"), _scene(draft, value, fields))
+    if robot in (None, *robots_in(value)[:1]):
+        draft.events(fields.get("events"), _EVENTS)
+    take_actions(draft, fields.get("actions"), _scene(draft, value, fields, robot))
     return draft.config(Framework.ISAACLAB, name, span)
+
+
+def robots_in(value: Value) -> list[str]:
+    """Keys of the robots of an environment's scene, or of itself in a direct task: the one that it is for first."""
+    places = _places(fields_of(value))
+    return [key for key in _candidates(places) if is_robot(places[key])]
 
 
 def events(name: str, value: Value, span: Span) -> RobotConfig:
@@ -168,22 +182,30 @@ def _group(draft: Draft, name: str, value: Value) -> None:
         draft.group(name, value.data, fields.pop("joint_names_expr", None), fields)
 
 
-def _scene(draft: Draft, value: Value, fields: dict[str, Value]) -> str:
+def _places(fields: dict[str, Value]) -> dict[str, Value]:
+    return {**fields, **fields_of(fields.get("scene"))}
+
+
+def _candidates(places: dict[str, Value]) -> list[str]:
+    """Keys of what may be the robot: `robot`, and then every articulation."""
+    first = [name for name in _ROBOT if name in places][:1]
+    return first + [name for name, one in places.items() if name not in first and is_robot(one)]
+
+
+def _scene(draft: Draft, value: Value, fields: dict[str, Value], robot: str | None) -> str:
     """The robot: `scene.robot`, else the first articulation of the scene or, in a direct task, of the cfg itself.
 
     Returns: Its key; "" where it is not known.
     """
-    scene = fields_of(fields.get("scene"))
-    places = {**fields, **scene}
-    robots = [name for name in _ROBOT if name in places][:1]
-    robots += [name for name, one in places.items() if name not in robots and is_robot(one)]
+    places = _places(fields)
+    robots = _candidates(places) if robot is None else [robot]
     for name in robots:
         one = places[name]
         if is_robot(one):
             _robot(draft, name, one)
             for other in robots[1:]:
                 if is_robot(places[other]):
-                    draft.note(other, "a second robot of the scene, left out", places[other].span)
+                    draft.left_out(other, places[other].span)
             return name
         if isinstance(one.data, (Unknown, External)):
             draft.note(name, reason_of(one.data) or "", one.span)

@@ -101,28 +101,48 @@ def articulation(
     return draft.config(Framework.MJLAB, name, span)
 
 
-def environment(name: str, value: Value, span: Span, call: Call, names: Mapping[int, str]) -> RobotConfig:
-    """An environment's cfg: step, decimation, action scale, randomisation, and its first robot."""
+def environment(
+    name: str, value: Value, span: Span, call: Call, names: Mapping[int, str], robot: str | None = None
+) -> RobotConfig:
+    """An environment's cfg: step, decimation, action scale, randomisation, and its robot.
+
+    Args:
+        name: What it is called.
+        value: It.
+        span: Where it is.
+        call: As in `articulation`.
+        names: Likewise.
+        robot: Key of the robot that is meant, of those that `robots_in` has; None: the first, which has the ranges.
+    """
     draft = Draft()
     fields = fields_of(value)
     mujoco = fields_of(fields_of(fields.get("sim")).get("mujoco"))
     draft.set("physics_dt", mujoco.get("timestep"))
     draft.set("decimation", fields.get("decimation"))
-    draft.events(fields.get("events"), _EVENTS)
-    entities = fields_of(fields_of(fields.get("scene")).get("entities"))
-    robots = [one for one in entities.values() if is_entity(one)]
-    take_actions(
-        draft, fields.get("actions"), next((key for key, one in entities.items() if one in robots[:1]), "")
-    )
+    robots = robots_in(value)
+    if robot in (None, *robots[:1]):
+        draft.events(fields.get("events"), _EVENTS)
+    entities = _entities(value)
+    own = robot if robot is not None else next(iter(robots), "")
+    take_actions(draft, fields.get("actions"), own)
     for key, one in entities.items():
         if isinstance(one.data, (Unknown, External)):
             draft.note(f"scene.entities.{key}", reason_of(one.data) or "", one.span)
-    if robots:
-        _articulation(draft, fields_of(robots[0])["articulation"], names)
-        _entity(draft, robots[0], call)
-    for other in robots[1:]:
-        draft.note("scene.entities", "another robot, left out", other.span)
+    if own:
+        _articulation(draft, fields_of(entities[own])["articulation"], names)
+        _entity(draft, entities[own], call)
+    for other in robots[1:] if robot is None else ():
+        draft.left_out(f"scene.entities.{other}", entities[other].span)
     return draft.config(Framework.MJLAB, name, span)
+
+
+def robots_in(value: Value) -> list[str]:
+    """Keys of the robots of an environment's scene."""
+    return [key for key, one in _entities(value).items() if is_entity(one)]
+
+
+def _entities(value: Value) -> dict[str, Value]:
+    return fields_of(fields_of(fields_of(value).get("scene")).get("entities"))
 
 
 def events(name: str, value: Value, span: Span) -> RobotConfig:

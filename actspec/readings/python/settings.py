@@ -208,6 +208,10 @@ class Draft:
             UNFOLDED, f"not known without running it: {shortened(reason, 200)}", where=where, span=span
         )
 
+    def left_out(self, where: str, span: Span) -> None:
+        """Say that a scene has another robot."""
+        self.notes.info(UNFOLDED, "another robot of the scene: it is left out here", where=where, span=span)
+
     def set(self, name: str, value: Value | None, as_name: str = "") -> None:
         """Take a robot-wide setting; None: it is not written."""
         if value is not None:

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+from os.path import basename
+
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.misnamed import is_misspelt, misnamed, selects
+from actspec.audit.rules.sided import other_side
+from actspec.diagnostics import Span, listed, shortened
+from actspec.readings.artifact import Artifact, Robot
+from actspec.readings.pair import joint_names
+from actspec.robot.view import JointView
+
+_FEW = 2
+"""Joints that two models must share. Chosen: as ORD104 asks for."""
+
+_ALIKE = 0.02
+"""Largest difference of an end of the range of one joint in two files [rad or m]. Chosen."""
+
+
+class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
+    code = "ORD106"
+    name = "joint-called-otherwise"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    paired = True
+    needs = "no two models of one robot among the files that were named"
+
+    def subjects(self, case: Case) -> Iterator[tuple[int, Robot]]:
+        for number, robot in enumerate(case.robots):
+            if len(_models(case, robot)) > 1:
+                yield number, robot
+
+    def judge(self, case: Case, subject: tuple[int, Robot]) -> Iterator[Finding]:
+        """Find joints of two models that are one, and have two names."""
+        _, robot = subject
+        told = {(one.model, one.joint.name) for one in case.once(misnamed)}
+        found: dict[tuple[Span, str, str], dict[str, Span]] = {}
+        for one, other in combinations(_models(case, robot), 2):
+            for mine, its in _pairs(case.artifacts[one], case.artifacts[other]):
+                sides = [(other, its, mine), (one, mine, its)]
+                # The name that most files have is right, and of two the one that has its like on the other side.
+                departing, joint, meant = min(sides, key=lambda side: _having(case, robot, side[1].name))
+                if (departing, joint.name) in told:
+                    continue
+                there = case.artifacts[one if departing == other else other].path
+                found.setdefault((joint.span, joint.name, meant.name), {})[there] = meant.span
+        for (place, called, name), others in found.items():
+            files = listed(dict.fromkeys(map(basename, others)))
+            yield Finding(
+                self.code,
+                f"this joint is called {shortened(name)} in {files}, and nothing of it is compared with it there",
+                place,
+                called,
+                help=f"call it {shortened(name)} here, or {shortened(called)} there",
+                related=tuple(dict.fromkeys(others.values())),
+                about=f"{called} {name}",
+            )
+
+
+def _models(case: Case, robot: Robot) -> list[int]:
+    """The models of a robot that somebody named: in a folder there are those of its versions."""
+    return [i for i in robot.artifacts if case.artifacts[i].robot is not None and not case.is_met(i)]
+
+
+def _pairs(one: Artifact, other: Artifact) -> Iterator[tuple[JointView, JointView]]:
+    """Joints that each of two models has alone, and that hang and turn alike; none of which two may be meant."""
+    names = [frozenset(joint_names(artifact) or ()) for artifact in (one, other)]
+    if len(names[0] & names[1]) < _FEW:
+        return
+    alone = [
+        [joint for joint in artifact.robot.scalar_joints if joint.name not in theirs]
+        if artifact.robot
+        else []
+        for artifact, theirs in zip((one, other), reversed(names), strict=True)
+    ]
+    sole = len(alone[0]) == len(alone[1]) == 1
+    meant = [
+        (mine, its)
+        for mine in alone[0]
+        for its in alone[1]
+        if _places(one, mine) == _places(other, its)
+        and (is_misspelt(mine.name, its.name) or (sole and _turn_alike(mine, its)))
+    ]
+    for mine, its in meant:
+        if sum(mine is a or its is b for a, b in meant) == 1:
+            yield mine, its
+
+
+def _places(artifact: Artifact, joint: JointView) -> tuple[object, ...]:
+    """What a joint is, and between which it is."""
+    joints = artifact.robot.scalar_joints if artifact.robot is not None else ()
+    parent = joint.parent if any(one.name == joint.parent for one in joints) else ""
+    return joint.kind, parent, frozenset(one.name for one in joints if one.parent == joint.name)
+
+
+def _turn_alike(one: JointView, other: JointView) -> bool:
+    if one.range is None or other.range is None:
+        return False
+    return all(math.isclose(a, b, abs_tol=_ALIKE) for a, b in zip(one.range, other.range, strict=True))
+
+
+def _having(case: Case, robot: Robot, name: str) -> tuple[int, bool]:
+    """How many files of a robot have a joint's name, or select it, and whether it has its like on the other side."""
+    members = [case.artifacts[index] for index in robot.artifacts]
+    names = [joint_names(one) or () for one in members]
+    count = sum(name in own or selects(one, name) for one, own in zip(members, names, strict=True))
+    return count, any(other_side(name, own) is not None for own in names)

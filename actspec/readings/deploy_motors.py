@@ -1,0 +1,182 @@
+"""Deploy files of unitree_rl_lab: gains by the robot's numbering of its motors, pose and actions by the policy's order.
+
+`joint_ids_map` has the motor of each joint of the policy. The names of the motors are the run's, `joint_sdk_names` of
+its robot, which the file leaves out.
+
+Source: unitree_rl_lab, utils/export_deploy_cfg.py; deploy/robots/*/src/State_RLBase.cpp and State_Mimic.cpp:
+motor_cmd()[i].kp() = joint_stiffness[i], motor_cmd()[joint_ids_map[i]].q() = action[i]; its
+include/isaaclab/envs/mdp/actions/joint_actions.h: action[i] = raw[i] * scale[i] + offset[i].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import yaml
+
+from actspec.diagnostics import Collector, Span, many
+from actspec.readings.artifact import (
+    ActionTerm,
+    ActuatorGroup,
+    Motors,
+    Setting,
+)
+from actspec.readings.deploy_numbers import no_number
+from actspec.readings.deploy_steps import nearest
+
+LENGTH = "DEPLOY001"
+"""Code of a list with more or fewer values than there are joints."""
+
+TWO_POSES = "DEPLOY007"
+"""Code of a joint whose default position is two numbers."""
+
+SDK_NAMES = ("joint_sdk_names", "joint_names_sdk_order")
+"""Keys of the motors' names, in the order of their numbers. The second is legged_lab's."""
+
+_BY_POLICY = ("default_position",)
+"""Fields whose lists are in the policy's order."""
+
+_TERMS = {"JointPositionAction": "position", "JointVelocityAction": "velocity"}
+"""Actions that Unitree's controller knows, and what they command."""
+
+
+def motors_of(
+    scopes: Sequence[Mapping[str, yaml.Node]],
+    keys: Mapping[str, Sequence[str]],
+    mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]],
+    setting: Callable[[yaml.Node], Setting | None],
+    span: Callable[[yaml.Node], Span],
+    out: Collector,
+) -> Motors | None:
+    """What the lists of a file say of each motor; None where it has no `joint_ids_map` that fits them.
+
+    Args:
+        scopes: Mappings in which they may stand, the nearest first.
+        keys: Field to its keys.
+        mapping: A mapping's own and merged keys.
+        setting: A node as a number with its place; None for any other.
+        span: Place of a node.
+        out: Is told where an action does not begin at the default pose by a slip.
+    """
+    ids = nearest(scopes, ("joint_ids_map",))
+    gains = [nearest(scopes, keys[field]) for field in ("kp", "kd")]
+    lists = [
+        found[1].value for found in gains if found is not None and isinstance(found[1], yaml.SequenceNode)
+    ]
+    numbers = _numbers(None if ids is None else ids[1], setting)
+    if ids is None or len(lists) < 2 or not numbers:
+        return None
+    count = max(map(len, lists))
+    if len(set(numbers)) < len(numbers) or not 0 <= min(numbers) <= max(numbers) < count:
+        return None
+
+    figures: dict[str, dict[str, Setting]] = {}
+    for field, own in keys.items():
+        found = nearest(scopes, own)
+        if found is None or not isinstance(found[1], yaml.SequenceNode):
+            continue
+        items = found[1].value
+        motors = numbers if field in _BY_POLICY else range(count)
+        if len(items) != len(motors):
+            message = f"it has {many(len(items), 'value')} for {many(len(motors), 'joint')}"
+            out.warning(LENGTH, message, where=found[0], span=span(found[1]))
+            continue
+        no_number(found[0], [(f"entry {i}", item) for i, item in enumerate(items, 1)], span(ids[1]).path, out)
+        figures[field] = _by_motor(found[1], motors, setting)
+    actions = nearest(scopes, ("actions",))
+    terms = []
+    if actions is not None and isinstance(actions[1], yaml.MappingNode):
+        for name, node in mapping(actions[1]).items():
+            if name in _TERMS and isinstance(node, yaml.MappingNode):
+                pose = figures.get("default_position", {}) if _TERMS[name] == "position" else {}
+                terms.append(_term(name, mapping(node), span(node), numbers, pose, setting, span, out))
+    groups = []
+    for motor in map(str, sorted(numbers)):
+        own_figures = {field: values[motor] for field, values in figures.items() if motor in values}
+        if own_figures:
+            at = next(iter(own_figures.values())).span
+            groups.append(ActuatorGroup(motor, "deploy", at, (motor,), own_figures))
+    return Motors(count, tuple(groups), tuple(terms), span(ids[1]))
+
+
+def _term(
+    name: str,
+    term: Mapping[str, yaml.Node],
+    place: Span,
+    numbers: Sequence[int],
+    pose: dict[str, Setting],
+    setting: Callable[[yaml.Node], Setting | None],
+    span: Callable[[yaml.Node], Span],
+    out: Collector,
+) -> ActionTerm:
+    """An action of the policy; of a joint whose default position is two numbers by a slip the pose loses it."""
+    chosen = _numbers(term.get("joint_ids"), setting)
+    within = bool(chosen) and all(0 <= one < len(numbers) for one in chosen)
+    motors = [numbers[one] for one in chosen] if within else numbers
+    scale, offset = (_by_motor(term.get(key), motors, setting) for key in ("scale", "offset"))
+    shared = {motor: one for motor, one in offset.items() if motor in pose}
+    others = {motor: one for motor, one in shared.items() if one.value != pose[motor].value}
+    # The action begins at the default pose, as both lists of the file say of other joints.
+    added = any(one.value and motor not in others for motor, one in shared.items())
+    for motor, one in others.items() if added else ():
+        message = (
+            f"joint {motors.index(int(motor)) + 1} of the policy has {pose.pop(motor).value:g} rad here, and an "
+            f"offset of {one.value:g} rad in {name}, which has the default positions of the others"
+        )
+        help = "write the same number in both"
+        out.warning(TWO_POSES, message, where="default_joint_pos", span=one.span, help=help)
+    return ActionTerm(
+        name,
+        name,
+        tuple(map(str, motors)),
+        _TERMS[name],
+        "",
+        _of_all(scale, motors, term.get("scale"), span),
+        None if added or (pose and not others) else _of_all(offset, motors, term.get("offset"), span),
+        None,
+        place,
+    )
+
+
+def _by_motor(
+    node: yaml.Node | None, motors: Sequence[int], setting: Callable[[yaml.Node], Setting | None]
+) -> dict[str, Setting]:
+    """The numbers of a list by motor; none of a list of another length."""
+    items = node.value if isinstance(node, yaml.SequenceNode) else []
+    if len(items) != len(motors):
+        return {}
+    pairs = zip(motors, map(setting, items), strict=True)
+    return {str(motor): one for motor, one in pairs if one is not None}
+
+
+def _numbers(node: yaml.Node | None, setting: Callable[[yaml.Node], Setting | None]) -> list[int]:
+    """Whole numbers of a list; none of anything else."""
+    items = node.value if isinstance(node, yaml.SequenceNode) else []
+    found = [one.number for one in map(setting, items) if one is not None and one.number is not None]
+    return (
+        [int(one) for one in found] if len(found) == len(items) and all(map(float.is_integer, found)) else []
+    )
+
+
+def _of_all(
+    values: Mapping[str, Setting],
+    motors: Sequence[int],
+    node: yaml.Node | None,
+    span: Callable[[yaml.Node], Span],
+) -> Setting | None:
+    """A list as values by motor; unknown where it is none of so many numbers."""
+    if node is None:
+        return None
+    if len(values) < len(motors):
+        return Setting(None, span(node), "it is no list of a number for each joint")
+    places = {motor: one.span for motor, one in values.items()}
+    return Setting({motor: one.value for motor, one in values.items()}, span(node), places=places)
+
+
+def sdk_names(scopes: Sequence[Mapping[str, yaml.Node]]) -> tuple[str, ...]:
+    """The names of the motors where the file has them, empty ones for gaps; () where it has none."""
+    found = nearest(scopes, SDK_NAMES)
+    items = found[1].value if found is not None and isinstance(found[1], yaml.SequenceNode) else []
+    if not all(isinstance(item, yaml.ScalarNode) for item in items):
+        return ()
+    return tuple("" if item.tag.endswith(":null") else str(item.value) for item in items)
