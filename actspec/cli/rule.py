@@ -86,18 +86,37 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_CLEAN
 
 
+_OF_SPECS = "it is reported about a spec, or what is compiled of it. docs/checks.md says when."
+
 ELSEWHERE = {
     "ROBOT": "it is reported about robot files. docs/checks.md says when.",
     "SYS": "`sysid` reports it. docs/sysid.md says when, and what helps.",
     "LOG": "it is reported about logs. docs/sysid.md says when, and what helps.",
+    "DRF": "`import` reports it. docs/import.md says when.",
+    "VFY": "`verify` reports it. docs/verify.md says when.",
+    "LRN": "`net` and `delta` report it. docs/networks.md and docs/delta-action.md say when.",
+    "LCK": "`lock` reports it. docs/cli.md says when.",
+    **dict.fromkeys(("SPEC", "BIND", "RES", "MJC", "ISL", "MJL", "DEP", "URD", "NWT"), _OF_SPECS),
+    **dict.fromkeys(("RND", "RTP", "NET0", "DMP0", "FRC0", "CLI", "OUT"), _OF_SPECS),
 }
 """Letters of codes that a page of the docs has a table of, to what is said of them."""
 
 
 def _elsewhere(selector: str) -> str | None:
     """What is said of a code that has no page of its own; None: it has one, or there is none."""
+    pages = (
+        *((rule.code, *rule.names()) for rule in all_rules()),
+        *((check.code, check.name) for check in _every_check()),
+        *REMARKS.items(),
+        *DIAGNOSTICS.items(),
+    )
+    if any(strength(selector, *names) > 1 for names in pages):
+        return None
     letters = selector.rstrip("0123456789")
-    return ELSEWHERE.get(letters) if len(selector) - len(letters) in (0, 3) else None
+    if len(selector) - len(letters) not in (0, 3):
+        return None
+    # Of a family that rules have too the first digit tells.
+    return ELSEWHERE.get(letters) or ELSEWHERE.get(selector[: len(letters) + 1])
 
 
 def _code(selector: str) -> str:
@@ -120,11 +139,15 @@ def _symptoms(word: str) -> int:
     return EXIT_CLEAN
 
 
+def _every_check() -> tuple[Check, ...]:
+    return (*CHECKS, *diagnosis.CHECKS, *diagnosis.COMPARED)
+
+
 def _checks(selectors: list[str]) -> tuple[Check, ...]:
     """The checks of a spec's numbers, and of a diagnosis, that selectors name."""
     return tuple(
         check
-        for check in (*CHECKS, *diagnosis.CHECKS, *diagnosis.COMPARED)
+        for check in _every_check()
         if any(strength(selector, check.code, check.name) > 1 for selector in selectors)
     )
 

@@ -621,6 +621,26 @@ def test_rule_of_any_case(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("rule", "sys31") == 2
 
 
+@pytest.mark.parametrize(
+    ("code", "page"),
+    [
+        ("SPEC110", "checks"),
+        ("NET008", "checks"),
+        ("DMP002", "checks"),
+        ("DRF002", "import"),
+        ("VFY112", "verify"),
+    ],
+)
+def test_rule_of_a_code_of_another_command(code: str, page: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Whoever met it in `compile` or `import` learns where it is explained; of a rule that there is not nothing is."""
+    assert run("rule", code) == 0
+    said = capsys.readouterr().out
+    assert said.startswith(f"{code}\n\nThis is no rule: ") and f"docs/{page}.md" in said
+    assert code in (ROOT / "docs" / f"{page}.md").read_text("utf-8")
+    for wrong in ("DMP199", "NET999"):
+        assert run("rule", wrong) == 2
+
+
 def test_rules_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     """All rules for programs, in the form of the schema; an error too."""
     assert run("rule", "--all", "--output-format", "json") == 0
