@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Literal, NoReturn, SupportsFloat
 from actspec.diagnostics import AuditError, Collector, Diagnostic, listed
 from actspec.fields import FIELDS, Role
 from actspec.readings.compare import COPIED, Deviation, Figure, compare, same, times
+from actspec.readings.motor_names import NAMELESS, names_wanted
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Comparison:
         undriven: Joints of the spec that no actuator drives in the other, where others have one.
         periods: Control period of the other and of the spec [s], where both state it and they differ.
         not_taken: What the other's reader cannot take as it is written, of the figures that are compared: text for a
-            number, a list with more values than names.
+            number, a list with more values than names, or without names.
         faster: Joints, a URDF's velocity limit of twice their no-load speed or more, and that speed, where the spec
             states no velocity limit.
     """
@@ -317,8 +318,16 @@ def _not_taken(
     own = {key: field for field, keys in PER_JOINT.items() for key in keys}
     others = {note for one in reading.artifacts if one.config is not None for note in one.config.notes}
     others -= set(other.config.notes) if other.config is not None else set()
+    items = [*reading.not_taken]
+    unnamed = [item for item in reading.diagnostics if item.code == NAMELESS]
+    if unnamed and not items and other.config is not None and other.config.nameless_lists:
+        keys = listed(item.where for item in unnamed)
+        said = (
+            f"no joint is named for {keys}, so they are not compared: add {names_wanted(other.config.motors)}"
+        )
+        items.append(replace(unnamed[0], where="", message=said))
     found = []
-    for item in reading.not_taken:
+    for item in items:
         if other.robot is not None:
             asked = not some and (reading.kind is not FileKind.URDF or not item.where or item.where in joints)
         else:

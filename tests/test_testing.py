@@ -455,3 +455,12 @@ def test_wrong_arguments(leg: Path) -> None:
         assert_agrees("leg.yaml", "leg.xml", target="isaaclab")
     with pytest.raises(AuditError, match="cannot be read"):
         assert_agrees("leg.yaml", "none.xml")
+
+
+def test_lists_without_names_say_why_joints_are_missing(leg: Path) -> None:
+    """A deploy file of lists alone has the joints, and does not name them: what to add is said."""
+    (leg / "leg_deploy.yaml").write_text("kp: [40, 41]\nkd: [2, 3]\n")
+    with pytest.raises(AssertionError) as failed:
+        assert_agrees("leg.yaml", "leg_deploy.yaml")
+    said = "leg_deploy.yaml:1:5: no joint is named for kp, kd, so they are not compared: add joint_names: [...] in the "
+    assert f"{said}order of its lists (DEPLOY002)" in str(failed.value)
