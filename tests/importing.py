@@ -101,6 +101,26 @@ def write(folder: Path, **files: str) -> list[Path]:
     return paths
 
 
+CURVED = """from isaaclab.actuators import DelayedPDActuator, DelayedPDActuatorCfg
+from isaaclab.utils import configclass
+
+class UnitreeActuator(DelayedPDActuator):
+    pass
+
+@configclass
+class UnitreeActuatorCfg(DelayedPDActuatorCfg):
+    class_type: type = UnitreeActuator
+    X1: float = 1e9
+    X2: float = 1e9
+    Y1: float = 1e9
+    Y2: float | None = None
+    Fs: float = 0.0
+    Fd: float = 0.0
+    Va: float = 0.01
+"""
+"""A class with the fields of unitree_rl_lab's."""
+
+
 def imported(
     paths: Sequence[Path],
     folder: Path,

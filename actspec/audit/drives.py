@@ -107,11 +107,11 @@ def lost_drives(case: Case, before: Mapping[str, frozenset[str]], folder: str) -
         if robot is None or now is None:
             continue
         joints = [one for one in robot.joints if one.name in before.get(name, frozenset()) - now]
-        if joints and (robot.actuators or not _is_driven_by_mjlab(case, index)):
+        if joints and (robot.actuators or not _is_loaded_by_mjlab(case, index)):
             yield Lost(name, tuple(one.name for one in joints), joints[0].span, not robot.actuators)
 
 
-def _is_driven_by_mjlab(case: Case, index: int) -> bool:
+def _is_loaded_by_mjlab(case: Case, index: int) -> bool:
     """Whether a configuration of mjlab loads a model; of one that does not tell which, those beside or below it."""
     model = case.artifacts[index]
     for other in case.robot_of(index).artifacts:

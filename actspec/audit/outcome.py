@@ -25,7 +25,6 @@ from actspec.readings.pair import (
     says_something,
     telling,
 )
-from actspec.readings.pair_named import is_deploy
 from actspec.robot.view import RobotView
 
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
@@ -284,12 +283,16 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
 def _trained_with(case: Case, robot: Robot, its: int) -> list[str]:
     """Of a deploy file that somebody named and that is with no other file, the named configurations of its joints."""
     config = case.artifacts[its].config
-    if config is None or case.is_met(its) or not all(is_deploy(case.artifacts[i]) for i in robot.artifacts):
+    if (
+        config is None
+        or case.is_met(its)
+        or not all(case.artifacts[i].kind is FileKind.DEPLOY for i in robot.artifacts)
+    ):
         return []
     keys = frozenset(key for one in config.groups for key in one.joints or () if key != ".*")
     found = []
     for index, other in enumerate(case.artifacts):
-        if other.config is None or is_deploy(other) or case.is_met(index):
+        if other.config is None or other.kind is FileKind.DEPLOY or case.is_met(index):
             continue
         known = frozenset(joint_names(other) or ())
         if has_joints(other, keys) or (keys and len(keys & known) >= SHARE * len(keys)):

@@ -14,10 +14,10 @@ from functools import cache, lru_cache
 
 from actspec.files import in_common
 from actspec.patterns import PatternError, match_names
-from actspec.readings.artifact import Artifact, Framework, Robot, RobotConfig
+from actspec.readings.artifact import Artifact, FileKind, Framework, Robot, RobotConfig
 from actspec.readings.body import BODY, SHARE, Figures, are_alike, figures_of, share_a_body
 from actspec.readings.pair_mappings import with_mappings
-from actspec.readings.pair_named import is_deploy, with_deploy_files, with_runs
+from actspec.readings.pair_named import with_deploy_files, with_runs
 
 VARIANT = 0.5
 """Patterns that must match where the names say that it is the same robot. Chosen: a cfg for a robot with hands
@@ -163,7 +163,9 @@ def pair(
             for g in fitting
             if sole
             and not _is_of_another(artifacts[index], [calls[i] for i in named[g]])
-            and not any(is_deploy(artifacts[i]) and _are_two(calls[index], calls[i]) for i in named[g])
+            and not any(
+                artifacts[i].kind is FileKind.DEPLOY and _are_two(calls[index], calls[i]) for i in named[g]
+            )
         ]
         choice = next((found for found in (alike, silent, alone) if len(found) == 1), None)
         if choice is None or (not alike and len(fitting) > 1):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from actspec.readings.artifact import Artifact
-from actspec.readings.pair_named import is_deploy
+from actspec.readings.artifact import Artifact, FileKind
 
 
 def with_mappings(
@@ -33,8 +32,8 @@ def with_mappings(
             keys[group[0]] = frozenset(
                 key for one in config.groups for key in one.joints or () if key != ".*"
             )
-    mapped = [index for index in keys if is_deploy(artifacts[index]) and keys[index]]
-    for index in (index for index in keys if not is_deploy(artifacts[index])):
+    mapped = [index for index in keys if artifacts[index].kind is FileKind.DEPLOY and keys[index]]
+    for index in (index for index in keys if artifacts[index].kind is not FileKind.DEPLOY):
         # Where nothing else is there, names need not be alike: `go2_cfg.py`, `walk.yaml`.
         sole = len(groups) == 2
         homes = [one for one in mapped if overlap(keys[index], keys[one]) and (sole or agree(index, one))]

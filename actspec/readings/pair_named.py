@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Sequence
 
-from actspec.readings.artifact import Artifact, Framework
+from actspec.readings.artifact import Artifact, FileKind
 
 
 def with_deploy_files(
@@ -26,8 +26,10 @@ def with_deploy_files(
         same: Whether an artifact has the joints of a deploy file.
         apart: Whether the names of two artifacts are of two robots.
     """
-    asking = [group for group in groups if all(i in by_hand and is_deploy(artifacts[i]) for i in group)]
-    homes = [group for group in groups if not any(is_deploy(artifacts[i]) for i in group)]
+    asking = [
+        group for group in groups if all(i in by_hand and artifacts[i].kind is FileKind.DEPLOY for i in group)
+    ]
+    homes = [group for group in groups if not any(artifacts[i].kind is FileKind.DEPLOY for i in group)]
     fitting = {
         id(group): [
             home
@@ -95,11 +97,6 @@ def _is_trained_from(run: Artifact, other: Artifact, agree: bool) -> bool:
     if not patterns or patterns != its:
         return False
     return models[0] == models[1] if len(models) == 2 else agree and patterns != {".*"}
-
-
-def is_deploy(artifact: Artifact) -> bool:
-    """Whether an artifact is of a deploy file."""
-    return artifact.config is not None and artifact.config.framework is Framework.DEPLOY
 
 
 def _are_one(groups: Sequence[Sequence[int]], artifacts: Sequence[Artifact]) -> bool:

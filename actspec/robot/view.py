@@ -353,8 +353,9 @@ class RobotView:
             return self.joint_inertia
         if self.inertia is None:
             return {}
-        armature = {joint.dof: joint.armature for joint in self.scalar_joints if joint.dof >= 0}
-        dofs = {joint.name: joint.dof for joint in self.scalar_joints if joint.dof in armature}
+        joints = [joint for joint in self.scalar_joints if joint.dof >= 0]
+        armature = {joint.dof: joint.armature for joint in joints}
+        dofs = {joint.name: joint.dof for joint in joints}
         for actuator in self.actuators:
             if actuator.is_direct and actuator.target in dofs:
                 armature[dofs[actuator.target]] += actuator.gear**2 * actuator.armature

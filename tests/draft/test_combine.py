@@ -14,7 +14,7 @@ from actspec.draft.reading import read_robot_files
 from actspec.readings.versions import Versions
 from actspec.spec.models import NetworkFile
 from actspec.spec.validate import load_spec
-from tests.importing import Imported, bare, imported, mjcf, write
+from tests.importing import CURVED, Imported, bare, imported, mjcf, write
 
 MOTORS = mjcf(
     '<joint name="hip" damping="0.3" armature="0.02" frictionloss="0.1"/>\n<joint name="knee" damping="0.3"/>',
@@ -345,23 +345,6 @@ def test_implicit_drives_stay_implicit(tmp_path: Path) -> None:
     swapped = swapped.replace("X(", "IdealPDActuatorCfg(")
     found = imported(write(tmp_path, leg_py=swapped, leg_xml=MOTORS), tmp_path)
     assert found.data["targets"]["isaaclab"] == {"version": "2.3"}
-
-
-CURVED = """from dataclasses import MISSING
-from isaaclab.actuators import DelayedPDActuator, DelayedPDActuatorCfg
-from isaaclab.utils import configclass
-
-class UnitreeActuator(DelayedPDActuator):
-    pass
-
-@configclass
-class UnitreeActuatorCfg(DelayedPDActuatorCfg):
-    class_type: type = UnitreeActuator
-    X1: float = 1e9
-    X2: float = 1e9
-    Y1: float = MISSING
-    Y2: float | None = None
-"""
 
 
 @pytest.mark.parametrize(("version", "option"), [("2.3", {"class": {"knee": "custom"}}), ("3.0", {})])

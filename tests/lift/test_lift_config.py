@@ -16,6 +16,7 @@ from actspec.readings.read import read_file
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 from tests.compiling import view_of
+from tests.importing import CURVED
 
 LAB = Versions(isaaclab="2.3", isaac_sim="5.1")
 
@@ -91,23 +92,7 @@ def test_dict_that_misses_a_joint(tmp_path: Path) -> None:
 def curved(folder: Path, fields: str, values: str = "") -> tuple[JointActuator, tuple[str, ...]]:
     """The hip behind a class made of unitree_rl_lab's, with the fields of its own."""
     (folder / "motors.py").write_text(
-        f"""from isaaclab.actuators import DelayedPDActuator, DelayedPDActuatorCfg
-from isaaclab.utils import configclass
-
-class UnitreeActuator(DelayedPDActuator):
-    pass
-
-@configclass
-class UnitreeActuatorCfg(DelayedPDActuatorCfg):
-    class_type: type = UnitreeActuator
-    X1: float = 1e9
-    X2: float = 1e9
-    Y1: float = 1e9
-    Y2: float | None = None
-    Fs: float = 0.0
-    Fd: float = 0.0
-    Va: float = 0.01
-
+        f"""{CURVED}
 @configclass
 class UnitreeActuatorCfg_Some(UnitreeActuatorCfg):
     {fields}
