@@ -54,6 +54,9 @@ _FOUND = re.compile(rb"\$\(find(?:-pkg-share)?\s+([\w.-]+)\)")
 _LOOKED_FOR = re.compile(rb"""-i?name\s+(["'])[^"'\n]*\1""")
 """A pattern of the command `find`, which runs nothing."""
 
+_OWN = re.compile(rb"""\A\s*\{\s*"format"\s*:\s*"actspec-""")
+"""How a baseline, lock or report of actspec begins: it names what was audited, and runs nothing."""
+
 _MOST_NAME = 200
 """Chosen: bytes before the ending of a name that are looked at."""
 
@@ -212,10 +215,12 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
 
 
 def _texts(programs: Iterable[str]) -> Iterator[tuple[str, bytes]]:
-    """Programs without their comments; of XML files those of a launch."""
+    """Programs without their comments; of XML files those of a launch, and nothing that actspec wrote."""
     for path in programs:
         text = _read(path)
         ending = os.path.splitext(path)[1].lower()
+        if _OWN.match(text):
+            continue
         if ending != ".xml":
             yield path, _COMMENTS[ending].sub(b"", text)
         elif b"<launch" in text:

@@ -15,6 +15,7 @@ from actspec.audit.drives import driven
 from actspec.audit.engine import audit, judge
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Report
+from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
 from actspec.cli.main import main
 from actspec.diagnostics import SEVERITIES, AuditError, Severity
@@ -481,3 +482,31 @@ def test_a_part_that_stands_alone_is_not_lost(folder: Path) -> None:
         settings = Settings(baseline="base.json", as_named=True, select=select)
         assert not audit(["robots"], settings).problems
         assert not audit(["robots/parts"], settings).problems
+
+
+def test_a_baseline_names_no_model(folder: Path) -> None:
+    """A program loads one of two legs; the baseline has the other's file name, and runs nothing: what is found stays.
+
+    Where a model that no program names counts as named, its limit would be blamed in place of the loaded one's.
+    """
+    (folder / "a.xml").unlink()
+    for name, limit in (("leg.xml", 20), ("spare/leg.xml", 90)):
+        (folder / name).parent.mkdir(exist_ok=True)
+        text = _leg('<motor joint="hip"/>', joints="hip").replace(
+            "<motor ", f'<motor forcerange="-{limit} {limit}" '
+        )
+        (folder / name).write_text(text)
+    (folder / "run.py").write_text('load("leg.xml")\n')
+
+    def read() -> dict[str, bool]:
+        with pending_files(["."]) as pending:
+            return {one.path: one.unnamed for one in pending.finish()}
+
+    before = read()
+    (folder / "base.json").write_text(
+        '{\n  "format": "actspec-baseline/1", "findings": [{"file": "spare/leg.xml"}]}'
+    )
+    assert read() == before
+    # A file of somebody's own that lists it does count.
+    (folder / "base.json").write_text('{"models": ["spare/leg.xml"]}')
+    assert read() != before
