@@ -16,8 +16,7 @@ from actspec.files import in_common
 from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import Artifact, FileKind, Framework, Robot, RobotConfig
 from actspec.readings.body import BODY, SHARE, Figures, are_alike, figures_of, share_a_body
-from actspec.readings.pair_mappings import with_mappings
-from actspec.readings.pair_named import with_deploy_files, with_runs
+from actspec.readings.pair_lone import with_deploy_files, with_mappings, with_runs
 
 VARIANT = 0.5
 """Patterns that must match where the names say that it is the same robot. Chosen: a cfg for a robot with hands
