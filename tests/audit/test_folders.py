@@ -191,6 +191,38 @@ def test_a_finding_may_be_a_note_of_a_folder_alone(
     )
 
 
+@pytest.mark.parametrize(
+    ("joint", "severity"),
+    [
+        ("damping='1.3771' frictionloss='0.3392'", Severity.INFO),
+        ("damping='1.38' frictionloss='0.3392'", Severity.WARNING),
+        ("damping='1.3771'", Severity.WARNING),
+        # 2.1234 + 2 = 4.1234 beside 2 sqrt(20 * 0.01) = 0.89: overdamped.
+        ("damping='2.1234' frictionloss='0.3392'", Severity.ERROR),
+    ],
+)
+def test_friction_that_was_identified(
+    joint: str, severity: Severity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Damping and friction of four digits and more stay beside the drive on purpose: DMP105."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/leg.xml").write_text(
+        f"<mujoco model='leg'><worldbody><body><joint name='knee' {joint}/>"
+        "<inertial pos='0 0 0' mass='1' diaginertia='0.01 0.01 0.01'/></body></worldbody></mujoco>"
+    )
+    Path("r/leg_constants.py").write_text(
+        "from mjlab.actuator import BuiltinPositionActuatorCfg\n"
+        "from mjlab.entity import EntityArticulationInfoCfg\n"
+        "LEG_ARTICULATION = EntityArticulationInfoCfg(actuators=(BuiltinPositionActuatorCfg(\n"
+        "    target_names_expr=('knee',), stiffness=20.0, damping=2.0, effort_limit=30.0),))\n"
+    )
+    (item,) = audit(["r"], Settings(select=("DMP105",))).findings
+    assert item.severity == severity
+    (item,) = audit(["r"], Settings(select=("DMP105",), as_named=True)).findings
+    assert item.severity == (severity if severity is Severity.ERROR else Severity.WARNING)
+
+
 @pytest.mark.parametrize(("named", "severity"), [("r", Severity.INFO), ("r/cfg.py", Severity.WARNING)])
 def test_ranges_of_a_network_s_gains(
     named: str, severity: Severity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

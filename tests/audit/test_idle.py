@@ -47,13 +47,13 @@ def write_go1(kind: str) -> None:
     if kind == "urdf":
         joints = "".join(
             f'<link name="{n}_link"/><joint name="{n}" type="revolute"><parent link="base"/><child link="{n}_link"/>'
-            '<limit lower="-1" upper="1" effort="55" velocity="20"/></joint>'
+            '<limit lower="-1" upper="1" effort="110" velocity="20"/></joint>'
             for n in names
         )
         text = f'<robot name="go1"><link name="base"/>{joints}</robot>'
     else:
         bodies = "".join(f'<body><joint name="{n}" range="-1 1"/><geom size="0.1"/></body>' for n in names)
-        drives = "".join(f'<position joint="{n}" kp="9" kv="50" forcerange="-55 55"/>' for n in names)
+        drives = "".join(f'<position joint="{n}" kp="9" kv="50" forcerange="-110 110"/>' for n in names)
         text = (
             f'<mujoco model="go1"><compiler angle="radian"/><worldbody>{bodies}</worldbody>'
             f"<actuator>{drives}</actuator></mujoco>"
@@ -646,10 +646,10 @@ def test_what_a_program_writes_over(program: str, severity: Severity) -> None:
     ],
 )
 def test_limits_that_a_comment_calls_raised(after: str, over: str, noted: set[str]) -> None:
-    """Who wrote them knows it; what stands over an element is of that one alone. 55 N*m is 1.64 times a Go1's 33.5."""
+    """Who wrote them knows it; what stands over an element is of that one alone. 105 N*m is 3.1 times a Go1's 33.5."""
     names = [f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")]
     bodies = "".join(f'<body><joint name="{name}"/><geom size="0.1"/></body>' for name in names)
-    limits = {"FL_hip_joint": 55.0, "FR_hip_joint": 55.1}
+    limits = {"FL_hip_joint": 105.0, "FR_hip_joint": 105.1}
     drives = "\n".join(
         f'<motor joint="{n}" forcerange="-{limits.get(n, 23.7)} {limits.get(n, 23.7)}"/>' for n in names
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
@@ -496,36 +496,80 @@ def test_a_reduction_that_another_variant_has_not(
     assert said == {published}
 
 
+_UR = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+
+
+def _ur10e(limits: Sequence[float], ending: str) -> str:
+    """A UR10e with limits."""
+    pairs = list(zip(_UR, limits, strict=True))
+    if ending == "py":
+        groups = ", ".join(
+            f"'{name}': ImplicitActuatorCfg(joint_names_expr=['{name}_joint'], effort_limit_sim={limit}, "
+            "stiffness=800.0, damping=40.0)"
+            for name, limit in pairs
+        )
+        return (
+            "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+            f"UR10E_CFG = ArticulationCfg(actuators={{{groups}}})\n"
+        )
+    bodies = "".join(f'<body><joint name="{name}_joint"/><geom size="0.1"/></body>' for name in _UR)
+    motors = "".join(f'<motor joint="{name}_joint" forcerange="-{limit} {limit}"/>' for name, limit in pairs)
+    return f'<mujoco model="ur10e"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
+
+
 @pytest.mark.parametrize(
-    ("limits", "severity"),
+    ("limits", "ending", "severity"),
     [
-        pytest.param((495.0, 495.0, 225.0, 84.0, 84.0, 84.0), Severity.INFO, id="all 1.5 times"),
-        pytest.param((495.0, 495.0, 225.0, 87.0, 84.0, 81.0), Severity.INFO, id="rounded: 1.55 and 1.45"),
-        pytest.param((495.0, 495.0, 270.0, 84.0, 84.0, 84.0), Severity.WARNING, id="one 1.8 times"),
-        pytest.param((660.0, 660.0, 300.0, 112.0, 112.0, 112.0), Severity.WARNING, id="all twice"),
-        pytest.param((18e3,) * 6, Severity.INFO, id="none binds: 54.5 times the largest"),
-        pytest.param((18e3,) * 5 + (2600.0,), Severity.WARNING, id="one 48 times what is published: 54"),
+        pytest.param((495.0, 495.0, 225.0, 84.0, 84.0, 84.0), "py", Severity.INFO, id="all 1.5 times"),
+        pytest.param(
+            (495.0, 495.0, 225.0, 87.0, 84.0, 81.0), "py", Severity.INFO, id="rounded: 1.55 and 1.45"
+        ),
+        pytest.param((495.0, 495.0, 270.0, 84.0, 84.0, 84.0), "py", Severity.WARNING, id="one 1.8 times"),
+        pytest.param((660.0, 660.0, 300.0, 112.0, 112.0, 112.0), "py", Severity.WARNING, id="all twice"),
+        pytest.param((18e3,) * 6, "xml", Severity.INFO, id="none binds: 54.5 times the largest"),
+        pytest.param(
+            (18e3,) * 5 + (2600.0,), "xml", Severity.WARNING, id="one 48 times what is published: 54"
+        ),
+        pytest.param((330, 330, 150, 54, 54, 166), "xml", Severity.INFO, id="a model's: 56 times 2.96"),
+        pytest.param((330, 330, 150, 54, 54, 170), "xml", Severity.WARNING, id="a model's: 56 times 3.04"),
+        pytest.param((330, 330, 150, 54, 54, 107), "xml", Severity.WARNING, id="a UR20's wrist has 107"),
+        pytest.param((330, 330, 150, 150, 54, 54), "xml", Severity.WARNING, id="the elbow's own 150"),
     ],
 )
 def test_limits_that_are_no_motor_s_on_purpose(
-    limits: tuple[float, ...], severity: Severity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    limits: tuple[float, ...],
+    ending: str,
+    severity: Severity,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A UR10e has 330, 330, 150 and three times 54 or 56 N*m."""
     monkeypatch.chdir(tmp_path)
-    names = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
-    bodies = "".join(f'<body><joint name="{name}_joint"/><geom size="0.1"/></body>' for name in names)
-    motors = "".join(
-        f'<motor joint="{name}_joint" forcerange="-{limit} {limit}"/>'
-        for name, limit in zip(names, limits, strict=True)
-    )
     Path("arms").mkdir()
-    Path("arms/ur10e.xml").write_text(
-        f'<mujoco model="ur10e"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
-    )
+    Path(f"arms/ur10e.{ending}").write_text(_ur10e(limits, ending))
     found = audit(["arms"], Settings(select=("KNW101",))).findings
     assert {one.severity for one in found} == {severity}
-    named = audit(["arms/ur10e.xml"], Settings(select=("KNW101",))).findings
+    named = audit([f"arms/ur10e.{ending}"], Settings(select=("KNW101",))).findings
     assert {one.severity for one in named} == {Severity.WARNING}
+
+
+@pytest.mark.parametrize(
+    ("beside", "found"),
+    [
+        ('<position joint="wrist_3_joint" kp="9" forcerange="-54 54"/>', None),
+        ('<position joint="wrist_3_joint" kp="9" forcerange="-90 90"/>', 144.0),
+        ('<motor joint="wrist_3_joint" forcerange="-54 54"/>', 108.0),
+    ],
+)
+def test_a_servo_beside_a_motor(
+    beside: str, found: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A program uses one of the two: 54 + 54 N*m are no limit of 108. 54 + 90 are beyond 1.2 times 2 * 56 = 134.4."""
+    monkeypatch.chdir(tmp_path)
+    text = _ur10e((330, 330, 150, 54, 54, 54), "xml")
+    Path("ur10e.xml").write_text(text.replace("</actuator>", f"{beside}</actuator>"))
+    values = {one.finding.value for one in audit(["ur10e.xml"], Settings(select=("KNW101",))).findings}
+    assert values == ({found} if found else set())
 
 
 _UR3 = [

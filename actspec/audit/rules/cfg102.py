@@ -209,14 +209,26 @@ def _misspelt(case: Case, index: int, joint: str) -> tuple[str, str] | None:
 
 
 def _loose(robot: RobotView) -> set[str]:
-    """Joints that no spring, equality or tendon of an MJCF holds, and that are in no closed loop."""
+    """Joints that no spring, equality or tendon of an MJCF holds, that are in no closed loop and are no bearings."""
     held = {
         found.decode("utf-8", "replace")
         for file in robot.files
         for found in re.findall(rb"""(?:joint[12]|<joint\s+joint)\s*=\s*["']([^"']+)""", file.data)
     }
-    held |= _in_loops(robot)
+    held |= _in_loops(robot) | _bearings(robot)
     return {joint.name for joint in robot.scalar_joints if joint.name not in held and joint.stiffness == 0.0}
+
+
+def _bearings(robot: RobotView) -> set[str]:
+    """Joints whose own element says that nothing resists them, where others' do not: wheels that are to roll."""
+    joints = robot.scalar_joints
+    found = {
+        joint.name
+        for joint in joints
+        if {"damping", "armature", "frictionloss"} <= joint.stated - joint.places.keys()
+        and not (joint.damping or joint.armature or joint.frictionloss)
+    }
+    return found if len(found) < len(joints) else set()
 
 
 def _in_loops(robot: RobotView) -> set[str]:

@@ -8,7 +8,16 @@ from typing import ClassVar
 
 from actspec.audit.case import MODELS
 from actspec.audit.comments import Comment, comments
-from actspec.audit.known import SAME, KnownJoint, Likeness, Rows, likenesses, same, with_other_motors
+from actspec.audit.known import (
+    SAME,
+    KnownJoint,
+    Likeness,
+    Rows,
+    known_robots,
+    likenesses,
+    same,
+    with_other_motors,
+)
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import (
     driving_limit,
@@ -41,6 +50,11 @@ _ROUNDED = 0.05
 _FAR_BEYOND = 50.0
 """Times a published limit from which, at every joint, one binds nothing. Chosen: Isaac Lab's Franka with a Robotiq
 gripper has 60 times, others 100 and 1000; units that are taken for each other are mostly 10 times apart."""
+
+_ABOVE_OTHERS = 3.0
+"""Times a published limit below which a model's limit, that of no known joint, is a note in a folder: another revision,
+a margin, or stronger on purpose. Chosen: of seven such findings in strangers' models one was worth acting on, of those
+from here on half, of those with another joint's figure all."""
 
 _HELD = re.compile(r"(?:^|[^a-z])(?:locked|frozen|fixed|held|rigid)(?:[^a-z]|$)", re.IGNORECASE)
 """How a group of joints that are not to move is called. Chosen: from those in strangers' files."""
@@ -85,9 +99,9 @@ class LimitBeyondPublished(RuleOver[Likeness]):
                 or row.artifact in case.once(with_other_motors)
                 or (kind is FileKind.CFG and (_is_held(row) or row.kp == row.kd == 0.0))
             )
-            found = self._beyond(subject, row, names, limit, times) or self._other_joint(
-                subject, row, names, limit, times
-            )
+            beyond = self._beyond(subject, row, names, limit, times * _alternatives(case, row))
+            found = beyond or self._other_joint(subject, row, names, limit, times)
+            quiet = quiet or (kind in MODELS and beyond is not None and _is_a_margin(subject, names, limit))
             if found is None and row.joint in lows:
                 found, quiet = self._far_below(subject, row, names, limit), True
             if found is not None:
@@ -205,6 +219,37 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             help=f"{figure}: {published.source}",
             fields=("effort_limit",),
         )
+
+
+def _alternatives(case: Case, row: LedgerRow) -> int:
+    """How many drives of a model's joint are there to choose from: a servo beside a motor, of which a program uses one.
+
+    Their limits add up in the simulator, and each is the joint's; 1 where all drives are alike.
+    """
+    controls = [
+        one.control for one in case.joints.get((row.artifact, row.joint), ()) if one.control != "none"
+    ]
+    return len(controls) if len(set(controls)) > 1 else 1
+
+
+def _is_a_margin(subject: Likeness, names: tuple[str, ...], limit: float) -> bool:
+    """Whether a limit is less than `_ABOVE_OTHERS` times what is published of its joints, and no known joint's figure.
+
+    Known are the robot's own joints, and those of the name of other robots.
+    """
+    robot = subject.robot
+    theirs = {effort for name in robot.joints for effort in robot.efforts(name)}
+    theirs.update(
+        effort
+        for other in known_robots()
+        for name in other.joints
+        if name in names
+        for effort in other.efforts(name)
+    )
+    return not any(same(limit, effort) for effort in theirs) and all(
+        limit < _ABOVE_OTHERS * max(joint.effort, *joint.also, 0.0)
+        for joint in (_most(subject, name) for name in names)
+    )
 
 
 def _is_held(row: LedgerRow) -> bool:
