@@ -86,6 +86,9 @@ IN_FIGURES = frozenset(
 ) - {"class_type", "physics_dt"}  # fmt: skip
 """Settings that a figure is made from."""
 
+OF_ALL_CLASSES = IN_FIGURES - frozenset(_OF_OWN_CLASS.values())
+"""Those of them that are read of a class of somebody's own."""
+
 VOLTS = "in volts: constant and resistance of the motor make a torque of it"
 """Why the gains of mjlab's `BuiltinDcMotorActuatorCfg` are none at the joint. Source: mjlab 1.6.0, its docstring."""
 
