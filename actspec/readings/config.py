@@ -191,7 +191,10 @@ def control_of_group(framework: Framework, group: ActuatorGroup) -> str:
         return "ideal_pd"
     inner = group.settings.get("base_cfg")
     inside = (inner.value,) if inner is not None and isinstance(inner.value, str) else ()
-    return control_of(framework, *inside, group.cls, *group.bases)
+    found = control_of(framework, *inside, group.cls, *group.bases)
+    # What a run's file has of that class is all that its law needs; a call of one that is not read leaves its defaults.
+    curved = found == "other" and framework is Framework.ISAACLAB and group.of_run and has_curve(group)
+    return "ideal_pd" if curved else found
 
 
 def is_network(framework: Framework, group: ActuatorGroup) -> bool:
@@ -321,13 +324,14 @@ def _figures_over(
     else:
         take("action_scale", "action_scale")
     if config.framework is Framework.ISAACLAB:
-        take_limits(control, take, versions)
+        curved = has_curve(group)
+        take_limits(control, curved, take, versions)
         take("friction_setting", "friction")
         take("dynamic_friction_setting", "dynamic_friction")
         settle_friction(values, versions)
         for field, name in _OF_OWN_CLASS.items() if is_own_class(group) else ():
             take(field, name)
-        if has_curve(group):
+        if curved:
             take_curve(values, take)
     elif config.framework is Framework.MJLAB:
         take("no_load_speed" if control == "dc_motor" else "velocity_limit", "velocity_limit")
