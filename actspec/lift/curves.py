@@ -88,7 +88,8 @@ def remarks(group: ActuatorGroup, figures: Figures, joint: JointKind) -> Iterato
         joint: Its kind.
     """
     friction = ""
-    if any(name in group.settings for name in FRICTIONS.values()):
+    settings = [group.settings[name] for name in FRICTIONS.values() if name in group.settings]
+    if any(setting.number != 0.0 for setting in settings):
         names = ", ".join(FRICTIONS.values())
         friction = f", and friction ({names}) of its own, which it rounds off near standstill (tanh, Va)"
     yield (

@@ -199,9 +199,9 @@ def test_a_knee_that_is_not_below_the_end(tmp_path: Path, speeds: str, why: str)
 _READ = "is read as unitree_rl_lab's UnitreeActuator: a torque-speed curve (X1, X2, Y1, Y2)"
 
 
-def test_the_older_class_has_no_friction(tmp_path: Path) -> None:
-    """It has neither Fs nor Fd, and nothing is said of them."""
-    older = CURVED[: CURVED.index("    Fs:")]
+@pytest.mark.parametrize("older", [CURVED[: CURVED.index("    Fs:")], CURVED])
+def test_the_older_class_has_no_friction(tmp_path: Path, older: str) -> None:
+    """It has neither Fs nor Fd, and where both are 0 there is none either: nothing is said of them."""
     _, notes = curved(tmp_path, "X1 = 13.5; X2 = 30; Y1 = 20.2; Y2 = 23.4", older=older)
     assert f"UnitreeActuatorCfg_Some {_READ}" in notes
 
@@ -220,7 +220,7 @@ def test_the_older_class_has_no_friction(tmp_path: Path) -> None:
 )
 def test_a_class_made_of_it_may_do_more(tmp_path: Path, fields: str, more: str) -> None:
     """One with an actuator of its own, or fields that the class with the curve has not, may add to the torque."""
-    _, notes = curved(tmp_path, f"X1 = 13.5; X2 = 30; Y1 = 20.2; {fields}")
+    _, notes = curved(tmp_path, f"X1 = 13.5; X2 = 30; Y1 = 20.2; Fs = 0.1; {fields}")
     friction = "and friction (Fs, Fd) of its own, which it rounds off near standstill (tanh, Va)"
     assert f"UnitreeActuatorCfg_Some {_READ}, {friction}{more}" in notes
 
