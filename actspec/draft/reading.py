@@ -31,8 +31,9 @@ from actspec.draft.unselected import (
     unselected,
 )
 from actspec.lift import Lifted, lift
-from actspec.lift.config import asset_of, leaves_to_model
+from actspec.lift.config import asset_of, file_of, leaves_to_model, not_read
 from actspec.readings.artifact import (
+    ActuatorGroup,
     Artifact,
     FileKind,
     FileReading,
@@ -377,7 +378,7 @@ def _lifted(
             more = (*part.actuators.diagnostics, *lost)
             part = replace(part, actuators=replace(part.actuators, diagnostics=more))
         if config is not None and _is_left_alone(
-            config, part, names_of(joints) or _own_names(config, others)
+            config, part, names_of(joints) or listed_here or _own_names(config, others)
         ):
             _check_classes(artifact, config, part, model, out)
         elif model is not None and artifact is not model:
@@ -414,16 +415,23 @@ def _check_classes(
     of_model = [leaves_to_model(config.framework, group) for group in config.groups]
     if model is not None and all(of_model):
         return
-    why = dict.fromkeys(item.why for item in part.left_alone)
-    modules = dict.fromkeys(group.unread for group in config.groups if group.unread)
-    files = listed(one_line(module.replace(".", "/")) + ".py" for module in modules)
+    unread: dict[str, list[ActuatorGroup]] = {}
+    for group in config.groups:
+        if group.unread is not None:
+            unread.setdefault(group.unread, []).append(group)
+    files = listed(map(file_of, unread))
+    # Several classes of one file lack one thing.
+    alike = {not_read([one]): not_read(groups) for groups in unread.values() for one in groups}
+    why = dict.fromkeys(alike.get(item.why, item.why) for item in part.left_alone)
     folder = os.path.dirname(artifact.path)
     here = f"below {one_line(folder)}" if folder else f"in the folder of {one_line(artifact.path)}"
     out.error(
         "DRF002",
         f"none of the joints of {one_line(artifact.name)} can go into a group: {listed(why)}",
         span=Span(artifact.path),
-        help=f"put {files} {here}, or import {one_line(artifact.path)} where its package is"
+        help=f"import the configuration that it was trained with (.py) in its place, where {files} is"
+        if any(group.of_run for group in config.groups)
+        else f"put {files} {here}, or import {one_line(artifact.path)} where its package is"
         if files
         else f"name {robot_file_of(config)}"
         if model is None and any(of_model)

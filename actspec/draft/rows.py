@@ -11,7 +11,7 @@ from actspec.draft.sources import stated
 from actspec.draft.text import figure, quantity_text, scalar, sourced, time_text
 from actspec.fields import FRICTION, unit_of_kind
 from actspec.ir import Command, Delay, JointActuator, Level, Origin, Quantity, Randomization
-from actspec.lift.config_joint import NO_KEY
+from actspec.lift.figures import NO_KEY
 from actspec.readings.artifact import FileKind
 from actspec.spec.rules.groups import RANDOMIZED_KINDS
 from actspec.units import Kind, format_number

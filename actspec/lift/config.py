@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 
-from actspec.diagnostics import one_line
+from actspec.diagnostics import listed, one_line
 from actspec.ir import ActuatorSet, JointActuator, Quantity, Randomization, stated, unknown
 from actspec.lift.config_joint import ConfigJoint, below_root, drive_kind
 from actspec.lift.lifted import LeftAlone, Lifted
@@ -143,11 +143,25 @@ def _unsupported(
     if control == "dcmotor":
         return f"the gains of {cls} are in volts"
     if control not in _DRIVES and group.unread is not None:
-        file = one_line(group.unread.replace(".", "/"))
-        return f"{cls} is a class of {one_line(group.unread)}, whose file, {file}.py, is not there"
+        return not_read([group])
     if control not in _DRIVES:
         return f"an actuator of another kind ({cls})"
     return None
+
+
+def not_read(groups: Sequence[ActuatorGroup]) -> str:
+    """Why classes of one module are not known; at least one group, whose class is `unread`."""
+    module = one_line(groups[0].unread or "")
+    classes = list(dict.fromkeys(one_line(group.cls) for group in groups))
+    are = f"{listed(classes)} {'is a class' if len(classes) == 1 else 'are classes'} of {module}"
+    if groups[0].of_run:
+        return f"{are}, and a run's file says nothing of what a class does"
+    return f"{are}, whose file, {file_of(module)}, is not there"
+
+
+def file_of(module: str) -> str:
+    """The file of a module that is not there, from where its package is."""
+    return f"{one_line(module.replace('.', '/'))}.py"
 
 
 def leaves_to_model(framework: Framework, group: ActuatorGroup) -> bool:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.diagnostics import one_line
+from actspec.diagnostics import listed, one_line
 from actspec.fields import units_of
 from actspec.ir import (
     AsymmetricCurve,
@@ -24,26 +24,24 @@ from actspec.ir import (
     stated,
     unknown,
 )
-from actspec.lift.figures import NONE_FROM, counted, delay_of_steps, real_limit
+from actspec.lift.curves import curve_of, limit_of, no_curve, remarks
+from actspec.lift.figures import NONE_FROM, counted, delay_of_steps, quantity_of, real_limit
 from actspec.readings.actions import command_of
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config import (
+    control_of,
     control_of_group,
     figures_of,
     is_network,
     is_own_class,
     lags_of,
 )
-from actspec.readings.dict_keys import Found
-from actspec.readings.isaaclab import has_curve, idle_speeds
+from actspec.readings.isaaclab import CURVE, has_curve, idle_speeds
 from actspec.readings.networks import stated_manifest
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointView
 from actspec.simulators.isaaclab import CLIPPING_AT_SOLVERS, NEW_NAMES, OLD_NAMES
 from actspec.units import format_quantity
-
-NO_KEY = "no key of the dict covers the joint: it gets 0"
-"""Why a number is 0 that nobody wrote, in Isaac Lab 2.x and legged_gym."""
 
 HELD_FROM = 1_000_000
 """Steps between two draws from which on a lag is held for an episode. Chosen: hours at any physics step."""
@@ -104,7 +102,8 @@ class ConfigJoint:
             # Its learned class is a DC motor. Source: mjlab 1.6.0, learned_actuator.py.
             speed = self._figures.pop("velocity_limit", None)
             self._figures |= {} if speed is None else {"no_load_speed": speed}
-        self._units = units_of(JointKind.HINGE if self.view is None else self.view.kind)
+        self._kind = JointKind.HINGE if self.view is None else self.view.kind
+        self._units = units_of(self._kind)
         self._own = is_own_class(group)
         self._curved = config.framework is Framework.ISAACLAB and has_curve(group)
 
@@ -114,7 +113,7 @@ class ConfigJoint:
         Args:
             randomize: Its ranges.
         """
-        units, view = self._units, self.view
+        units = self._units
         network = self._network()
         kp, kd, command = self._gains()
         if network is not None:
@@ -134,7 +133,7 @@ class ConfigJoint:
         self._note_class()
         return JointActuator(
             joint=self.joint,
-            kind=JointKind.HINGE if view is None else view.kind,
+            kind=self._kind,
             group=self.group.name,
             pattern=self.pattern,
             level=level,
@@ -168,23 +167,16 @@ class ConfigJoint:
             span=self.group.span,
         )
 
-    def _quantity(self, found: Found, unit: str) -> Quantity:
-        if found.value is None:
-            return unknown(unit, found.why, found.span)
-        if not found.stated:
-            return assumed(found.value, unit, NO_KEY)
-        return stated(found.value, unit, found.span)
-
     def _figure(self, name: str, unit: str, silent: str | None = None) -> Quantity:
         """A figure of the ledger; unknown where nothing is written, `silent` says what that means."""
         found = self._figures.get(name)
         if found is None:
             return unknown(unit, silent)
-        return self._quantity(found, unit)
+        return quantity_of(found, unit)
 
     def _optional(self, name: str, unit: str) -> Quantity | None:
         found = self._figures.get(name)
-        return None if found is None else self._quantity(found, unit)
+        return None if found is None else quantity_of(found, unit)
 
     def _kept(self, name: str) -> str | None:
         """What stands where a configuration does not state a number of the joint itself."""
@@ -258,7 +250,9 @@ class ConfigJoint:
     def _effort_limit(self) -> Quantity:
         unit = self._units.torque
         if self._curved:
-            return self._end_of_curve()
+            found, remark = limit_of(self._figures, self._solvers_name(), unit)
+            self.notes += [remark] if remark else []
+            return found
         by_angle = _BY_ANGLE in self.group.settings and self.config.framework is Framework.ISAACLAB
         found = self._peak() if by_angle else self._figure("effort_limit", unit, self._no_limit())
         if found.value is not None and found.value >= NONE_FROM:
@@ -266,7 +260,7 @@ class ConfigJoint:
         solver = self._figures.get("solver_effort_limit")
         if solver is None or solver.value is None or solver.value >= NONE_FROM:
             return found
-        name = next(n for n in (OLD_NAMES.solver_effort, NEW_NAMES.solver_effort) if n in self.group.settings)
+        name = self._solvers_name()
         clips = f"the solver clips at {solver.value:g} {unit} too ({name})"
         model = self._figures.get("effort_limit")
         if found.value is not None or (model is not None and model.stated):
@@ -277,7 +271,7 @@ class ConfigJoint:
             self.notes.append(
                 f"effort_limit is {name}, {solver.value:g} {unit}, where the solver clips; the model: {model.why}"
             )
-            return self._quantity(solver, unit)
+            return quantity_of(solver, unit)
         own = None if self.view is None else self.view.effort_range
         usds = f"outside {CLIPPING_AT_SOLVERS} the model clips at the USD's limit"
         if own is not None and max(own) < solver.value:
@@ -286,22 +280,12 @@ class ConfigJoint:
         self.notes.append(
             f"effort_limit is {name}, {solver.value:g} {unit}, where the solver clips; {usds} too, if that is lower"
         )
-        return self._quantity(solver, unit)
+        return quantity_of(solver, unit)
 
-    def _end_of_curve(self) -> Quantity:
-        """The larger torque of a curve that is the whole limit."""
-        unit = self._units.torque
-        ends = [self._figure(f"curve.{name}", unit) for name in ("drive_torque", "brake_torque")]
-        unread = next((end for end in ends if end.value is None), None)
-        if unread is not None:
-            return unread
-        largest = real_limit(max(ends, key=lambda end: end.require()))
-        if largest.known:
-            shown = format_quantity(largest.require(), unit)
-            self.notes.append(
-                f"effort_limit is the larger torque of its curve, {shown}: it has no other limit"
-            )
-        return largest
+    def _solvers_name(self) -> str:
+        """What the group calls the limit of the solver."""
+        names = (OLD_NAMES.solver_effort, NEW_NAMES.solver_effort)
+        return next((name for name in names if name in self.group.settings), names[0])
 
     def _no_limit(self) -> str | None:
         if self.config.framework is Framework.ISAACLAB and self._control != "implicit":
@@ -318,23 +302,15 @@ class ConfigJoint:
         return None if found.value is not None and found.value >= NONE_FROM else found
 
     def _curve(self) -> AsymmetricCurve | None:
-        if "curve.drive_torque" not in self._figures:
+        curve = curve_of(self._figures, self._units.torque, self._units.speed)
+        if curve is None:
             return None
-        torque, speed = self._units.torque, self._units.speed
-        names = ("curve.drive_torque", "curve.brake_torque", "curve.knee_speed", "no_load_speed")
-        parts = [
-            self._figure(name, unit) for name, unit in zip(names, (torque, torque, speed, speed), strict=True)
-        ]
-        curve = AsymmetricCurve(*parts)
-        if curve.no_load_speed.known and curve.no_load_speed.require() >= NONE_FROM:
-            drive, brake = curve.drive_torque, curve.brake_torque
-            if drive.value != brake.value:
-                self.notes.append(
-                    f"its curve ends at no speed, and is left out: it has {drive.value} {torque} driving and "
-                    f"{brake.value} {torque} braking"
-                )
+        lost = no_curve(curve)
+        if lost is not None:
+            self.notes += [lost] if lost else []
             return None
         # The torque may fall from standstill on: a knee at 0 is a figure like another.
+        parts = (curve.drive_torque, curve.brake_torque, curve.knee_speed, curve.no_load_speed)
         points = [part for part in parts if part is not curve.knee_speed or part.value != 0.0]
         return curve if self._is_line(*points) else None
 
@@ -377,7 +353,7 @@ class ConfigJoint:
                 f"default_pose is {ends[0]}, the command at zero action (line {zero.span.line}); that it starts at "
                 f"{ends[1]} is left out"
             )
-        return self._quantity(zero, unit)
+        return quantity_of(zero, unit)
 
     def _command_range(self, command: Command) -> tuple[Quantity, Quantity] | None:
         ends = next((one for one in ("command", "clip") if f"{one}_low" in self._figures), None)
@@ -476,25 +452,26 @@ class ConfigJoint:
                     f"{own} and {own}_sim differ: Isaac Lab 2.x raises ValueError when it builds the group; "
                     f"{own}_sim is taken"
                 )
-        for name in self._idle:
-            setting = group.settings[name]
-            if setting.value is None or (setting.number or 0.0) >= NONE_FROM:
+        efforts = (OLD_NAMES.effort, NEW_NAMES.effort) if self._curved else ()
+        for name in (*self._idle, *efforts):
+            setting = group.settings.get(name)
+            if setting is None or setting.value is None or (setting.number or 0.0) >= NONE_FROM:
                 continue
             names = NEW_NAMES if is_native(self.versions) else OLD_NAMES
             shown = "" if setting.number is None else f" {setting.number:g}"
-            self.notes.append(
-                f"{name}{shown} is left out: an explicit drive without a torque-speed line uses it nowhere; the "
-                f"solver's limit is {names.solver_velocity}, else the USD's own"
-            )
+            line = f"its class clips by {', '.join(CURVE)} alone" if self._curved else _NO_LINE
+            usds = f"; the solver's limit is {names.solver_velocity}, else the USD's own"
+            self.notes.append(f"{name}{shown} is left out: {line}{'' if name in efforts else usds}")
         if self._own:
             self.notes.append(f"{group.cls} is read as the class that actspec writes")
         elif self._curved:
-            self.notes.append(
-                f"{group.cls} is read as unitree_rl_lab's UnitreeActuator: a torque-speed curve (X1, X2, Y1, Y2), and "
-                "friction (Fs, Fd) of its own, which it rounds off near standstill (tanh, Va)"
-            )
-        elif group.bases:
-            self.notes.append(f"{group.cls} is read as {group.bases[0]}: what else it does is not known here")
+            self.notes += remarks(group, self._figures, self._kind)
+        elif group.bases or group.own:
+            alike = (base for base in group.bases if control_of(self.config.framework, base) == self._control)
+            # A run's file of mjlab has the fields of a class, and not its name.
+            cls, base = (group.cls, next(alike, group.bases[0])) if group.bases else ("its class", group.cls)
+            own = f" with {listed(group.own)}" if group.own else ""
+            self.notes.append(f"{cls} is read as {base}: what else it does{own} is not known here")
 
 
 def drive_kind(framework: Framework, group: ActuatorGroup) -> str:
@@ -525,6 +502,8 @@ def below_root(path: str, config: str) -> str | None:
 _ABOVE = 6
 """Folders in which the file of `{LEGGED_GYM_ROOT_DIR}/...` is looked for. Chosen: forks have the configuration three or
 four below their root."""
+
+_NO_LINE = "an explicit drive without a torque-speed line uses it nowhere"
 
 _ARTICLE: Mapping[Command, str] = {Command.VELOCITY: "a speed", Command.EFFORT: "a torque"}
 

@@ -3,11 +3,25 @@
 from __future__ import annotations
 
 from actspec.diagnostics import Span
-from actspec.ir import Delay, Quantity, stated, tidy, unknown
+from actspec.ir import Delay, Quantity, assumed, stated, tidy, unknown
+from actspec.readings.dict_keys import Found
 from actspec.units import format_quantity
 
 NONE_FROM = 1e9
 """A limit, stall torque or speed from which on there is none [SI]. Source: Isaac Lab's and mjlab's own defaults."""
+
+
+NO_KEY = "no key of the dict covers the joint: it gets 0"
+"""Why a number is 0 that nobody wrote, in Isaac Lab 2.x and legged_gym."""
+
+
+def quantity_of(found: Found, unit: str) -> Quantity:
+    """What is read of a setting for a joint, as a number with its place and reason."""
+    if found.value is None:
+        return unknown(unit, found.why, found.span)
+    if not found.stated:
+        return assumed(found.value, unit, NO_KEY)
+    return stated(found.value, unit, found.span)
 
 
 def real_limit(found: Quantity) -> Quantity:

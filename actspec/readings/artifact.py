@@ -146,6 +146,7 @@ class ActuatorGroup:
         bases: Classes that `cls` derives from, as far as they could be read, nearest first.
         network: The network that it names; None without one.
         unread: Module of `cls`, or of what it derives from, whose file is not there; None: all is known.
+        own: Settings that its class has, or one of its bases, and no class of the framework's: one of somebody's own.
     """
 
     name: str
@@ -156,6 +157,12 @@ class ActuatorGroup:
     bases: tuple[str, ...] = ()
     network: NetworkReading | None = None
     unread: str | None = None
+    own: tuple[str, ...] = ()
+
+    @property
+    def of_run(self) -> bool:
+        """Whether a run wrote it of a class that is not the framework's: with all fields, and the class by its name."""
+        return self.unread is not None and "class_type" in self.settings
 
 
 @dataclass(frozen=True, slots=True)

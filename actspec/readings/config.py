@@ -86,6 +86,9 @@ IN_FIGURES = frozenset(
 ) - {"class_type", "physics_dt"}  # fmt: skip
 """Settings that a figure is made from."""
 
+OF_ALL_CLASSES = IN_FIGURES - frozenset(_OF_OWN_CLASS.values())
+"""Those of them that are read of a class of somebody's own."""
+
 VOLTS = "in volts: constant and resistance of the motor make a torque of it"
 """Why the gains of mjlab's `BuiltinDcMotorActuatorCfg` are none at the joint. Source: mjlab 1.6.0, its docstring."""
 
@@ -188,7 +191,10 @@ def control_of_group(framework: Framework, group: ActuatorGroup) -> str:
         return "ideal_pd"
     inner = group.settings.get("base_cfg")
     inside = (inner.value,) if inner is not None and isinstance(inner.value, str) else ()
-    return control_of(framework, *inside, group.cls, *group.bases)
+    found = control_of(framework, *inside, group.cls, *group.bases)
+    # What a run's file has of that class is all that its law needs; a call of one that is not read leaves its defaults.
+    curved = found == "other" and framework is Framework.ISAACLAB and group.of_run and has_curve(group)
+    return "ideal_pd" if curved else found
 
 
 def is_network(framework: Framework, group: ActuatorGroup) -> bool:
@@ -318,13 +324,14 @@ def _figures_over(
     else:
         take("action_scale", "action_scale")
     if config.framework is Framework.ISAACLAB:
-        take_limits(control, take, versions)
+        curved = has_curve(group)
+        take_limits(control, curved, take, versions)
         take("friction_setting", "friction")
         take("dynamic_friction_setting", "dynamic_friction")
         settle_friction(values, versions)
         for field, name in _OF_OWN_CLASS.items() if is_own_class(group) else ():
             take(field, name)
-        if has_curve(group):
+        if curved:
             take_curve(values, take)
     elif config.framework is Framework.MJLAB:
         take("no_load_speed" if control == "dc_motor" else "velocity_limit", "velocity_limit")

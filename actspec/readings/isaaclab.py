@@ -11,14 +11,27 @@ from actspec.readings.artifact import ActuatorGroup, Framework
 from actspec.readings.dict_keys import Found
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, limited_by_solver
 from actspec.simulators.isaaclab import NEW_NAMES, OLD_NAMES, FrictionUnit
+from actspec.units import format_quantity
+
+CURVED = "UnitreeActuatorCfg"
+"""Name of unitree_rl_lab's class."""
+
+CURVE = ("X1", "X2", "Y1", "Y2")
+"""Fields of unitree_rl_lab's class that are its whole limit: knee and end of the speed, torque driving and braking."""
+
+FRICTIONS = {"frictionloss": "Fs", "joint_damping": "Fd"}
+"""Its friction, by figure."""
+
+BESIDE = "{}_beside"
+"""Name of a figure that is not known and adds to another one: what the joint has beside a friction of its class."""
 
 
-def take_limits(control: str, take: Callable[..., None], versions: Versions) -> None:
+def take_limits(control: str, curved: bool, take: Callable[..., None], versions: Versions) -> None:
     """The limits by class, in the names of 2.x and 3.0.
 
     An implicit drive is clamped by the solver's limit, and its `velocity_limit` is ignored; an explicit
-    one clamps in the model, without a limit of its own at the solver's in some releases.
-    `velocity_limit` of a DC motor is the no-load speed.
+    one clamps in the model, without a limit of its own at the solver's in some releases, and one with a curve by that
+    alone. `velocity_limit` of a DC motor is the no-load speed.
     """
     if control == "implicit":
         take("effort_limit", "effort_limit_sim", "joint_effort_limit", "effort_limit")
@@ -28,6 +41,8 @@ def take_limits(control: str, take: Callable[..., None], versions: Versions) -> 
     take("effort_limit", "effort_limit", "actuator_effort_limit", *solvers)
     take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
     take("solver_effort_limit", "effort_limit_sim", "joint_effort_limit")
+    if curved:
+        return
     curve = control in ("dc_motor", "network")
     take("no_load_speed" if curve else "velocity_limit", "velocity_limit", "actuator_velocity_limit")
 
@@ -71,14 +86,15 @@ def settle_friction(values: dict[str, Found], versions: Versions) -> None:
 
 def has_curve(group: ActuatorGroup) -> bool:
     """Whether a class is unitree_rl_lab's `UnitreeActuator`, or made of it."""
-    return "UnitreeActuatorCfg" in (group.cls, *group.bases) and "Y1" in group.settings
+    return CURVED in (group.cls, *group.bases) and "Y1" in group.settings
 
 
 def take_curve(values: dict[str, Found], take: Callable[..., None]) -> None:
     """The figures of a class with an asymmetric torque-speed curve and a friction of its own.
 
     It clips by the curve alone, whatever `effort_limit` is, and takes its friction, Fs tanh(w / Va) + Fd w, off the
-    result, beside the joint's own.
+    result, beside the joint's own; the solver clips what is left. From X1 on it divides by X2 - X1: a knee above the
+    end lets the torque rise.
 
     Source: unitree_rl_lab, assets/robots/unitree_actuators.py, `_clip_effort` and `compute`; twelve of thirteen copies
     of strangers are the same.
@@ -87,24 +103,30 @@ def take_curve(values: dict[str, Found], take: Callable[..., None]) -> None:
     take("curve.brake_torque", "Y2", "Y1")
     take("curve.knee_speed", "X1")
     take("no_load_speed", "X2")
-    for idle in ("effort_limit", "velocity_limit"):
-        if idle in values:
-            values[idle] = Found(None, values[idle].span, why="its class clips by Y1, Y2, X1 and X2 alone")
-    frictions = [("frictionloss", "Fs"), ("joint_damping", "Fd")]
+    values.pop("effort_limit", None)
+    knee, end = (
+        values[one].value if one in values else None for one in ("curve.knee_speed", "no_load_speed")
+    )
+    if knee is not None and end is not None and knee > end:
+        at, last = (format_quantity(speed, "rad/s") for speed in (knee, end))
+        why = f"X1, {at}, is not below X2, {last}: its class has its full torque at every speed"
+        values["no_load_speed"] = Found(None, values["no_load_speed"].span, why=why)
+    frictions = [*FRICTIONS.items()]
     if "friction_static" in values:
-        frictions.append(("friction_static", "Fs"))
+        frictions.append(("friction_static", FRICTIONS["frictionloss"]))
     for field, name in frictions:
         joints = values.pop(field, None)
         take(field, name)
         own = values.pop(field, None)
         if own is None or own.value == 0.0:
             total = joints
-        elif joints is None or joints.value == 0.0:
+        elif own.value is None or joints is None:
             total = own
-        elif own.value is not None and joints.value is not None:
+        elif joints.value is not None:
             total = Found(own.value + joints.value, own.span)
         else:
-            total = Found(None, own.span, why=f"{name} and the joint's own friction: {own.why or joints.why}")
+            # The solver's part is on top of it, as the USD's is where nothing is written.
+            total, values[BESIDE.format(field)] = own, joints
         if total is not None:
             values[field] = total
 

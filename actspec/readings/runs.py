@@ -19,13 +19,14 @@ from typing import Any
 import yaml
 
 from actspec.diagnostics import Collector
-from actspec.readings.artifact import Artifact, FileKind, FileReading, RobotConfig
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, FileReading, RobotConfig
 from actspec.readings.leftover import node_span
 from actspec.readings.python import isaaclab, mjlab
 from actspec.readings.python.settings import UNFOLDED
 from actspec.readings.python.values import Data, External, Key, Obj, Scalar, Seq, Table, Unknown, Value
 from actspec.readings.twice import keys_twice
 from actspec.robot.view import ModelFile
+from actspec.simulators.classes import MJLAB
 
 _YAML = "tag:yaml.org,2002:"
 _PYTHON = f"{_YAML}python/"
@@ -106,12 +107,18 @@ def _configs(path: str, root: yaml.Node, of_isaaclab: bool) -> Iterator[RobotCon
             unsaid = Collector()
             for group in [group for group in found.groups if group.cls == _ONE_OF_THREE][:1]:
                 unsaid.info(UNFOLDED, _UNSAID, where="actuators", span=group.span)
-            found = replace(found, notes=(*found.notes, *unsaid))
+            groups = tuple(replace(group, own=_own(group)) for group in found.groups)
+            found = replace(found, groups=groups, notes=(*found.notes, *unsaid))
         name = PurePosixPath((found.model or "").replace("\\", "/")).stem
         if robot is not None and len(robots) > 1 and robot != _ROBOT:
             # Two arms of one file have their keys alone to tell them by.
             name = f"{name}.{robot}" if name else robot
         yield replace(found, name=name or "robot")
+
+
+def _own(group: ActuatorGroup) -> tuple[str, ...]:
+    """Settings that no class of mjlab's has: the group's was somebody's own."""
+    return tuple(name for name in group.settings if all(name not in cls.fields for cls in MJLAB.values()))
 
 
 def _of_mjlab(whole: Value) -> Value:

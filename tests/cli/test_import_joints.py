@@ -692,6 +692,44 @@ def test_a_run_that_names_its_motors(
     ]
 
 
+def test_a_run_with_unitrees_class(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its file has every field of the class, and the law is known by its name; of another class only its own file says.
+
+    Hand: the solver clips the 23.4 N*m of braking at 22.
+    """
+    cls = "unitree_rl_lab.assets.robots.unitree_actuators:UnitreeActuator"
+    own = "\n        ".join(("X1: 13.5", "X2: 30", "Y1: 20.2", "Y2: 23.4", "Fs: 0.2", "Fd: 0.0", "Va: 0.01"))
+    text = RUN.replace("SDK", SDK).replace("isaaclab.actuators.actuator_pd:IdealPDActuator", cls)
+    text = text.replace(
+        "effort_limit: 24.0", f"effort_limit: null\n        effort_limit_sim: 22.0\n        {own}"
+    )
+    Path("env.yaml").write_text(text, encoding="utf-8")
+    assert main(["import", "env.yaml", "-o", "leg.yaml"]) == 0
+    motor = next(iter(load_spec("leg.yaml").model.motors.values()))
+    curve = motor.curve
+    assert curve is not None
+    parts = (curve.drive_torque, curve.brake_torque, curve.knee_speed, curve.no_load_speed)
+    assert [part.value for part in parts] == [20.2, 23.4, 13.5, 30.0]
+    text = Path("leg.yaml").read_text(encoding="utf-8")
+    assert "effort_limit: {value: 22 N*m" in text and "coulomb: {value: 0.2 N*m" in text
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 0
+    capsys.readouterr()
+    assert main(["audit", "env.yaml", "--notes"]) == 0
+    assert "LIM106 [info]" in capsys.readouterr().out
+
+    Path("env.yaml").write_text(
+        Path("env.yaml").read_text(encoding="utf-8").replace(":UnitreeActuator", ":NoisyActuator"),
+        encoding="utf-8",
+    )
+    assert main(["import", "env.yaml", "-o", "no.yaml"]) == 2
+    assert (
+        "DRF002: none of the joints of leg can go into a group: NoisyActuatorCfg is a class of "
+        "unitree_rl_lab.assets.robots.unitree_actuators, and a run's file says nothing of what a class does\n"
+        "  help: import the configuration that it was trained with (.py) in its place, where "
+        "unitree_rl_lab/assets/robots/unitree_actuators.py is\n"
+    ) in capsys.readouterr().err
+
+
 def test_patterns_of_a_reward_are_no_joints(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """They select joints: a spec of two joints that are called `.*_hip` and `.*_ankle` was written of them."""
     Path("env.yaml").write_text(RUN.replace("SDK", "init_state: null"), encoding="utf-8")

@@ -578,6 +578,26 @@ def test_a_class_whose_file_is_not_there(tmp_path: Path, beside: str) -> None:
     assert joint(imported(paths, tmp_path), "hip")["kp"] == "40 N*m/rad"
 
 
+def test_several_classes_of_one_file_that_is_not_there(tmp_path: Path) -> None:
+    """One file is missing, and is named once; a class of another file is told for itself."""
+    group = '"{0}": {1}(joint_names_expr=["{0}"], stiffness=1.0, damping=1.0)'
+    text = f"""from isaaclab.assets.articulation import ArticulationCfg
+from pack.motors.own import OneActuatorCfg, TwoActuatorCfg
+from pack.other import OddActuatorCfg
+LEG_CFG = ArticulationCfg(actuators={{{group.format("hip", "OneActuatorCfg")}, {group.format("knee", "TwoActuatorCfg")},
+    {group.format("ankle", "OddActuatorCfg")}}})
+"""
+    (path,) = write(tmp_path, leg_cfg_py=text)
+    with pytest.raises(AuditError) as caught:
+        read_robot_files([str(path)], None, Versions(), "hip,knee,ankle")
+    (item,) = caught.value.diagnostics
+    assert item.message == (
+        "none of the joints of LEG_CFG can go into a group: OneActuatorCfg, TwoActuatorCfg are classes of "
+        "pack.motors.own, whose file, pack/motors/own.py, is not there, OddActuatorCfg is a class of pack.other, whose "
+        "file, pack/other.py, is not there"
+    )
+
+
 def test_a_configuration_that_leaves_all_to_the_model(tmp_path: Path) -> None:
     """mjlab's XmlMotorActuatorCfg: the model's torque motors have 30 N*m."""
     text = MJLAB.replace("BuiltinPosition", "XmlMotor").replace(

@@ -16,7 +16,6 @@ from actspec.readings.read import read_file
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 from tests.compiling import view_of
-from tests.importing import CURVED
 
 LAB = Versions(isaaclab="2.3", isaac_sim="5.1")
 
@@ -87,87 +86,6 @@ def test_dict_that_misses_a_joint(tmp_path: Path) -> None:
     knee = found["knee"]
     assert knee.command is Command.VELOCITY
     assert found["hip"].kp is not None and found["hip"].kp.value == 25.0
-
-
-def curved(folder: Path, fields: str, values: str = "") -> tuple[JointActuator, tuple[str, ...]]:
-    """The hip behind a class made of unitree_rl_lab's, with the fields of its own."""
-    (folder / "motors.py").write_text(
-        f"""{CURVED}
-@configclass
-class UnitreeActuatorCfg_Some(UnitreeActuatorCfg):
-    {fields}
-""",
-        encoding="utf-8",
-    )
-    text = f"""import motors
-from isaaclab.assets import ArticulationCfg
-BOT_CFG = ArticulationCfg(actuators={{"g": motors.UnitreeActuatorCfg_Some(
-    joint_names_expr=["hip"], stiffness=25.0, damping=0.5, {values})}})
-"""
-    found = lift_config(artifact_of(folder, text), joints(), versions=LAB)
-    (hip,) = found.actuators.joints
-    return hip, found.notes["hip"]
-
-
-def test_curve_of_unitrees_class(tmp_path: Path) -> None:
-    """Y1 drives, Y2 brakes, X1 is the knee and X2 the end; it clips by nothing else, so the limit is Y2."""
-    hip, notes = curved(
-        tmp_path, "X1 = 13.5; X2 = 30; Y1 = 20.2; Y2 = 23.4", "effort_limit=7.0, velocity_limit=9.0"
-    )
-    assert hip.level is Level.DC_MOTOR and hip.curve is not None
-    curve = hip.curve
-    parts = (curve.drive_torque, curve.brake_torque, curve.knee_speed, curve.no_load_speed)
-    assert [part.value for part in parts] == [20.2, 23.4, 13.5, 30.0]
-    assert curve.brake_torque.span is not None and curve.brake_torque.span.path.endswith("motors.py")
-    assert hip.effort_limit.value == 23.4 and hip.effort_limit.span == curve.brake_torque.span
-    # Its friction of 0 adds nothing; what the USD has is not known.
-    assert not hip.friction_coulomb.known and not hip.friction_viscous.known
-    assert any("effort_limit is the larger torque of its curve, 23.4 N*m" in note for note in notes)
-    # Without Y2 it brakes with Y1.
-    alike, _ = curved(tmp_path, "X1 = 1.0; X2 = 2.0; Y1 = 5.0")
-    assert alike.curve is not None and alike.curve.brake_torque.value == 5.0 == alike.effort_limit.value
-
-
-def test_unitrees_class_without_speeds(tmp_path: Path) -> None:
-    """1e9 rad/s is no speed: a plain clip is left, and what the two torques lose is said. 1e9 N*m is no limit."""
-    hip, notes = curved(tmp_path, "Y1 = 5.0; Y2 = 6.0")
-    assert hip.level is Level.IDEAL_PD and hip.curve is None and hip.effort_limit.value == 6.0
-    assert "its curve ends at no speed, and is left out: it has 5.0 N*m driving and 6.0 N*m braking" in notes
-    free, _ = curved(tmp_path, "pass")
-    assert free.curve is None and not free.effort_limit.known
-
-
-@pytest.mark.parametrize(
-    ("fields", "values", "coulomb", "static", "viscous"),
-    [
-        ("Fs = 1.6; Fd = 0.16", "", 1.6, None, 0.16),
-        # 1.6 + 0.2 sliding, 1.6 + 0.3 to break away, 0.16 + 0.1.
-        (
-            "Fs = 1.6; Fd = 0.16",
-            "friction=0.3, dynamic_friction=0.2, viscous_friction=0.1",
-            1.8,
-            1.9,
-            0.26,
-        ),
-        ("Fs = 0.0", "friction=0.3, dynamic_friction=0.2", 0.2, 0.3, None),
-        # What the joint's own is depends on the USD, so the sum is not known.
-        ("Fs = 1.6", "friction=0.3", None, 1.9, None),
-    ],
-)
-def test_friction_of_unitrees_class(
-    tmp_path: Path,
-    fields: str,
-    values: str,
-    coulomb: float | None,
-    static: float | None,
-    viscous: float | None,
-) -> None:
-    """Fs and Fd act outside the clamp, beside the joint's own friction: they add up."""
-    hip, _ = curved(tmp_path, f"X1 = 1.0; X2 = 2.0; Y1 = 5.0; {fields}", values)
-    assert hip.friction_coulomb.value == (None if coulomb is None else pytest.approx(coulomb))
-    found = None if hip.friction_static is None else hip.friction_static.value
-    assert found == (None if static is None else pytest.approx(static))
-    assert hip.friction_viscous.value == (None if viscous is None else pytest.approx(viscous))
 
 
 def test_friction_by_version(tmp_path: Path) -> None:
@@ -572,7 +490,7 @@ BOT = {"legs": MyActuatorCfg(joint_names_expr=["hip"], stiffness=1.0, damping=1.
     # `drive_torque` would be a curve in actspec's own class, which has no `fade`.
     assert (hip.level, hip.curve) == (Level.IDEAL_PD, None)
     assert found.notes["hip"] == (
-        "MyActuatorCfg is read as IdealPDActuatorCfg: what else it does is not known here",
+        "MyActuatorCfg is read as IdealPDActuatorCfg: what else it does with drive_torque, fade is not known here",
     )
 
 

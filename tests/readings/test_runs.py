@@ -155,6 +155,24 @@ def test_mjlab(fields: str, cls: str) -> None:
     assert len(said) == (cls == "BuiltinPositionActuatorCfg")
 
 
+def test_a_class_of_somebodys_own_in_a_run_of_mjlab(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Fields that no class of mjlab has were told as misspelt ones of the class that the other fields have (CFG103)."""
+    monkeypatch.chdir(tmp_path)
+    own = ("stiffness: 70.0", "damping: 2.0", "effort_limit: 1000000000.0", "X1: 22.63", "Y1: 71.0")
+    text = MJLAB.format(fields="\n          ".join(own))
+    (group,) = read(text).groups
+    assert (group.cls, group.own) == ("BuiltinPositionActuatorCfg", ("X1", "Y1"))
+    Path("env.yaml").write_text(text, encoding="utf-8")
+    assert told("env.yaml") == []
+    assert main(["import", "env.yaml", "-o", "leg.yaml"]) == 0
+    remark = (
+        "its class is read as BuiltinPositionActuatorCfg: what else it does with X1, Y1 is not known here"
+    )
+    assert f"  hip, knee: {remark}\n" in capsys.readouterr().out
+
+
 _ARM = """
   {name}:
     class_type: isaaclab.assets.articulation.articulation:Articulation

@@ -3,10 +3,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.configs import CLASSES, FRAMEWORKS, NO_STOCK_CLASSES, StockClass, stock_groups
+from actspec.audit.rules.configs import CLASSES, FRAMEWORKS, NO_STOCK_CLASSES, stock_groups
 from actspec.diagnostics import listed, nearest, shortened
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.simulators import before, release
+from actspec.simulators.classes import StockClass
 from actspec.simulators.mjlab import COMMON_FIELDS
 
 

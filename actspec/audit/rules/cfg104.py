@@ -12,7 +12,6 @@ from actspec.audit.rules.configs import (
     NO_STOCK_CLASSES,
     WITH_LINE,
     Group,
-    StockClass,
     groups_of,
     major_version,
     stock_groups,
@@ -20,6 +19,7 @@ from actspec.audit.rules.configs import (
 from actspec.audit.rules.joints import partner_rows
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig
 from actspec.simulators import release
+from actspec.simulators.classes import StockClass
 from actspec.simulators.isaaclab import CLIPPING_AT_SOLVERS, clips_at_solvers
 
 _MJLAB_EXPLICIT = MJLAB_WITH_LINE | {"IdealPdActuatorCfg"}

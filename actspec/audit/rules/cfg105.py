@@ -3,9 +3,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.configs import FRAMEWORKS, NO_STOCK_CLASSES, StockClass, stock_groups
+from actspec.audit.rules.configs import FRAMEWORKS, NO_STOCK_CLASSES, stock_groups
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.versions import is_native
+from actspec.simulators.classes import StockClass
 
 _Subject = tuple[RobotConfig, ActuatorGroup, StockClass]
 

@@ -20,7 +20,15 @@ from actspec.audit.rules.joints import (
     shown,
     unit,
 )
-from actspec.audit.rules.limits_of_files import LIMITS, WITHOUT, few_zeros, furniture, mimics, round_for_all
+from actspec.audit.rules.limits_of_files import (
+    LIMITS,
+    WITHOUT,
+    few_zeros,
+    furniture,
+    limited_by_own,
+    mimics,
+    round_for_all,
+)
 from actspec.audit.rules.src101 import placeholders_beside_limits
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
@@ -294,7 +302,8 @@ class NoEffectiveLimit(RuleInParts):
         return _Bounded(f"{effect}, and {limit} is published for {name}", None, Confidence.MEDIUM)
 
     def _is_placeholder(self, case: Case, row: LedgerRow, field: str) -> bool:
-        return is_nobodys(row, field, self.option(case, "least"))
+        least = self.option(case, "least")
+        return is_nobodys(row, field, least) and row.span not in case.once(limited_by_own)
 
     def _round(self, case: Case, row: LedgerRow) -> Finding:
         """Of a round effort that every joint of a light robot has."""

@@ -13,6 +13,7 @@ from actspec.audit.rules.configs import (
 )
 from actspec.audit.rules.joints import shown, unit
 from actspec.readings.artifact import Framework, Setting
+from actspec.readings.isaaclab import has_curve
 from actspec.units import format_number
 
 
@@ -34,6 +35,9 @@ class TwoLimits(RuleInParts):
         for group in groups_of(case, Framework.ISAACLAB, EXPLICIT):
             yield self._explicit(group, "effort_limit", "effort_limit_sim")
             yield self._explicit(group, "actuator_effort_limit", "joint_effort_limit")
+        for group in groups_of(case, Framework.ISAACLAB):
+            if has_curve(group.cfg):
+                yield self._curve(group)
 
     def _implicit(self, group: Group, first: str, second: str) -> Iterator[Finding]:
         one, two = group.written(first), group.written(second)
@@ -74,6 +78,35 @@ class TwoLimits(RuleInParts):
                 limit,
                 f"set {solver} to {own} or more",
                 (one.span,),
+            )
+
+    def _curve(self, group: Group) -> Iterator[Finding]:
+        """Of unitree_rl_lab's class, whose limits are Y1 and Y2: a note where the joint only brakes with less."""
+        drive, solver = group.written("Y1"), group.written("effort_limit_sim", "joint_effort_limit")
+        brake = group.written("Y2", "Y1")
+        if drive is None or brake is None or solver is None:
+            return
+        for row in group.rows:
+            limits = [group.number(one, row.joint) for one in (drive, brake)]
+            clamp = group.number(solver, row.joint)
+            known = [limit for limit in limits if limit is not None]
+            if clamp is None or len(known) < 2 or clamp >= max(known):
+                continue
+            least, *ends = (shown(row, "effort_limit", one) for one in (clamp, *known))
+            brakes = clamp >= known[0]
+            yield Finding(
+                self.code,
+                f"the model drives with {ends[0]} and brakes with {ends[1]} (Y1, Y2), and the solver clips at {least}: "
+                f"the joint never {'brakes with' if brakes else 'gets'} more than {least}, and the model reports what "
+                "it does not get",
+                solver.span,
+                row.joint,
+                clamp,
+                unit(row, "effort_limit"),
+                max(known),
+                f"set the solver's limit to {shown(row, 'effort_limit', max(known))} or more",
+                (drive.span, brake.span),
+                severity=Severity.INFO if brakes else None,
             )
 
 

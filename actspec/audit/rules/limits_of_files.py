@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 
 from actspec.audit.case import MODELS, Case
 from actspec.audit.rules.joints import is_called_undriven
+from actspec.diagnostics import Span
 from actspec.fields import GRAVITY, LONGEST_LEVER
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
@@ -16,6 +18,17 @@ LIMITS = ("effort_limit", "velocity_limit")
 _ROUND = 1e3
 """One digit and zeros from here on are nobody's effort where all joints of a light robot have it [N*m]. Published: 1000
 N*m on all joints of Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg; 20,000 on those of a GR1 of 54 kg."""
+
+
+_OF_LIMITS = re.compile("effort|torque|force|limit|^y1$", re.IGNORECASE)
+"""Names of settings that may limit a torque."""
+
+
+def limited_by_own(case: Case) -> frozenset[Span]:
+    """Groups of a class of somebody's own with such settings of its own: what it clips at, nobody knows here."""
+    configs = (artifact.config for _, artifact in case.of_kind(FileKind.CFG))
+    groups = (group for config in configs if config is not None for group in config.groups)
+    return frozenset(group.span for group in groups if any(map(_OF_LIMITS.search, group.own)))
 
 
 def few_zeros(case: Case) -> frozenset[int]:

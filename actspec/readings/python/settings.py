@@ -17,7 +17,7 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
-from actspec.readings.config import IN_FIGURES
+from actspec.readings.config import IN_FIGURES, OF_ALL_CLASSES
 from actspec.readings.python.arithmetic import text_of
 from actspec.readings.python.values import (
     MAX_NESTING,
@@ -30,6 +30,7 @@ from actspec.readings.python.values import (
     Table,
     Unknown,
     Value,
+    ancestors,
     class_names,
     class_roots,
     elsewhere,
@@ -283,8 +284,11 @@ class Draft:
             if isinstance(one.value, Mapping):
                 self._patterns(f"{name}.{key}", one.value, one.span)
         self._patterns(f"{name}.joints", patterns or (), obj.span)
+        own = tuple(
+            key for key in _declared(obj.cls) if key in settings and key not in OF_ALL_CLASSES | _NAMES
+        )
         self.groups.append(
-            ActuatorGroup(name, obj.cls.name, obj.span, patterns, settings, bases, unread=unread)
+            ActuatorGroup(name, obj.cls.name, obj.span, patterns, settings, bases, unread=unread, own=own)
         )
 
     def _patterns(self, where: str, patterns: Iterable[object], span: Span) -> None:
@@ -361,6 +365,12 @@ class Draft:
             )
         else:
             self.note(field, reason or "a range is two numbers", value.span)
+
+
+def _declared(cls: Cls | External) -> Iterable[str]:
+    """Fields that a class and its bases declare, of those that could be read; each once."""
+    classes = ancestors(cls) if isinstance(cls, Cls) else ()
+    return dict.fromkeys(name for one in classes if isinstance(one, Cls) for name in one.annotated)
 
 
 def _pair(value: Value | None) -> tuple[float, float] | None:
