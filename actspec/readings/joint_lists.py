@@ -59,6 +59,8 @@ _XML = re.compile(rb"(?:\xef\xbb\xbf)?\s*<")
 _ENDING = "_joint"
 """That USD files of robots leave out, or have, where the URDF is the other way round."""
 _CONSTANT = re.compile(r"(?:^|_)joint_names$", re.IGNORECASE)
+_MOST_NAMES = 10 * MOST_JOINTS
+"""Chosen: names in all lists of a file; the patterns are held against each list."""
 _KNOWN = (*_ROBOT_FILES, ".json", ".txt", ".csv", ".list", ".toml", ".ipynb", ".log", ".md", *YAML, *_USD)
 """Endings of files, which no joint has."""
 _HELP = (
@@ -103,9 +105,13 @@ def joint_lists(text: str) -> tuple[JointList, ...]:
             found = [JointList(names, of) for names in _told(lambda: lists_in(lines), text)]
     if not found:
         raise _refusal("no list of joint names is in it", text, _HELP)
-    most = max(sum(isinstance(joint, str) for joint in one.joints) for one in found)
-    if most > MOST_JOINTS:
-        raise _refusal(f"has {most} names of joints, at most {MOST_JOINTS} are read", text, _HELP)
+    counts = [sum(isinstance(joint, str) for joint in one.joints) for one in found]
+    for count, most, where in (
+        (max(counts), MOST_JOINTS, ""),
+        (sum(counts), _MOST_NAMES, " in all of its lists"),
+    ):
+        if count > most:
+            raise _refusal(f"has {count} names of joints{where}, at most {most} are read", text, _HELP)
     return tuple(found)
 
 

@@ -528,6 +528,11 @@ def test_a_spec_that_compiles(
             "has 2001 names of joints, at most 2000 are read",
         ),
         ("loop.yaml", "a: &a [*a]\n", "no list of joint names is in it"),
+        (
+            "many.log",
+            "".join(f"joints: ['l{i}_hip', 'r{i}_hip']\n" for i in range(10_001)),
+            "has 20002 names of joints in all of its lists, at most 20000 are read",
+        ),
         ("broken.yaml", "a: [", "it is not YAML"),
         ("leg_cfg.py", "", "no list of joint names is in it"),
         (
