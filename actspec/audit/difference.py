@@ -172,9 +172,9 @@ def _joints(readings: Sequence[FileReading], named: str) -> Sequence[str]:
     from actspec.readings.joint_lists import named_joints, names_of
 
     out = Collector()
-    found, _ = named_joints([one for reading in readings for one in reading.artifacts], named, out)
+    found = named_joints([one for reading in readings for one in reading.artifacts], named, out)
     out.raise_if_failed(AuditError)
-    return names_of(found)
+    return names_of(found.joints)
 
 
 def read_all(

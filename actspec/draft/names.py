@@ -287,6 +287,8 @@ def parts_of_body(joints: Iterable[str]) -> dict[str, str | None]:
 def given_name(joints: Sequence[str], given: Mapping[str, str], robot: str, *, whole: bool = True) -> str:
     """The name that a configuration has for exactly these joints, as a key; "" without one.
 
+    In small letters, as all names of groups: `N7520_14p3` beside `m107_15`, `leftKnee` as left_knee.
+
     Args:
         joints: Names, at least one.
         given: Joint to the name of its group; "" for none.
@@ -297,7 +299,7 @@ def given_name(joints: Sequence[str], given: Mapping[str, str], robot: str, *, w
     if len(names) != 1 or (whole and any(given[name] in names for name in given.keys() - set(joints))):
         return ""
     name = names.pop()
-    name = _NO_WORD.sub("", name.lower() if name.isupper() else name)
+    name = _NO_WORD.sub("", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower())
     first, _, rest = name.partition("_")
     if rest[:1].isalpha() and first in _of_robot(robot):
         name = rest

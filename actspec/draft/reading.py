@@ -41,7 +41,14 @@ from actspec.readings.artifact import (
     RobotConfig,
 )
 from actspec.readings.dict_keys import plain_name
-from actspec.readings.joint_lists import differ_by_ending, environment_of, named_joints, names_of, patterns_of
+from actspec.readings.joint_lists import (
+    JointList,
+    differ_by_ending,
+    environment_of,
+    named_joints,
+    names_of,
+    patterns_of,
+)
 from actspec.readings.motor_names import NAMELESS
 from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
@@ -101,7 +108,7 @@ def read_robot_files(
     out.raise_if_failed(AuditError)
     if named is not None and (environment := environment_of(named)) is not None:
         artifacts.append(environment)
-    fitting = list(of_this_robot(artifacts, () if names is None else names[0], out))
+    fitting = list(of_this_robot(artifacts, () if names is None else names.joints, out))
     artifacts, trained = in_environments(fitting, every, robot)
     listed_in = every if named is not None or any(artifact.robot for artifact in artifacts) else []
     passed_over = {one.span for artifact in listed_in for one in lists_of(artifact.config).values()}
@@ -310,7 +317,7 @@ def _written(config: RobotConfig) -> set[tuple[str, Span]]:
 def _lifted(
     artifacts: Sequence[Artifact],
     named: str | None,
-    names: tuple[Sequence[JointView | str], str] | None,
+    names: JointList | None,
     versions: Versions,
     out: Collector,
 ) -> Iterator[Lifted]:
@@ -319,9 +326,9 @@ def _lifted(
     joints: Sequence[JointView | str] = ()
     if model is not None and model.robot is not None:
         joints = model.robot.scalar_joints
-    of, renamed, follow = None if model is None else one_line(os.path.basename(model.path)), "", {}
+    of, follow = None if model is None else one_line(os.path.basename(model.path)), {}
     if names is not None:
-        joints, renamed = names
+        joints = names.joints
         # What only names the joints says nothing of who drives them: the configuration does, of its USD.
         follow = {j.name: j.mimic for j in joints if not isinstance(j, str) and j.mimic is not None}
         joints = [j if isinstance(j, str) else replace(j, mimic=None) for j in joints]
@@ -349,11 +356,10 @@ def _lifted(
             part = _remarked(
                 part, f"the names of the {many(len(listed_here), 'joint')} are from its joint_sdk_names"
             )
-        if named is not None and config is not None and config.groups:
+        if names is not None and config is not None and config.groups:
             kinds = "names" if isinstance(next(iter(joints), ""), str) else "names, kinds and ranges"
-            source = os.path.basename(named) if os.path.exists(named) else "the list"
-            count = many(len(joints), "joint")
-            said = f"the {kinds} of the {count} are from {one_line(source)} (--joints){renamed and ', '}{renamed}"
+            source, changed = one_line(names.of), names.changed and f", {one_line(names.changed)}"
+            said = f"the {kinds} of the {many(len(joints), 'joint')} are from {source} (--joints){changed}"
             part = _remarked(part, said)
             notes = dict(part.notes)
             for joint in (j.joint for j in part.actuators.joints if j.joint in follow):

@@ -7,8 +7,8 @@ import itertools
 import math
 import os
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import yaml
@@ -16,8 +16,17 @@ import yaml
 from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.deploy import NAMES
+from actspec.readings.deploy import MOST_JOINTS, NAMES
 from actspec.readings.deploy_motors import SDK_NAMES
+from actspec.readings.joint_texts import (
+    NAME_KEYS,
+    PATTERN,
+    NoNamesError,
+    distinct,
+    lists_in,
+    lists_in_notebook,
+    without_beginning,
+)
 from actspec.readings.motor_names import names_wanted
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
@@ -28,63 +37,91 @@ from actspec.robot.view import JointView
 Joints: TypeAlias = "tuple[JointView | str, ...]"
 """Joints in the file's order; of a robot file with kind and range, else names alone."""
 
+
+@dataclass(frozen=True, slots=True)
+class JointList:
+    """Joints that a file or an argument names.
+
+    Attributes:
+        joints: In its order, no name twice.
+        of: What has them, for a message: `leg.urdf`, of a folder `robots/leg.urdf`.
+        changed: How the names were changed; "": they are as they stand there.
+    """
+
+    joints: Joints
+    of: str
+    changed: str = ""
+
+
 _USD = (".usd", ".usda", ".usdc", ".usdz")
 _ROBOT_FILES = (".xml", ".urdf", ".mjcf", ".xacro", ".py")
 _XML = re.compile(rb"(?:\xef\xbb\xbf)?\s*<")
 _ENDING = "_joint"
 """That USD files of robots leave out, or have, where the URDF is the other way round."""
-_NO_NAME = re.compile(r"[,;\s]+")
-_COMMENT = re.compile(r"#.*")
-_NUMBERED = re.compile(r"^[ \t]*(?:[-*][ \t]+)?(?:\d+[:.)][ \t]+)?", re.MULTILINE)
-"""Before a name in a list of lines: a dash, a number."""
-_PRINTED = re.compile(r"\s*(?:\[[A-Z]+\]:?\s+)?(?:[A-Za-z][\w ]*[:=])?\s*\[([^\[\]]*)\]\s*")
-"""A list as Python prints it, alone or behind words: `[INFO]: Joint names: ['hip', 'knee']`, as Isaac Lab logs it."""
-_QUOTED = re.compile(r"(['\"])(.*)\1")
-_NAME_KEYS = ("name", "joint", "joint_name", "joint name", "dof_name", "dof name")
-"""What the name of a joint is called in a table, or in a list of mappings."""
-_NO_JOINT = ("", "t", "time", "timestamp", "index", "step")
-"""Columns of a recording that are no joint's."""
-_SIGNAL_ENDS = re.compile(r"(.+)_(?:pos|position|vel|velocity|torque|tau)")
-"""A column of one joint's signal, `hip_pos`."""
-_SIGNALS = ("command", "position", "velocity", "torque", "pos", "vel", "q", "qd", "tau")
 _CONSTANT = re.compile(r"(?:^|_)joint_names$", re.IGNORECASE)
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-_PATTERN = re.compile(r"[\\*+?|()^$\[\]{}]")
+_MOST_NAMES = 10 * MOST_JOINTS
+"""Chosen: names in all lists of a file; the patterns are held against each list."""
+_KNOWN = (*_ROBOT_FILES, ".json", ".txt", ".csv", ".list", ".toml", ".ipynb", ".log", ".md", *YAML, *_USD)
+"""Endings of files, which no joint has."""
 _HELP = (
     "a URDF, an MJCF, IO_descriptors.yaml of Isaac Lab, a deploy file, a text with one name a line, a CSV with a "
     "column `name`, or the names themselves: --joints a,b,c"
 )
 
 
-def joint_lists(text: str) -> tuple[Joints, ...]:
+def joint_lists(text: str) -> tuple[JointList, ...]:
     """The lists of joints that an argument names, the first one first; no name twice in a list.
 
     Args:
-        text: A file, or names with commas between them.
+        text: A file, a folder, or names with commas between them.
 
     Raises:
-        AuditError: there is no such file, or it names no joints.
+        AuditError: there is no such file, it names no joints, or too many.
     """
     lower = text.lower()
-    known = (*_ROBOT_FILES, ".json", ".txt", ".csv", ".list", *YAML, *_USD)
-    if not os.path.exists(text) and not lower.endswith(known) and "/" not in text:
-        return (_distinct(text, text),)
-    if not os.path.exists(text):
+    is_there = os.path.exists(text)
+    found: list[JointList]
+    if not is_there and not lower.endswith(_KNOWN) and ("/" not in text or "," in text):
+        found = [JointList(names, "the list") for names in _told(lambda: [distinct(text)], text)]
+    elif not is_there:
         raise _refusal("there is no such file", text, _HELP)
-    if lower.endswith(_USD):
+    elif lower.endswith(_USD):
         help = f"{_HELP}. In Isaac Lab `print(robot.joint_names)` prints them"
         raise _refusal("USD is not read for names of joints", text, help)
-    if lower.endswith((*YAML, ".json")):
-        found = tuple(_named(_data(text), text))
-    elif os.path.isdir(text) or lower.endswith(_ROBOT_FILES) or _XML.match(_data(text)):
-        found = tuple(_of_constant(text)) or tuple(_of_files(text))
+    elif os.path.isdir(text):
+        found = list(_of_files(text))
     else:
-        lines = _COMMENT.sub("", _data(text).decode("utf-8-sig", "replace"))
-        column = _column(lines, text)
-        found = (_distinct(_listed(lines, text) if column is None else "\n".join(column), text),)
+        of, data = os.path.basename(text), _data(text)
+        if lower.endswith((*YAML, ".json")):
+            found = [JointList(names, of) for names in _named(data, text)]
+        elif lower.endswith(".ipynb"):
+            found = [JointList(names, of) for names in _told(lambda: lists_in_notebook(data), text)]
+        elif lower.endswith(".py"):
+            found = _of_program(text)
+        elif lower.endswith(_ROBOT_FILES) or _XML.match(data):
+            found = list(_of_files(text))
+        else:
+            lines = data.decode("utf-8-sig", "replace")
+            found = [JointList(names, of) for names in _told(lambda: lists_in(lines), text)]
     if not found:
         raise _refusal("no list of joint names is in it", text, _HELP)
-    return found
+    counts = [sum(isinstance(joint, str) for joint in one.joints) for one in found]
+    for count, most, where in (
+        (max(counts), MOST_JOINTS, ""),
+        (sum(counts), _MOST_NAMES, " in all of its lists"),
+    ):
+        if count > most:
+            raise _refusal(f"has {count} names of joints{where}, at most {most} are read", text, _HELP)
+    return tuple(found)
+
+
+def _told(read: Callable[[], list[tuple[str, ...]]], text: str) -> list[tuple[str, ...]]:
+    """What a reader of texts finds, its refusals as those of the option."""
+    try:
+        return read()
+    except NoNamesError as err:
+        span = Span(text, err.line) if err.line and os.path.exists(text) else None
+        raise _refusal(str(err), text, err.help or _HELP, span) from None
 
 
 def environment_of(text: str) -> Artifact | None:
@@ -126,11 +163,12 @@ def _number(node: yaml.Node) -> float | None:
     return number if 0.0 < number < math.inf else None
 
 
-def fitting(lists: Sequence[Joints], configs: Sequence[RobotConfig]) -> tuple[Joints, str]:
-    """The list on which most patterns of the configurations match a joint; of several, the longest; () where none does.
+def fitting(lists: Sequence[JointList], configs: Sequence[RobotConfig]) -> JointList | None:
+    """The list on which most patterns of configurations match a joint; of several, the longest; None where none does.
 
     A robot file's joints may differ from those of the USD by their ending alone. They are called as the patterns have
-    it where none selects one of them otherwise, or every pattern then does; the text says so.
+    it where none selects one of them otherwise, or every pattern then does. Listed names may share what is before
+    them, a path or a signal (`q_hip`): it goes, unless patterns select them with it alone. The list says both.
 
     Args:
         lists: Of one robot or several, whole or parts of them.
@@ -138,22 +176,34 @@ def fitting(lists: Sequence[Joints], configs: Sequence[RobotConfig]) -> tuple[Jo
     """
     patterns = [(c.framework, p) for c in configs for group in c.groups for p in group.joints or ()]
 
-    def worth(joints: Joints) -> tuple[int, int]:
-        names = names_of(joints)
+    def worth(one: JointList) -> tuple[int, int]:
+        names = names_of(one.joints)
         return sum(bool(matching(style, pattern, names)) for style, pattern in patterns), len(names)
 
-    best = max(lists, key=worth)
+    best = max((max(_bare(one), one, key=worth) for one in lists), key=worth)
     # What somebody listed are the names themselves: only a file of another format may have others.
-    views = [[joint for joint in joints if not isinstance(joint, str)] for joints in lists]
     renamed = [
-        (tuple(replace(view, name=name) for view, name in zip(own, names, strict=True)), how)
-        for own in views
+        JointList(
+            tuple(replace(view, name=name) for view, name in zip(own, names, strict=True)),
+            one.of,
+            f"{how} the ending {_ENDING}, as the configuration's patterns have them",
+        )
+        for one in lists
+        for own in [[joint for joint in one.joints if not isinstance(joint, str)]]
         for how, names in other_endings(names_of(own))
     ]
-    other, how = max(renamed, key=lambda each: worth(each[0]), default=((), ""))
-    if worth(best)[0] < worth(other)[0] and (worth(best)[0] == 0 or worth(other)[0] == len(patterns)):
-        return other, f"{how} the ending {_ENDING}, as the configuration's patterns have them"
-    return (best, "") if worth(best)[0] else ((), "")
+    if renamed:
+        other = max(renamed, key=worth)
+        if worth(best)[0] < worth(other)[0] and (worth(best)[0] == 0 or worth(other)[0] == len(patterns)):
+            return other
+    return best if worth(best)[0] else None
+
+
+def _bare(one: JointList) -> JointList:
+    """A list whose names have nothing before them that all share; the same where they have not."""
+    names = [joint for joint in one.joints if isinstance(joint, str)]
+    bare, cut = without_beginning(names) if len(names) == len(one.joints) else ([], "")
+    return JointList(tuple(bare), one.of, f"without {cut}") if bare else one
 
 
 def other_endings(names: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
@@ -195,10 +245,8 @@ def _differ_by_case(configs: Sequence[RobotConfig], names: Sequence[str]) -> boo
     )
 
 
-def named_joints(
-    artifacts: Sequence[Artifact], named: str, out: Collector
-) -> tuple[Sequence[JointView | str], str]:
-    """The joints of the file or list that names them, and how their names were changed.
+def named_joints(artifacts: Sequence[Artifact], named: str, out: Collector) -> JointList:
+    """The joints of the file or list that names them; none after an error.
 
     Args:
         artifacts: Whose joints.
@@ -213,11 +261,11 @@ def named_joints(
     # A deploy file alone selects its joints by their names.
     configs = [config for config in every if config.framework is not Framework.DEPLOY] or every
     lists = joint_lists(named)
-    joints, renamed = fitting(lists, configs)
-    if not joints and robot is None:
+    found = fitting(lists, configs)
+    if found is None and robot is None:
         patterns = [one_line(pattern) for config in configs for pattern in patterns_of(config)]
         message = f"none of its joints is selected by {listed(dict.fromkeys(patterns))}"
-        names = names_of(max(lists, key=len))
+        names = names_of(max((one.joints for one in lists), key=len))
         help = f"its joints: {listed(map(one_line, names), 4)}"
         if differ_by_ending(configs, names):
             help += "; they differ from the configuration's by the ending _joint alone, which a USD may lack"
@@ -231,7 +279,7 @@ def named_joints(
             message = "no file selects joints: no actuators are read of the configuration"
             help = "name the file that has the robot's actuators"
         out.error("DRF011", message, span=Span(one_line(named)), where="--joints", help=help)
-    return joints, renamed
+    return found or JointList((), "")
 
 
 def names_of(joints: Sequence[JointView | str]) -> list[str]:
@@ -239,40 +287,72 @@ def names_of(joints: Sequence[JointView | str]) -> list[str]:
     return [joint if isinstance(joint, str) else joint.name for joint in joints]
 
 
-def _of_files(path: str) -> Iterator[Joints]:
-    """The joints of a robot file, with kinds and ranges."""
+def _of_files(path: str) -> Iterator[JointList]:
+    """The joints of a robot file or of those of a folder, with kinds and ranges."""
     with PendingFiles([path], keep_matrices=False) as pending:
         readings = pending.finish()
     for reading in readings:
         if not reading.readable:
             raise _refusal(f"cannot be read: {reading.reason}", path, reading.help, reading.refused)
+        of = os.path.basename(path)
+        if os.path.isdir(path):
+            of = os.path.join(os.path.basename(os.path.abspath(path)), os.path.relpath(reading.path, path))
         for artifact in reading.artifacts:
             if artifact.robot is not None:
                 if found := artifact.robot.scalar_joints:
-                    yield found
+                    yield JointList(found, of)
             elif names := joint_names(artifact):
-                yield names
+                yield JointList(tuple(names), of)
 
 
-def _of_constant(path: str) -> Iterator[Joints]:
-    """The one list of a Python file that is called `JOINT_NAMES`, or `BIPED_JOINT_NAMES`; its text is not run."""
-    if not path.lower().endswith(".py"):
-        return
+def _of_program(path: str) -> list[JointList]:
+    """The one list of a Python file that is called `JOINT_NAMES`, or `BIPED_JOINT_NAMES`, else what it configures.
+
+    Its text is not run.
+    """
     try:
-        body = parse(path, (), "", MAX_BYTES).tree.body
+        tree = parse(path, (), "", MAX_BYTES).tree
     except UnreadableError:
-        return
-    found = []
+        return list(_of_files(path))
+    lists = _constants(tree.body)
+    if len({*lists.values()}) == 1:
+        return [JointList(next(iter(lists.values())), os.path.basename(path))]
+    try:
+        if found := list(_of_files(path)):
+            return found
+    except AuditError as err:
+        place = err.diagnostics[0].span
+        if place is not None and place.line:
+            raise
+    # A class of a configuration may select some joints by such a list.
+    lists = lists or _constants(
+        [one for cls in ast.walk(tree) if isinstance(cls, ast.ClassDef) for one in cls.body]
+    )
+    if len({*lists.values()}) == 1:
+        return [JointList(next(iter(lists.values())), os.path.basename(path))]
+    message = "no list of joint names is in it"
+    if lists:
+        message = f"which of its lists has the joints is not told: {listed(map(one_line, lists))}"
+    raise _refusal(message, path, "let one list be called JOINT_NAMES, with the names written out")
+
+
+def _constants(body: Sequence[ast.stmt]) -> dict[str, tuple[str, ...]]:
+    """Lists of names by what they are called; none where one of them is not written out."""
+    found = {}
     for one in body:
-        target = one.targets[0] if isinstance(one, ast.Assign) and len(one.targets) == 1 else None
-        if isinstance(one, ast.Assign) and isinstance(target, ast.Name) and _CONSTANT.search(target.id):
+        targets = one.targets if isinstance(one, ast.Assign) else []
+        targets = [one.target] if isinstance(one, ast.AnnAssign) and one.value is not None else targets
+        target = targets[0] if len(targets) == 1 else None
+        if not isinstance(one, (ast.Assign, ast.AnnAssign)) or not isinstance(target, ast.Name):
+            continue
+        if _CONSTANT.search(target.id):
             items = one.value.elts if isinstance(one.value, (ast.List, ast.Tuple)) else []
             names = [item.value for item in items if isinstance(item, ast.Constant)]
-            found.append([name for name in names if isinstance(name, str) and not _PATTERN.search(name)])
-            if len(found[-1]) < max(1, len(items)) or len({*found[-1]}) < len(items):
-                return
-    if len(found) == 1:
-        yield tuple(found[0])
+            texts = tuple(name for name in names if isinstance(name, str) and not PATTERN.search(name))
+            if len(texts) < max(1, len(items)) or len({*texts}) < len(items):
+                return {}
+            found[target.id] = texts
+    return found
 
 
 def _named(data: bytes, path: str) -> Iterator[Joints]:
@@ -299,7 +379,7 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
                 value.value
                 for own in every
                 for name, value in own
-                if name in _NAME_KEYS and value.tag == "tag:yaml.org,2002:str"
+                if name in NAME_KEYS and value.tag == "tag:yaml.org,2002:str"
             ]
             if key in SDK_NAMES:
                 # Gaps in the numbering of the motors.
@@ -308,7 +388,7 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
                 names, count = texts, len(node.value)
             listed_so = key in (*NAMES, *SDK_NAMES) and names and len(names) == count == len(set(names))
             # A run's `joint_names: [.*_wrist_.*]` selects some.
-            if listed_so and not any(map(_PATTERN.search, names)):
+            if listed_so and not any(map(PATTERN.search, names)):
                 keyed = None
                 yield tuple(names)
             else:
@@ -316,92 +396,11 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
     yield from keyed or ()
 
 
-def _column(text: str, path: str) -> list[str] | None:
-    """The names of a table; None of what is none.
-
-    Its first line heads one column by `name` or the like, or all columns are numbers but one.
-
-    Raises: AuditError: it has numbers, and several columns that may be the names.
-    """
-    lines = [line for line in text.splitlines() if line.strip()]
-    for mark in (",", ";", "\t", None):
-        rows = [[cell.strip().strip("\"'") for cell in line.split(mark)] for line in lines]
-        if not rows or any(len(row) != len(rows[0]) for row in rows):
-            continue
-        heads = [head.lower() in _NAME_KEYS for head in rows[0]]
-        # A text of blanks and names has no heads, and one name alone is a name.
-        if heads.count(True) == 1 and (len(rows) > 1 if len(heads) == 1 else mark is not None):
-            return [row[heads.index(True)] for row in rows[1:]]
-        if mark is not None and (heads_only := _heads(rows)):
-            return heads_only
-        columns = list(zip(*rows, strict=True))
-        counts = [len(rows) > 1 and all(map(_NUMBER.fullmatch, column[1:])) for column in columns]
-        if any(counts) and not all(counts):
-            own = zip(columns, counts, strict=True)
-            headed = any(count and not _NUMBER.fullmatch(column[0]) for column, count in own)
-            words = [column[headed:] for column, count in zip(columns, counts, strict=True) if not count]
-            names = [column for column in words if len(set(column)) == len(column)]
-            if len(names) != 1:
-                raise _refusal(
-                    "which of its columns has the names is not told", path, "head that column `name`"
-                )
-            return list(names[0])
-    return None
-
-
-def _heads(rows: Sequence[Sequence[str]]) -> list[str]:
-    """The joints that a recording's columns are of, `hip.position [rad]` or `hip`; none of what is no recording."""
-    first, *rest = rows
-    numbers = all(_NUMBER.fullmatch(cell) for row in rest for cell in row)
-    if not rest or not numbers or any(_NUMBER.fullmatch(head) for head in first):
-        return []
-    heads = [re.sub(r"\s*\[[^\[\]]*\]$", "", head) for head in first]
-    heads = [head for head in heads if head.lower() not in _NO_JOINT]
-    stems = [stem for stem, _, end in (head.rpartition(".") for head in heads) if stem and end in _SIGNALS]
-    ends = [_SIGNAL_ENDS.fullmatch(head) for head in heads]
-    if all(ends):
-        # One that ends otherwise may be a joint's own name.
-        stems = [end[1] for end in ends if end]
-    names = list(dict.fromkeys(stems or heads))
-    return names if len(names) > 1 else []
-
-
-def _listed(text: str, path: str) -> str:
-    """A text with names, without what numbers its lines.
-
-    Raises: AuditError: a line has a number beside names.
-    """
-    names = _NUMBERED.sub("", text)
-    for line in names.splitlines():
-        words = [word for word in _NO_NAME.split(line) if word]
-        counts = [word for word in words if _NUMBER.fullmatch(word)]
-        if counts and len(counts) < len(words):
-            raise _refusal(f"{counts[0]} is a number beside names", path, _HELP)
-    return names
-
-
 def _data(path: str) -> bytes:
     try:
         return read_regular(path, MOST_YAML_BYTES)
     except FAULTS as err:
         raise _refusal(f"cannot be read: {why(err)}", path, None) from None
-
-
-def _distinct(names: str, text: str) -> Joints:
-    if "\0" in names or "\ufffd" in names:
-        raise _refusal("is no text", text, _HELP)
-    if printed := _PRINTED.fullmatch(names):
-        names = re.sub("['\"]", "", printed[1])
-    found = [name for name in (_QUOTED.sub(r"\2", each) for each in _NO_NAME.split(names)) if name]
-    twice = next((name for name in found if found.count(name) > 1), None)
-    pattern = next(filter(_PATTERN.search, found), None)
-    if pattern is not None:
-        raise _refusal(f"{one_line(pattern)} is a pattern, and names are needed", text, _HELP)
-    if twice is not None:
-        raise _refusal(f"{one_line(twice)} stands there twice", text, _HELP)
-    if not found:
-        raise _refusal("no name of a joint is in it", text, _HELP)
-    return tuple(found)
 
 
 def _refusal(message: str, text: str, help: str | None, span: Span | None = None) -> AuditError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 import zipfile
 from pathlib import Path
 
@@ -436,6 +437,16 @@ class LegCfg(LeggedRobotCfg):
         ("head.csv", ",".join(NAMES) + "\n0,0,0,0\n0.5,0,0,-1e-3\n", "from head.csv", NAMES),
         ("k.yaml", "rate: {hz: 50}\njoints:\n" + "".join(f"  {n}: {{lower: -1}}\n" for n in NAMES), "k.yaml", NAMES),
         ("c.py", f"LEG_JOINT_NAMES = {NAMES}\nOTHER = ['left_hip']\n", "from c.py", NAMES),
+        ("d.py", f"class Cfg:\n    joint_names: list[str] = {NAMES}\n", "from d.py", NAMES),
+        ("j.toml", f"[robot]\njoint_names = {NAMES}\n", "from j.toml", NAMES),
+        ("n.ipynb", json.dumps({"cells": [{"source": [], "outputs": [{"text": [str(NAMES)]}]}]}), "n.ipynb", NAMES),
+        ("q.csv", ",".join(f"q_{n}" for n in NAMES) + "\n0,0,0,0\n",
+            "the 4 joints are from q.csv (--joints), without the beginning q_", NAMES),
+        ("prim.txt", "".join(f"/World/dog/joints/{n}\n" for n in NAMES),
+            "the 4 joints are from prim.txt (--joints), without the path /World/dog/joints/", NAMES),
+        ("p.yaml", json.dumps({"joint_names": [f"dog/{n}" for n in NAMES]}),
+            "the 4 joints are from p.yaml (--joints), without the path dog/", NAMES),
+        ("", ",".join(f"/World/{n}" for n in NAMES), "from the list (--joints), without the path /World/", NAMES),
         (
             "leg.urdf",
             URDF,
@@ -448,7 +459,8 @@ class LegCfg(LeggedRobotCfg):
         *("CSV", "semicolons", "numbers", "blanks", "sides", "one column", "two lines", "a number a line"),
         "any ending",
         *("printed", "printed behind words", "in a log", "quoted", "columns of signals"),
-        *("recording", "heads", "keys", "constant", "URDF"),
+        *("recording", "heads", "keys", "constant", "constant of a class", "TOML", "notebook"),
+        *("a signal", "prims", "an entity", "typed prims", "URDF"),
     ],
 )  # fmt: skip
 def test_a_spec_that_compiles(
@@ -502,11 +514,32 @@ def test_a_spec_that_compiles(
             "id,a,b\n0,left_hip,x\n1,left_knee,y\n",
             "which of its columns has the names is not told",
         ),
-        ("id.txt", "id dof label\n0 left_hip\n", "0 is a number beside names"),
+        ("id.txt", "id dof label\n0 left_hip\n", "id.txt:2: DRF011 --joints: 0 is a number beside names"),
+        ("log.txt", "\n[INFO] hi\n", "log.txt:2: DRF011 --joints: [INFO] is no name of a joint"),
+        (
+            "none.py",
+            "x = 1\n",
+            "none.py: DRF011 --joints: no list of joint names is in it\n  help: let one list be",
+        ),
+        ("gone.toml", "", "gone.toml': there is no such file"),
+        (
+            "big.txt",
+            "".join(f"j{i}_hip\n" for i in range(2001)),
+            "has 2001 names of joints, at most 2000 are read",
+        ),
         ("loop.yaml", "a: &a [*a]\n", "no list of joint names is in it"),
+        (
+            "many.log",
+            "".join(f"joints: ['l{i}_hip', 'r{i}_hip']\n" for i in range(10_001)),
+            "has 20002 names of joints in all of its lists, at most 20000 are read",
+        ),
         ("broken.yaml", "a: [", "it is not YAML"),
         ("leg_cfg.py", "", "no list of joint names is in it"),
-        ("two.py", "A_JOINT_NAMES = ['left_hip']\nB_JOINT_NAMES = ['left_knee']\n", "cannot be read"),
+        (
+            "two.py",
+            "A_JOINT_NAMES = ['left_hip']\nB_JOINT_NAMES = ['left_knee']\n",
+            "which of its lists has the joints is not told: A_JOINT_NAMES, B_JOINT_NAMES\n  help: let one list be",
+        ),
         ("folder", "", "cannot be read: it has no file that ends in .xml, "),
         ("leg.stl", "solid\0\1", "is no text"),
         ("leg", "<robot", "cannot be read: "),
@@ -526,6 +559,38 @@ def test_what_names_none(
     said = capsys.readouterr()
     assert "DRF011" in said.err and "--joints" in said.err and message in said.err
     assert said.out == "" and not (folder / "leg.yaml").exists()
+
+
+def test_a_long_list_is_refused_at_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """200,000 lines took more than five minutes: every name was counted in all others."""
+    (folder / "log.txt").write_text("".join(f"j{i}_hip\n" for i in range(200_000)), encoding="utf-8")
+    before = time.process_time()
+    assert main(["import", "leg_cfg.py", "--joints", "log.txt"]) == 2
+    assert time.process_time() - before < 10.0
+    assert "has 200000 names of joints, at most 2000 are read" in capsys.readouterr().err
+
+
+def test_a_beginning_that_the_patterns_have_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Joints that are called `q_hip` are so called where the configuration says it."""
+    cfg = CFG.replace('[".*_hip", ".*_knee"]', '["q_.*_hip", "q_.*_knee"]').replace(".*_", "q_.*_")
+    (folder / "leg_cfg.py").write_text(cfg.replace("q_q_", "q_"), encoding="utf-8")
+    assert (
+        main(["import", "leg_cfg.py", "--joints", ",".join(f"q_{n}" for n in NAMES), "-o", "leg.yaml"]) == 0
+    )
+    assert "without" not in capsys.readouterr().out
+    assert load_spec("leg.yaml").model.robot.joints == tuple(f"q_{n}" for n in NAMES)
+
+
+def test_a_folder(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of its files that one counts on whose joints most patterns match, and it is named."""
+    (folder / "robots" / "a").mkdir(parents=True)
+    (folder / "robots" / "a" / "leg.urdf").write_text(URDF, encoding="utf-8")
+    (folder / "robots" / "arm.urdf").write_text(URDF.replace("_knee", "_elbow"), encoding="utf-8")
+    said = f"the names, kinds and ranges of the 4 joints are from {Path('robots/a/leg.urdf')} (--joints)"
+    for named in ("robots", "robots/", "./robots"):
+        assert main(["import", "leg_cfg.py", "--joints", named, "-o", "leg.yaml", "--force"]) == 0
+        assert said in capsys.readouterr().out
+        assert said in (folder / "leg.yaml").read_text(encoding="utf-8")
 
 
 WITH_ENDING = URDF.replace("_hip'", "_hip_joint'").replace("_knee'", "_knee_joint'")

@@ -184,12 +184,19 @@ def test_motors_over_limbs_stay_one_group(tmp_path: Path) -> None:
         ("GO1_HIP_ACTUATOR_CFG", "unitree_go1", "hip"),
         ("G1_ACTUATOR_5020", "g1_29dof", "actuator_5020"),
         ("ACTUATOR_DM_4310", "yam", "dm_4310"),
+        ("M107_15", "h1_2", "m107_15"),
+        ("N7520_14p3", "h1_2", "n7520_14p3"),
+        ("leftKneePitch", "val", "left_knee_pitch"),
+        ("KneeActuatorCfg", "val", "knee"),
         ("actuators[0]", "yam", ""),
         ("null", "a1", ""),
         ("", "a1", ""),
         ("x: {{ y }}", "a1", ""),
     ],
-    ids=["plain", "constant", "number", "prefix", "no name", "reserved", "none", "hostile"],
+    ids=[
+        *("plain", "constant", "number", "prefix", "a motor", "a motor with a point", "words", "a class"),
+        *("no name", "reserved", "none", "hostile"),
+    ],
 )
 def test_given_names(given: str, robot: str, expected: str) -> None:
     """A configuration's name for a group becomes its key, without the robot's and without `actuator`."""
