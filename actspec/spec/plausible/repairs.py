@@ -411,6 +411,9 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
             if any(item.witnessed and 1.0 / EXACT < item.value < EXACT for item in tenth.after):
                 # Of the two, 2 % apart, the file tells which.
                 yield tenth
+            elif _is_exact(tenth):
+                # So does the current, of which the point may be wrong as well: one number is likelier than several.
+                yield replace(tenth, rare=RARE + ALIKE)
             else:
                 yield moved(torques, KGF_CM, kgf_cm(first).replace("is it", f"are {names}"), rare)
     for field in ("rotor_inertia", "reflected_inertia"):

@@ -152,6 +152,9 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
     if not (is_stated(kp) or is_stated(kd)) or joint.command is not Command.POSITION:
         return
     active, speed = None if kd is None else kd.value, own_speed(joint)
+    if speed is None and is_stated(joint.velocity_limit):
+        # As slow as its motor, which nobody describes.
+        speed = joint.velocity_limit
     gains = Gains(
         kp.require(),
         active,

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from actspec.fields import units_of
-from actspec.spec.plausible.gains import Gains
 from actspec.spec.plausible.relations import DEGREE, POINT
 from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    from actspec.spec.plausible.gains import Gains
 
 TOO_SOFT = 1.0
 SOFT = 6.0

@@ -1,0 +1,88 @@
+"""Remedies that would leave a spec valid and wrong: what is likelier, or as likely, is told."""
+
+from __future__ import annotations
+
+import pytest
+
+from actspec.diagnostics import ActspecError, Diagnostic
+from actspec.spec.plausible import BY_CODE
+from tests.fitting import fit, spec_of
+
+REST = "rest: {joints: [calf, slide], level: ideal_pd, kp: 1, kd: 1}"
+
+
+def told(group: str, motor: str | None = None) -> list[Diagnostic]:
+    """What the checks report of the group of a hip, and of its motor `m`."""
+    motors = "{}" if motor is None else f"{{m: {{{motor}}}}}"
+    driven = "" if motor is None else "motor: m, "
+    text = spec_of(f"own: {{joints: [hip], {driven}level: ideal_pd, {group}}}, {REST}", motors=motors)
+    try:
+        found = fit(text).diagnostics
+    except ActspecError as err:
+        found = err.diagnostics
+    return [item for item in found if item.code in BY_CODE]
+
+
+DIRECT = (
+    "side: joint, peak_torque: {} N*m, continuous_torque: {} N*m, no_load_speed: 25 rad/s, torque_constant: {} N*m/A, "
+    "peak_current: {} A, reflected_inertia: 0.012"
+)
+TABLE = "effort_limit: peak, kp: 3000, kd: 30"
+OF_2 = "one of 2 numbers is wrong. "
+TWO = OF_2 + "torque_constant: did you mean {} N*m/A? Or peak_current (s.yaml:3:143): did you mean {} A?"
+
+
+@pytest.mark.parametrize(
+    ("sheet", "where", "help"),
+    [
+        # 0.45 x 10 is just a tenth of 45 N*m, and 45 kgf*cm are 4.413.
+        (("45", "15", "0.45", "10"), "torque_constant", TWO.format("4.5", "100")),
+        (("45", "15", "4.5", "1"), "torque_constant", TWO.format("45", "10").replace(":143", ":142")),
+        # 459 and 153 kgf*cm are 45.01 and 15 N*m.
+        (
+            ("459", "153", "4.5", "10"),
+            "peak_torque",
+            "are peak_torque, continuous_torque in kgf*cm? 459 kgf*cm is",
+        ),
+    ],
+)
+def test_ten_to_the_digit_is_a_point(sheet: tuple[str, ...], where: str, help: str) -> None:
+    (found,) = told(TABLE, DIRECT.format(*sheet))
+    assert (found.code, found.where) == ("SPEC181", f"motors.m.{where}")
+    assert (found.help or "").startswith(help)
+
+
+EXCHANGED = "are the two exchanged? kp is the stiffness, kd the velocity gain"
+MULTIPLIED = "is kd multiplied by 57.3? Without that it is {} N*m*s/rad"
+
+
+@pytest.mark.parametrize(
+    ("kp", "kd", "limits", "where", "help"),
+    [
+        # A Panda's 250 and 20: 12 N*m at 0.6 rad/s by kd alone, which is 0.23 of the joint's own speed.
+        ("20", "250", "effort_limit: 12, velocity_limit: 2.61 rad/s", "kp", f"{OF_2}kp: {EXCHANGED}. Or"),
+        ("80", "400", "effort_limit: 87, velocity_limit: 2.175 rad/s", "kp", EXCHANGED),
+        # Of a joint whose speed nobody states kd may be any: both are told.
+        ("17.3", "212.7", "effort_limit: 12", "kd", f"{OF_2}kd: {MULTIPLIED.format('3.712')}. Or kp"),
+        ("80", "400", "effort_limit: 87", "kd", f"{OF_2}kd: is the point in the wrong place? Or kp"),
+        # 20 and 50 times 57.3, of which 1146 and 2865 are no short numbers.
+        ("250", "1146", "effort_limit: 12, velocity_limit: 2.61 rad/s", "kd", MULTIPLIED.format("20")),
+        ("600", "2865", "effort_limit: 87", "kd", MULTIPLIED.format("50")),
+        # Exchanged a kp of 20000 would take the 12 N*m at 0.6 mrad.
+        (
+            "250",
+            "20000",
+            "effort_limit: 12, velocity_limit: 2.61 rad/s",
+            "kd",
+            "is the point in the wrong place?",
+        ),
+    ],
+)
+def test_gains_of_a_heavily_damped_joint(kp: str, kd: str, limits: str, where: str, help: str) -> None:
+    (found,) = told(f"{limits}, kp: {kp} N*m/rad, kd: {kd} N*m*s/rad")
+    assert (found.code, found.where) == ("SPEC192", f"actuators.own.{where}")
+    assert (found.help or "").startswith(help)
+    if help.startswith("one of"):
+        assert EXCHANGED in (found.help or "")
+    else:
+        assert found.help == help
