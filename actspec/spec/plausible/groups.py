@@ -58,11 +58,12 @@ def layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
 
 
 def written_numbers(model: SpecModel, spans: SourceMap) -> dict[Span, SpecValue]:
-    """The numbers of groups and overrides as they are written, by where."""
+    """The numbers of groups, overrides and the default pose as they are written, by where."""
+    poses = model.robot.default_pose
     parts: list[tuple[Path, Any]] = []
     for path, fields, _ in layers(model):
         parts += [(path, fields), ((*path, "friction"), fields.friction)]
-    return {
+    return {spans.value(("robot", "default_pose", key)): pose for key, pose in poses.items()} | {
         spans.value((*path, key)): value
         for path, part in parts
         if part is not None

@@ -266,7 +266,8 @@ def _joint_doubts(
     spans: SourceMap,
     kept: Kept,
 ) -> Iterator[Found]:
-    for check in (pose_found, command_range_found, scale_found, velocity_found, _stribeck, unreached_limit):
+    yield from pose_found(joint, written)
+    for check in (command_range_found, scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
     yield from slow_found(joint, motor)

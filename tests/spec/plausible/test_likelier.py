@@ -86,3 +86,63 @@ def test_gains_of_a_heavily_damped_joint(kp: str, kd: str, limits: str, where: s
         assert EXCHANGED in (found.help or "")
     else:
         assert found.help == help
+
+
+SIGN = "is the sign wrong? 100 deg is inside. Or the same angle inside is 260 deg, 4.538 rad"
+DEGREES = (
+    "is it in degrees? Then write 5 deg, 0.08727 rad. Or the same angle inside is -1.283 rad, -73.52 deg"
+)
+
+
+@pytest.mark.parametrize(
+    ("pose", "ends", "message", "help"),
+    [
+        # 270 - 360 and 450 - 360 deg; whoever wrote degrees is not asked for them.
+        (
+            "270 deg",
+            "-180 deg, 180 deg",
+            "270 deg is outside",
+            "the same angle inside is -90 deg, -1.571 rad",
+        ),
+        ("450 deg", "-180 deg, 180 deg", "450 deg is outside", "the same angle inside is 90 deg, 1.571 rad"),
+        # The range's own turn: -100 + 360.
+        ("-100 deg", "0 deg, 350 deg", "-100 deg is", SIGN),
+        # 90 x 57.3 = 5157 deg.
+        (
+            "5156 deg",
+            "-180 deg, 180 deg",
+            "5156 deg is",
+            "is it turned into degrees twice? Then write 89.99 deg",
+        ),
+        # 300 - 360 = -60 deg is outside, too, and 300 deg are no 5.2.
+        ("300 deg", "-5 deg, 160 deg", "300 deg is outside of the joint's range, -5 deg to 160 deg", None),
+        # Three quarters of a turn in rad are no 4.712 deg; 5 may be degrees.
+        (
+            "4.712 rad",
+            "-3.14 rad, 3.14 rad",
+            "4.712 rad is",
+            "the same angle inside is -1.571 rad, -90.02 deg",
+        ),
+        ("5 rad", "-3.14 rad, 3.14 rad", "5 rad is", DEGREES),
+        ("20 rad", "-3.14 rad, 3.14 rad", "20 rad is", "is it in degrees? Then write 20 deg, 0.3491 rad"),
+        # Without a range.
+        (
+            "450 deg",
+            None,
+            "450 deg is 1.25 turns from",
+            "the same angle within half a turn is 90 deg, 1.571 rad",
+        ),
+        ("90 rad", None, "90 rad is 14.3 turns from", "is it in degrees? Then write 90 deg, 1.571 rad"),
+    ],
+)
+def test_a_pose_in_degrees(pose: str, ends: str | None, message: str, help: str | None) -> None:
+    joint = "hip" if ends is None else f"{{name: hip, kind: hinge, range: [{ends}]}}"
+    robot = f"name: arm, model: none, joints: [{joint}], default_pose: {{hip: {pose}}}"
+    text = spec_of("own: {joints: [hip], level: ideal_pd, kp: 10, kd: 0.2}", robot=robot)
+    try:
+        found = fit(text).diagnostics
+    except ActspecError as err:
+        found = err.diagnostics
+    (one,) = (item for item in found if item.code == "SPEC190")
+    assert one.message.startswith(f"hip: the default position {message}")
+    assert one.help == help
