@@ -7,12 +7,12 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Collector, Diagnostic, Path, Span, alternatives, dotted
+from actspec.diagnostics import Collector, Diagnostic, Path, Span, alternatives, dotted, listed
 from actspec.fields import is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import Document, SourceMap
 from actspec.spec.fields import DerivedGain
-from actspec.spec.models import SpecModel
+from actspec.spec.models import Motor, SpecModel
 from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
 from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
@@ -27,7 +27,7 @@ from actspec.spec.plausible.relations import DEGREE, Repair
 from actspec.spec.plausible.repairs import misread_lengths, misread_speeds
 from actspec.spec.plausible.robots import odd_limit_found, other_unit_found
 from actspec.spec.plausible.rubbing import likelier_gear, next_gear
-from actspec.spec.plausible.servos import gains_found
+from actspec.spec.plausible.servos import GEAR_TOO_LARGE, gains_found
 from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import (
     BY_CODE,
@@ -275,7 +275,21 @@ def _joint_doubts(
     yield from _friction(joint, joints, drives, spans, kept)
     inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
-    yield from inertia or gains_found(joint)
+    gains = inertia or gains_found(joint)
+    yield from gains if motor is None else (_at_gear(found, joint, motor, model, spans) for found in gains)
+
+
+def _at_gear(found: Found, joint: JointActuator, motor: Motor, model: SpecModel, spans: SourceMap) -> Found:
+    """What is asked of the gear of a joint, with where the gear is written, and the reduction behind it."""
+    help = found.doubt.help or ""
+    if GEAR_TOO_LARGE not in help:
+        return found
+    field = "gear_ratio" if motor.gearbox is None else "gearbox"
+    places: list[Path] = [("motors", str(joint.motor), field)]
+    reduction = reduction_of(joint.group, model.actuators[joint.group])
+    places += [] if reduction is None else [reduction[0]]
+    there = f"{GEAR_TOO_LARGE[:-1]} ({listed([str(spans.value(place)) for place in places], 2)})?"
+    return replace(found, doubt=replace(found.doubt, help=help.replace(GEAR_TOO_LARGE, there)))
 
 
 def _of_reduction(doubt: Doubt, path: Path, size: float, spans: SourceMap) -> Doubt:

@@ -37,7 +37,7 @@ from actspec.spec.plausible.drive import (
     number,
     with_figure,
 )
-from actspec.spec.plausible.driven import AGREES, SLOWED
+from actspec.spec.plausible.driven import AGREES, JUST, SLOWED
 from actspec.spec.plausible.gearing import counts_repaired, reductions_repaired, stages_repaired
 from actspec.spec.plausible.motors import GEAR_INVERSE, is_gear_apart, relations
 from actspec.spec.plausible.relations import (
@@ -85,6 +85,8 @@ PROVED_COST = 1.0
 """What an exchange of such a torque costs, and a correction to one that its current refutes, as `RARE`."""
 PROVED_NOW = 1.05
 """A torque that comes in the place of another by an exchange is what its current gives if they agree by this factor."""
+AGREED = 0.4
+"""What it costs that a no-load speed is wrong which a velocity limit has, too, to the digit, as `RARE`."""
 ODD = 0.4
 """What it costs that a limit is the odd one beside motor and file, where no slip makes it theirs, as `RARE`."""
 BY_CURRENT = 0.25
@@ -286,7 +288,10 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
     for path in SPEEDS:
         speed = figure_at(motor, path)
         if speed is not None and speed.value:
-            yield from (moved([path], *slip) for slip in speed_slips(motor, speed))
+            agreed = AGREED * _limits_speed(drive)
+            yield from (
+                moved([path], slip[0], slip[1], slip[2] + agreed) for slip in speed_slips(motor, speed)
+            )
             if across is not None:
                 yield sided(path, 1.0 / across, lossy=False)
     yield from stages_repaired(drive)
@@ -440,6 +445,14 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
             yield changed(motor.model_copy(update={field: None, "rotor_inertia": inertia}), [(field,)], help)
         elif field == "reflected_inertia" and gear is None:
             yield from _unknown_gear(drive, moved)
+
+
+def _limits_speed(drive: Drive) -> bool:
+    """Whether a velocity limit of the joints is just the motor's speed."""
+    limits = {f"{limit.path}" for limit in drive.limits if limit.path[-1] == "velocity_limit"}
+    return any(
+        item.about in limits and math.isclose(item.value, 1.0, rel_tol=JUST) for item in relations(drive)
+    )
 
 
 def _bare(value: SpecValue) -> str:

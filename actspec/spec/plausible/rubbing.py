@@ -17,6 +17,9 @@ from actspec.spec.plausible.slips import multiplied, tens
 from actspec.spec.plausible.table import Doubt, at
 from actspec.units import format_quantity
 
+HARDLY_A_GEAR = 0.3
+"""What a ratio below `GEARED` costs beside another, as `RARE`: behind 14 turns a small servo is faster than most."""
+
 
 def rubbed_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     """A gear that both dry and viscous friction of its joints contradict, and which alone explains both.
@@ -78,7 +81,7 @@ def next_gear(drive: Drive) -> Repair | None:
 def likelier_gear(drive: Drive) -> Repair | None:
     """The gear ratio with its point one place further, if then no friction is too large and all figures more usual.
 
-    A gear that is hardly one is as usual as any.
+    Beside a gear that is hardly one others are about as usual.
     """
     ratio, path = drive.motor.gear_ratio, ("gear_ratio",)
     size = number(ratio)
@@ -91,6 +94,6 @@ def likelier_gear(drive: Drive) -> Repair | None:
         if any(relation.broken or relation.spoiled for relation in after):
             continue
         excess = sum(relation.excess for relation in after)
-        if excess < now or (size < GEARED and excess <= now):
+        if excess < now + (size < GEARED) * HARDLY_A_GEAR:
             return Repair(after, (("motors", drive.name, *path),), help)
     return None

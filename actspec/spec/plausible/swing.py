@@ -17,6 +17,9 @@ TOO_SOFT = 1.0
 SOFT = 6.0
 """Natural frequency [rad/s], where the limit needs an error above `SOFT_ERROR`. Published: 6.2 and up, with the
 links."""
+SOFT_GEARED = 15.0
+"""The same where an error is noticed by `ROTOR_ERROR`: a leg of 20 to 75 rad/s swings with 2 to 12 behind ten times the
+gear, which gives ten times the torque and a hundred times the rotor."""
 SOFT_ERROR = 10.0
 """Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`, or dry friction holds the joint.
 Published, with a motor: to 2.2."""
@@ -82,7 +85,8 @@ def frequency_words(
     if held:
         message += f"; the dry friction of {format_quantity(dry, unit.torque, 4)} alone holds it within "
         message += format_quantity(dry / gains.kp, unit.position, 3)
-    if soft or (gains.driven and frequency < SOFT and (slack or held)):
+    low = SOFT_GEARED if geared and slack else SOFT
+    if soft or (gains.driven and frequency < low and (slack or held)):
         degrees = format_quantity(gains.kp / DEGREE, unit.stiffness, 4)
         return (
             message,

@@ -146,3 +146,20 @@ def test_a_pose_in_degrees(pose: str, ends: str | None, message: str, help: str 
     (one,) = (item for item in found if item.code == "SPEC190")
     assert one.message.startswith(f"hip: the default position {message}")
     assert one.help == help
+
+
+@pytest.mark.parametrize(
+    ("gear", "limit", "where", "help"),
+    [
+        # A UR5e's 101: 180 deg/s are 317 rad/s at the rotor, behind 10.1 turns 31.7 of the 40 that rotors have.
+        ("10.1", "180 deg/s", "gear_ratio", "did you mean 101?"),
+        # Without the same number beside it the speed may be in rpm.
+        ("10.1", "unknown", "no_load_speed", "is it in rpm? 180 rpm is 18.8 rad/s"),
+    ],
+)
+def test_a_speed_that_a_limit_has_too(gear: str, limit: str, where: str, help: str) -> None:
+    (found,) = told(
+        f"effort_limit: peak, velocity_limit: {limit}, kp: 4000, kd: 200, friction: {{coulomb: 8, viscous: 10}}",
+        f"side: joint, gear_ratio: {gear}, peak_torque: 150, no_load_speed: 180 deg/s, rotor_inertia: 0.8e-4",
+    )
+    assert (found.code, found.where, found.help) == ("SPEC184", f"motors.m.{where}", help)

@@ -146,4 +146,33 @@ def test_a_gear_that_is_hardly_the_links(gear: int, gains: str, odd: bool) -> No
     )
     found = told(text, LEG)
     assert [item[:2] for item in found] == [("SPEC192", "actuators.legs.kp")] * odd
-    assert all(item[3].startswith("is a gear too large? 1.21 kg*m^2 of the inertia is") for item in found)
+    assert all(
+        item[3].startswith("is a gear too large (s.yaml:3:39)? 1.21 kg*m^2 of the inertia is")
+        for item in found
+    )
+
+
+SHANK = """<mujoco><compiler angle="radian"/><worldbody><body>
+<joint name="hip" axis="0 1 0" range="-1 0.5"LIMIT/><inertial pos="0 0 0" mass="0.1" diaginertia="1 27e-5 1"/></body>
+</worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("gear", "limit", "odd"),
+    [
+        # Of a Solo's 9: 4.5e-6 x 90^2 = 0.03645 kg*m^2 beside 0.00027, 27 N*m / 3 = 9 rad; sqrt(3 / 0.0367) = 9 rad/s.
+        (90, "", True),
+        # 3.9 rad at 20 rad/s; and what the robot's file has as well.
+        (39, "", False),
+        (90, ' actuatorfrcrange="-27 27"', False),
+    ],
+)
+def test_a_leg_that_is_hardly_more_than_its_rotor(gear: int, limit: str, odd: bool) -> None:
+    text = spec_of(
+        "legs: {joints: [hip], motor: m, level: ideal_pd, effort_limit: peak, kp: 3, kd: 0.1}",
+        robot="name: leg, model: leg.xml",
+        motors=f"{{m: {{side: motor, gear_ratio: {gear}, peak_torque: 0.3, rotor_inertia: 4.5e-6}}}}",
+    )
+    found = told(text, SHANK.replace("LIMIT", limit))
+    assert [item[:2] for item in found] == [("SPEC192", "actuators.legs.kp")] * odd
+    assert all(item[3].startswith("is a gear too large (s.yaml:3:39)? 0.03645 kg*m^2 of") for item in found)

@@ -86,6 +86,16 @@ def test_beside_one_friction_the_gear_is_named() -> None:
         assert code.startswith("FRC101") and "gear_ratio" not in help
 
 
+def test_a_gear_that_dry_friction_contradicts_before_a_speed() -> None:
+    """An excavator's swing: 560 x 1.6 x 0.9 = 806 N*m at 124 rad/s; 2 kN*m of friction leave the gear of 160 alone."""
+    motor = "side: motor, gear_ratio: 1.6, efficiency: 0.9, peak_torque: 560, no_load_speed: 1900 rpm, "
+    own = "joints: [hip], motor: m, level: ideal_pd, command: velocity, effort_limit: peak, kd: 5e4"
+    friction = "friction: {coulomb: 2 kN*m, viscous: 1 kN*m*s/rad}"
+    text = spec_of(f"axes: {{{own}, {friction}}}, {REST}", motors=f"{{m: {{{motor}rotor_inertia: 0.02}}}}")
+    (found,) = (item for item in fit(text).diagnostics if item.code in BY_CODE)
+    assert (found.code, found.where, found.help) == ("SPEC184", "motors.m.gear_ratio", "did you mean 160?")
+
+
 CASSIE = (
     "side: motor, gear_ratio: {}, peak_torque: {}, stall_torque: {}, no_load_speed: {}, rotor_inertia: 6.1e-5"
 )
@@ -98,6 +108,8 @@ CASSIE = (
         (("25", "4.5", "4.5", "2900 rpm"), "1", None),
         (("2.5", "4.5", "4.5", "2900 rpm"), "1", "25"),
         (("5", "0.9", "0.9", "5500 rpm"), "0.5", "50"),
+        # 0.01 x 715 = 7.15 N*m of 1.3 x 1.4; behind 14 turns it is 0.715 of 18.2, and 71.5 rad/s.
+        (("1.4", "1.3", "5.6", "9560 rpm"), "0.01", "14"),
         # A friction that is wrong itself beside a usual gear; a direct drive.
         (("9", "2", "2", "2000 rpm"), "5", ""),
         (("1", "4.5", "4.5", "1000 rpm"), "1", ""),
