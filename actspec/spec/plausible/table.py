@@ -142,7 +142,8 @@ CHECKS = (
         "error at which kp asks for the effort limit takes more than 1.5 s at it (legs: 0.1 s) or the motor has 8.4 V "
         "and 10 N*m at most (servos); not where the robot's file or the motor's inertia has it (2 ms to that speed; "
         "published: 5). Of a servo of 14.8 V with a stated gear one of 0.03 to 0.3 to which its torque turns its rotor "
-        "in 0.5 ms. A velocity limit in deg/s or rpm below 1 rad/s whose number other hinges have in rad/s. "
+        "in 0.5 ms. A velocity limit in deg/s or rpm below 1 rad/s whose number other hinges have in rad/s, or the "
+        "joint's motor to 1 %; one of three digits also to a quarter, where all others are in rad/s and 5 times it. "
         "A stated Stribeck velocity from the motor's no-load speed, else the velocity limit, on (published: to 1 "
         "rad/s).",
     ),

@@ -83,6 +83,12 @@ def test_of_a_cylinder_the_lever_arm_is_named() -> None:
         ("9 rpm", "9 rad/s", "did you mean 9 rad/s?"),
         ("10 rpm", "10 rad/s", None),
         ("{value: 12 deg/s, sure: true}", "12 rad/s", None),
+        # About the other's, in three digits that nobody chooses; 2.61 rpm are 0.273 rad/s, 8 times below it.
+        ("2.61 deg/s", "2.175 rad/s", "did you mean 2.61 rad/s?"),
+        ("2.61 rpm", "2.175 rad/s", "did you mean 2.61 rad/s?"),
+        ("2.6 deg/s", "2.175 rad/s", None),
+        ("2.61 deg/s", "125 deg/s", None),
+        ("2.61 deg/s", "3.5 rad/s", None),
     ],
 )
 def test_a_velocity_limit_by_the_number_of_another_joint(hip: str, calf: str, help: str | None) -> None:
@@ -91,6 +97,25 @@ def test_a_velocity_limit_by_the_number_of_another_joint(hip: str, calf: str, he
     assert [(item[0], item[1], item[3]) for item in found] == (
         [("SPEC184", "actuators.hips.velocity_limit", help)] if help else []
     )
+
+
+@pytest.mark.parametrize(
+    ("speed", "limit", "odd"),
+    [
+        # 180 deg/s are 3.142 rad/s; 3 deg/s may be a choice.
+        ("180 deg/s", "3.14 deg/s", True),
+        ("180 deg/s", "180 deg/s", False),
+        ("180 deg/s", "3 deg/s", False),
+        ("9 rad/s", "9 rpm", True),
+        ("9 rad/s", "{value: 9 rpm, sure: true}", False),
+    ],
+)
+def test_a_velocity_limit_by_the_number_of_its_motor(speed: str, limit: str, odd: bool) -> None:
+    own = f"motor: m, effort_limit: peak, kp: 700, kd: 15, velocity_limit: {limit}"
+    motors = f"{{m: {{side: joint, peak_torque: 245, no_load_speed: {speed}, gear_ratio: 100}}}}"
+    found = told(two(own, motors=motors))
+    assert [item[:2] for item in found] == [("SPEC184", "actuators.hips.velocity_limit")] * odd
+    assert all("the motor 'm' ends at" in item[2] for item in found)
 
 
 AX12 = (
