@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Span, alternatives, dotted, listed
-from actspec.fields import is_power_of_ten
+from actspec.fields import FRICTION_SHARE, is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import Document, SourceMap
 from actspec.spec.fields import DerivedGain
@@ -215,6 +215,9 @@ def _joint_doubts_of(
         ]
         for joint in joints
     }
+    shared = _held_torques(joints, every, spans, kept)
+    yield from shared
+    places.update(found.doubt.span for found in shared)
     causes = {
         one.doubt.span for found in every.values() for one in found if one.doubt.code not in _CONSEQUENCES
     }
@@ -245,6 +248,42 @@ def _joint_doubts_of(
                 if doubt.code == "SPEC192"
                 else found
             )
+
+
+def _held_torques(
+    joints: Sequence[JointActuator], every: Mapping[str, Sequence[Found]], spans: SourceMap, kept: Kept
+) -> list[Found]:
+    """A motor's torque that the dry friction of several groups is not below: one mistake, and not one in each."""
+    held: dict[Span, dict[Span | None, tuple[JointActuator, Found]]] = {}
+    for joint in joints:
+        limit = joint.effort_limit
+        if limit.origin is Origin.DERIVED and limit.span is not None and limit.span not in kept.sure:
+            rubbed = (found for found in every[joint.joint] if found.doubt.code == "FRC101")
+            for found in rubbed:
+                held.setdefault(limit.span, {}).setdefault(found.doubt.span, (joint, found))
+    return [_held(span, list(found.values()), spans) for span, found in held.items() if len(found) > 1]
+
+
+def _held(span: Span, rubbed: Sequence[tuple[JointActuator, Found]], spans: SourceMap) -> Found:
+    """What several dry frictions say of the torque that is written there."""
+    parts = [
+        f"{shown(joint.friction_coulomb)} at {joint.joint} ({found.doubt.span}) of {shown(joint.effort_limit)}"
+        for joint, found in rubbed
+    ]
+    joint, found = rubbed[0]
+    paths: list[Path] = [
+        ("motors", str(joint.motor), f"{word}_torque") for word in ("peak", "continuous", "stall")
+    ]
+    doubt = replace(
+        found.doubt,
+        where=next((dotted(path) for path in paths if spans.value(path) == span), f"motors.{joint.motor}"),
+        span=span,
+        message=f"dry friction takes too much of what the motor '{joint.motor}' gives: {listed(parts, 4)}",
+        help="look for a wrong unit or power of ten here. Or are the frictions in another unit?",
+        judged=tuple(other.doubt.span for _, other in rubbed),
+        error=any(other.doubt.error for _, other in rubbed),
+    )
+    return replace(found, doubt=doubt)
 
 
 def _of_derivation(doubt: Doubt, model: SpecModel, spans: SourceMap) -> Doubt:
@@ -326,7 +365,15 @@ def _friction(
         (coulomb, limit, "friction.coulomb") if is_stated(coulomb) else (limit, coulomb, "effort_limit")
     )
     drive = drives.get(joint.motor or "") if limit.origin is Origin.DERIVED else None
-    help += _or_gear(None if drive is None else next_gear(drive) or likelier_gear(drive), spans, kept)
+    gear = None if drive is None else next_gear(drive) or likelier_gear(drive)
+    help += _or_gear(gear, spans, kept)
+    if drive is not None and gear is None:
+        # Another length gives another force.
+        lengths = (item for item in misread_lengths(drive) if item.path not in kept.paths)
+        length = next(
+            (item for item in lengths if item.factor * coulomb.value < FRICTION_SHARE * limit.value), None
+        )
+        help += "" if length is None else f" Or {length.path[-1]} ({spans.value(length.path)}): {length.help}"
     where = f"actuators.{joint.group}.{field}"
     yield found_at(
         joint, "FRC101", where, coulomb.value / limit.value, message, help, number, other, error=error

@@ -69,6 +69,8 @@ from actspec.units import format_quantity
 
 LARGEST_GEAR = 350.0
 """Of published gears, about."""
+SMALLEST_RADIUS = 3e-3
+"""Of a pinion or pulley [m]. Chosen: twelve teeth of module 0.5 have it."""
 SWAPPED = 0.2
 """What an exchange of two torques costs beside a wrong unit, as `RARE`."""
 SIDED = 0.15
@@ -198,6 +200,11 @@ def misread_lengths(drive: Drive) -> Iterator[Misread]:
     """
     before = list(relations(drive))
     speeds = _train_speeds(before)
+    radii = {
+        train.place(index): number(stage.radius)
+        for train in drive.trains.values()
+        for index, stage in enumerate(train.stages)
+    }
     now = sum(relation.excess for relation in before)
     for repair in stages_repaired(drive):
         (place,) = repair.paths[:1]
@@ -206,6 +213,8 @@ def misread_lengths(drive: Drive) -> Iterator[Misread]:
         if own is None or excess > now or any(relation.broken for relation in repair.after):
             continue
         fast = _train_speeds(repair.after).get(place, own)
+        if (radii.get(place) or math.inf) * fast / own < SMALLEST_RADIUS:
+            continue
         yield Misread(place, fast / own, repair.help or "", excess < now)
 
 
