@@ -69,6 +69,8 @@ from actspec.units import format_quantity
 
 LARGEST_GEAR = 350.0
 """Of published gears, about."""
+POINT_BELOW = 2.0
+"""A stall torque that is so many times below another torque may have its point in the wrong place."""
 SMALLEST_RADIUS = 3e-3
 """Of a pinion or pulley [m]. Chosen: twelve teeth of module 0.5 have it."""
 SWAPPED = 0.2
@@ -297,12 +299,12 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
     for path in SPEEDS:
         speed = figure_at(motor, path)
         if speed is not None and speed.value:
-            agreed = AGREED * _limits_speed(drive)
-            yield from (
-                moved([path], slip[0], slip[1], slip[2] + agreed) for slip in speed_slips(motor, speed)
-            )
+            agreed, fast = AGREED * _limits_speed(drive), list(speed_slips(motor, speed))
+            yield from (moved([path], factor, help, rare + agreed) for factor, help, rare in fast)
             if across is not None:
-                yield sided(path, 1.0 / across, lossy=False)
+                # What constant and voltage make of ten times as much is no matter of the side.
+                tenfold = any(factor == 10.0 and rare == 0.0 for factor, _, rare in fast)
+                yield sided(path, 1.0 / across, lossy=False, rare=ALIKE * tenfold)
     yield from stages_repaired(drive)
     yield from counts_repaired(drive)
     yield from reductions_repaired(drive)
@@ -352,7 +354,16 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
             for was, now in shares
         )
         cost = SWAPPED + PROVED_COST * against
-        yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?", cost)
+        help = f"are {one[-1]} and {two[-1]} swapped?"
+        below = (_given(motor, two).value or 0.0) / (_given(motor, one).value or math.inf)
+        if one == ("stall_torque",) and below > POINT_BELOW:
+            # The line's own end may be the one with its point in the wrong place.
+            tenth = moved([one], 10.0, "")
+            meant = in_unit(multiplied(_given(motor, one), 10.0))
+            help += (
+                "" if any(item.broken for item in tenth.after) else f" Or stall_torque: did you mean {meant}?"
+            )
+        yield changed(result, [one, two], help, cost)
     stall, free = motor.stall_torque, motor.no_load_speed
     if number(stall) and number(free) and stall is not None and free is not None:
         force, speed_of = replace(stall, value=free.value), replace(free, value=stall.value)

@@ -163,3 +163,62 @@ def test_a_speed_that_a_limit_has_too(gear: str, limit: str, where: str, help: s
         f"side: joint, gear_ratio: {gear}, peak_torque: 150, no_load_speed: 180 deg/s, rotor_inertia: 0.8e-4",
     )
     assert (found.code, found.where, found.help) == ("SPEC184", f"motors.m.{where}", help)
+
+
+SOLO = (
+    "side: motor, gear_ratio: 9, peak_torque: 0.3, torque_constant: 25 mN*m/A, peak_current: 12 A, stall_torque: {}, "
+    "no_load_speed: {}, nominal_voltage: 24 V, rotor_inertia: 4.5e-6, bandwidth: {}"
+)
+TENFOLD = "did you mean 9000 rpm (942.5 rad/s)? Or did you mean 900 rad/s?"
+SWAPPED = "are stall_torque and peak_torque swapped?"
+
+
+@pytest.mark.parametrize(
+    ("stall", "speed", "bandwidth", "where", "help"),
+    [
+        ("0.53", "9000 rpm", "4.5 kHz", None, None),
+        # 0.025 x 942.5 = 23.6 V; 900 rpm at the output are 848 rad/s.
+        ("0.53", "900 rpm", "4.5 kHz", "no_load_speed", TENFOLD),
+        ("0.53", "9000 rpm", "4.5 mHz", "bandwidth", "did you mean 4.5 kHz? Or did you mean 4.5 Hz?"),
+        # 2 Hz to 20 kHz are usual.
+        ("0.53", "9000 rpm", "1.5 mHz", "bandwidth", "did you mean 1.5 kHz?"),
+    ],
+)
+def test_one_line_of_a_motor(
+    stall: str, speed: str, bandwidth: str, where: str | None, help: str | None
+) -> None:
+    found = told("effort_limit: peak, kp: 3, kd: 0.1", SOLO.format(stall, speed, bandwidth))
+    assert [(item.where, item.help) for item in found] == (
+        [] if where is None else [(f"motors.m.{where}", help)]
+    )
+
+
+@pytest.mark.parametrize(
+    ("stall", "help"),
+    [
+        # 0.13 N*m is 2.3 times 0.056, and 1.3 times 0.1.
+        ("0.056", f"{SWAPPED} Or stall_torque: did you mean 0.56 N*m?"),
+        ("0.1", SWAPPED),
+    ],
+)
+def test_a_stall_torque_with_its_point_in_the_wrong_place(stall: str, help: str) -> None:
+    motor = f"side: motor, gear_ratio: 14, stall_torque: {stall}, no_load_speed: 9560 rpm, continuous_torque: 0.044, "
+    (found,) = told(
+        "effort_limit: peak, kp: 20, kd: 0.2", f"{motor}peak_torque: 0.13, rotor_inertia: 24.2 g*cm^2"
+    )
+    assert (found.code, found.help) == ("SPEC180", help)
+
+
+def test_a_large_machine_in_rpm() -> None:
+    """1900 rad/s behind 160 turns: 11.9 rad/s at 80.6 kN*m; 1900 rpm are 1.24 rad/s there."""
+    motor = "side: motor, gear_ratio: 160, efficiency: 0.9, peak_torque: 560, no_load_speed: 1900 rad/s, "
+    (found,) = told("effort_limit: peak, command: velocity, kd: 5e4", f"{motor}rotor_inertia: 0.02")
+    assert (found.where, found.help) == ("motors.m.no_load_speed", "is it in rpm? 1900 rpm is 199 rad/s")
+
+
+@pytest.mark.parametrize(("inertia", "odd"), [("6e-4", False), ("6e-3", True)])
+def test_a_spindle(inertia: str, odd: bool) -> None:
+    """1.4 N*m bring 6e-4 kg*m^2 to 24000 rpm in 1.08 s."""
+    motor = f"side: joint, peak_torque: 1.4, no_load_speed: 24000 rpm, reflected_inertia: {inertia}"
+    found = told("effort_limit: peak, command: velocity, kd: 0.05", motor)
+    assert [item.code for item in found] == ["SPEC185"] * odd
