@@ -156,8 +156,9 @@ CHECKS = (
         "the peak torque counts where it is stated. A direct drive that reaches its speed in 0.1 s is not too heavy "
         "(hub motors of wheels: 0.03 s). Also a rotor that takes more "
         "than 0.5 s to its own speed without load (0.005 to 0.052 s; 1 s by a continuous torque that stands "
-        "alone). A warning outside, an error outside of a hundred times that. Published: 29400 (Unitree 4010) to "
-        "125000 (7520) at the rotor, 114 (STS3215) to 8640 at the output.",
+        "alone; 5 s without a gear above 1000 rad/s, where it is a spindle, chosen). A warning outside, an error "
+        "outside of a hundred times that. Published: 29400 (Unitree 4010) to 125000 (7520) at the rotor, 114 "
+        "(STS3215) to 8640 at the output.",
     ),
     Check(
         "SPEC186",
@@ -216,7 +217,8 @@ CHECKS = (
         "Dry friction, also break-away friction, that takes half of the effort limit or more.",
         "A warning from 0.5 on, an error from 2 times on; of break-away friction below the limit only where it is 5 "
         "times the kinetic one (chosen: it is 1.1 to 3 times). Published: to 0.36 (head of the TIAGo), and two robots "
-        "whose URDF is wrong: Allegro (12 of 15 N*m in a finger), TALOS (1 of 1 N*m in the gripper).",
+        "whose URDF is wrong: Allegro (12 of 15 N*m in a finger), TALOS (1 of 1 N*m in the gripper). Of frictions "
+        "that one number of their motor explains, that number.",
     ),
     Check(
         "FRC106",
