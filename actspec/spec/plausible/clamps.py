@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from actspec.diagnostics import Path, Span
 from actspec.fields import is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
-from actspec.poses import POSE_TOLERANCE, far_words, outside_words
+from actspec.poses import POSE_TOLERANCE, ROUNDED_ANGLE, far_words, is_round_angle, outside_words
 from actspec.spec.document import SourceMap
 from actspec.spec.models import ListedJoint, SpecModel
 from actspec.spec.plausible.relations import DEGREE
+from actspec.spec.plausible.slips import amount_of
 from actspec.spec.plausible.table import Doubt, Found, at
+from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
 WIDE = 12.0
@@ -21,8 +23,6 @@ WIDEST = (4.0, 20.0)
 """Range of a joint [turns, m]. Chosen: hinges with a range have to 2 turns (UR), winches more; rails 10 m."""
 TURN = 2.0 * math.pi
 """[rad]"""
-ROUND = 2e-3
-"""Round angles in rad, pi/12 apart, are typed to this [rad]."""
 SAME_END = 0.15
 """An end of a range in another unit is the joint's own if they differ by no more than this part of its width."""
 PART = 0.2
@@ -90,8 +90,7 @@ def _is_round(angle: float) -> bool:
     By chance one of a hundred numbers is so near, and both ends of a range are asked.
     """
     number = abs(angle) / DEGREE
-    parts = number / (math.pi / 12.0)
-    return number <= TURN + ROUND and abs(parts - round(parts)) * math.pi / 12.0 <= ROUND
+    return number <= TURN + ROUNDED_ANGLE and is_round_angle(number)
 
 
 def is_open(low: float, high: float) -> bool:
@@ -127,29 +126,27 @@ def _is_part(low: float, high: float, own: tuple[float, float]) -> bool:
     return inside and high - low >= PART * (own[1] - own[0])
 
 
-def pose_found(joint: JointActuator) -> Iterator[Found]:
-    """A default position outside of the range (published: to 0.02 rad, a B2), or beyond a turn if it has none."""
-    pose = joint.default_position
+def pose_found(joint: JointActuator, written: Mapping[Span, SpecValue]) -> Iterator[Found]:
+    """A default position outside of the range (published: to 0.02 rad, a B2), or beyond a turn if it has none.
+
+    Args:
+        joint: The joint.
+        written: Numbers as they are written, by where.
+    """
+    pose, kind, limits = joint.default_position, joint.kind, joint.position_range
     if pose.value is None or pose.origin is not Origin.AUTHORED:
         return
-    if joint.position_range is None:
-        if joint.kind is JointKind.HINGE and (words := far_words(pose.value)) is not None:
+    value = None if pose.span is None else written.get(pose.span)
+    own = "" if value is None else amount_of(value)[1]
+    if limits is None:
+        if kind is JointKind.HINGE and (words := far_words(pose.value, own)) is not None:
             doubt = Doubt("SPEC190", words[0], "robot.default_pose", pose.span, words[1])
             yield Found(doubt, joint.joint, abs(pose.value))
         return
-    found = _outside(joint.joint, joint.kind, joint.position_range, pose.value, pose.span)
-    if found is not None:
-        yield found
-
-
-def _outside(
-    joint: str, kind: JointKind, limits: tuple[float, float], pose: float, span: Span | None
-) -> Found | None:
-    """A position beyond the range."""
-    (low, high), found = limits, outside_words(kind, limits, pose, POSE_TOLERANCE[kind])
+    found = outside_words(kind, limits, pose.value, POSE_TOLERANCE[kind], own)
     if found is None:
-        return None
-    beyond, message, help = found
+        return
+    (low, high), (beyond, message, help) = limits, found
     error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
-    doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
-    return Found(doubt, joint, beyond, False)
+    doubt = Doubt("SPEC190", message, "robot.default_pose", pose.span, help, error=error)
+    yield Found(doubt, joint.joint, beyond, False)

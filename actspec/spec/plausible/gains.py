@@ -11,6 +11,7 @@ from actspec.diagnostics import Path, Span, alternatives, dotted
 from actspec.fields import units_of
 from actspec.joints import JointKind
 from actspec.spec.plausible.relations import ALIKE, DEGREE, RARE, Relation, Repair, explained
+from actspec.spec.plausible.swing import is_short
 from actspec.spec.plausible.table import Doubt, at
 from actspec.units import format_quantity
 
@@ -137,6 +138,8 @@ def gain_words(gains: Gains, places: Mapping[str, Span | None]) -> tuple[str, st
     mine = [repair.help for repair in best if repair.paths == best[0].paths and repair.help is not None]
     help = alternatives(mine)
     rivals = [repair for repair in best if repair.paths != best[0].paths]
+    if place == "kd" and not rivals:
+        rivals = _exchange_as_good(gains, broken[0])
     if gains.limit is None and best[0].help in _degrees(gains):
         # The effort limit would tell which of the two it is.
         slips = ("given per degree", "multiplied by 57.3")
@@ -220,12 +223,7 @@ def _relation(
 
 def _repairs(gains: Gains) -> Iterator[Repair]:
     kp, kd = gains.kp, gains.kd
-    if kd:
-        exchanged = tuple(_relations(replace(gains, kp=kd, kd=kp)))
-        # Without an effort limit only what comes to usual gains tells an exchange from another slip.
-        rare = RARE * (gains.limit is None and any(relation.excess for relation in exchanged))
-        help = "are the two exchanged? kp is the stiffness, kd the velocity gain"
-        yield Repair(exchanged, (("kp",),), help, rare)
+    yield from _exchanged(gains)
     for field in ("kp", "kd") if kd else ("kp",):
         factors = [(10.0**power, "did you mean {}?", RARE) for power in (-4, -3, -2, -1, 1, 2, 3, 4)]
         if gains.kind is JointKind.SLIDE:
@@ -240,7 +238,6 @@ def _repairs(gains: Gains) -> Iterator[Repair]:
             help = f"are kp and kd per mm? Per metre they are {both.shown_kp} and {both.shown_kd}"
             yield Repair(tuple(_relations(both)), (("kp",),), help)
         return
-    # What was multiplied by 57.3 is hardly a multiple of 100.
     slips = [
         ("kp", _changed(gains, kp=1.0 / DEGREE), "is kp per degree? Per radian it is {0.shown_kp}"),
         ("kp", _changed(gains, kp=DEGREE), "is kp multiplied by 57.3? Without that it is {0.shown_kp}"),
@@ -256,9 +253,45 @@ def _repairs(gains: Gains) -> Iterator[Repair]:
             ),
         ]
     for field, other, help in slips:
-        size = kp if field == "kp" else kd
-        rare = RARE + ALIKE if "57.3" in help and size and size % 100.0 == 0.0 else 0.0
+        size = (kp if field == "kp" else kd) or 0.0
+        rare = _rarely_multiplied(size) if size and "57.3" in help else 0.0
         yield Repair(tuple(_relations(other)), ((field,),), help.format(other), rare)
+
+
+def _exchanged(gains: Gains) -> Iterator[Repair]:
+    """The two in each other's place."""
+    if gains.kd:
+        exchanged = tuple(_relations(replace(gains, kp=gains.kd, kd=gains.kp)))
+        # Without an effort limit only what comes to usual gains tells an exchange from another slip.
+        rare = RARE * (gains.limit is None and any(relation.excess for relation in exchanged))
+        help = "are the two exchanged? kp is the stiffness, kd the velocity gain"
+        yield Repair(exchanged, (("kp",),), help, rare)
+
+
+def _exchange_as_good(gains: Gains, broken: Relation) -> list[Repair]:
+    """An exchange with which a joint of too large a kd is as damped as others, and about as stiff.
+
+    None where kd is a short number but for 57.3. Of a joint whose speed is unknown kd may take the limit at any.
+    """
+    kd = gains.kd or 0.0
+    if broken.about != "slow" or (is_short(kd * DEGREE) and not is_short(kd)):
+        return []
+    return [
+        repair
+        for repair in _exchanged(gains)
+        if not any(
+            item.broken or (item.excess > ALIKE and (item.about != "speed" or gains.speed is not None))
+            for item in repair.after
+        )
+    ]
+
+
+def _rarely_multiplied(size: float) -> float:
+    """What it costs that a gain was multiplied by 57.3, as `RARE`: it is hardly a multiple of 100 then, and has rarely
+    two digits."""
+    if size % 100.0 == 0.0:
+        return RARE + ALIKE
+    return ALIKE if is_short(size) and not is_short(size * DEGREE) else 0.0
 
 
 def _changed(gains: Gains, kp: float = 1.0, kd: float = 1.0) -> Gains:

@@ -13,7 +13,7 @@ from actspec.joints import JointKind
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
 from actspec.spec.models import Actuators, Friction, Motor, Randomize, SpecModel, Tunable
-from actspec.spec.plausible.drive import Drive, Limit, Rub, Train, cut_gearbox, is_one, output_of
+from actspec.spec.plausible.drive import Drive, Limit, Rub, Train, cut_gearbox, is_one, number, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import STIFF_RETURN, Gains, derived_doubts, gain_words
 from actspec.spec.plausible.relations import DEGREE, POINT
@@ -58,11 +58,12 @@ def layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
 
 
 def written_numbers(model: SpecModel, spans: SourceMap) -> dict[Span, SpecValue]:
-    """The numbers of groups and overrides as they are written, by where."""
+    """The numbers of groups, overrides and the default pose as they are written, by where."""
+    poses = model.robot.default_pose
     parts: list[tuple[Path, Any]] = []
     for path, fields, _ in layers(model):
         parts += [(path, fields), ((*path, "friction"), fields.friction)]
-    return {
+    return {spans.value(("robot", "default_pose", key)): pose for key, pose in poses.items()} | {
         spans.value((*path, key)): value
         for path, part in parts
         if part is not None
@@ -322,10 +323,12 @@ def _most_of(
 
 
 def _speed_of(stated: Callable[[str], tuple[Any, Path, bool]], model: SpecModel) -> float | None:
-    """What a motor that turns lets a hinge have without load [rad/s]; None where that is unknown."""
+    """What a motor that turns lets a hinge have without load, else its own limit [rad/s]; None: that is unknown."""
     name, reduction = stated("motor")[0], stated("reduction")[0]
     motor = model.motors.get(name)
-    if motor is None or stated("transmission")[0] is not None or not turns(motor):
+    if motor is None:
+        return number(stated("velocity_limit")[0])
+    if stated("transmission")[0] is not None or not turns(motor):
         return None
     speed = output_of(name, motor).speed
     return None if not speed else speed / ((reduction and reduction.value) or 1.0)

@@ -7,12 +7,12 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Collector, Diagnostic, Path, Span, alternatives, dotted
-from actspec.fields import is_power_of_ten
+from actspec.diagnostics import Collector, Diagnostic, Path, Span, alternatives, dotted, listed
+from actspec.fields import FRICTION_SHARE, is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.document import Document, SourceMap
 from actspec.spec.fields import DerivedGain
-from actspec.spec.models import SpecModel
+from actspec.spec.models import Motor, SpecModel
 from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
 from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
@@ -27,7 +27,7 @@ from actspec.spec.plausible.relations import DEGREE, Repair
 from actspec.spec.plausible.repairs import misread_lengths, misread_speeds
 from actspec.spec.plausible.robots import odd_limit_found, other_unit_found
 from actspec.spec.plausible.rubbing import likelier_gear, next_gear
-from actspec.spec.plausible.servos import gains_found
+from actspec.spec.plausible.servos import GEAR_TOO_LARGE, gains_found
 from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.table import (
     BY_CODE,
@@ -215,6 +215,9 @@ def _joint_doubts_of(
         ]
         for joint in joints
     }
+    shared = _held_torques(joints, every, spans, kept)
+    yield from shared
+    places.update(found.doubt.span for found in shared)
     causes = {
         one.doubt.span for found in every.values() for one in found if one.doubt.code not in _CONSEQUENCES
     }
@@ -247,6 +250,42 @@ def _joint_doubts_of(
             )
 
 
+def _held_torques(
+    joints: Sequence[JointActuator], every: Mapping[str, Sequence[Found]], spans: SourceMap, kept: Kept
+) -> list[Found]:
+    """A motor's torque that the dry friction of several groups is not below: one mistake, and not one in each."""
+    held: dict[Span, dict[Span | None, tuple[JointActuator, Found]]] = {}
+    for joint in joints:
+        limit = joint.effort_limit
+        if limit.origin is Origin.DERIVED and limit.span is not None and limit.span not in kept.sure:
+            rubbed = (found for found in every[joint.joint] if found.doubt.code == "FRC101")
+            for found in rubbed:
+                held.setdefault(limit.span, {}).setdefault(found.doubt.span, (joint, found))
+    return [_held(span, list(found.values()), spans) for span, found in held.items() if len(found) > 1]
+
+
+def _held(span: Span, rubbed: Sequence[tuple[JointActuator, Found]], spans: SourceMap) -> Found:
+    """What several dry frictions say of the torque that is written there."""
+    parts = [
+        f"{shown(joint.friction_coulomb)} at {joint.joint} ({found.doubt.span}) of {shown(joint.effort_limit)}"
+        for joint, found in rubbed
+    ]
+    joint, found = rubbed[0]
+    paths: list[Path] = [
+        ("motors", str(joint.motor), f"{word}_torque") for word in ("peak", "continuous", "stall")
+    ]
+    doubt = replace(
+        found.doubt,
+        where=next((dotted(path) for path in paths if spans.value(path) == span), f"motors.{joint.motor}"),
+        span=span,
+        message=f"dry friction takes too much of what the motor '{joint.motor}' gives: {listed(parts, 4)}",
+        help="look for a wrong unit or power of ten here. Or are the frictions in another unit?",
+        judged=tuple(other.doubt.span for _, other in rubbed),
+        error=any(other.doubt.error for _, other in rubbed),
+    )
+    return replace(found, doubt=doubt)
+
+
 def _of_derivation(doubt: Doubt, model: SpecModel, spans: SourceMap) -> Doubt:
     """A doubt about a gain; of a derived one it is told of what it is derived by."""
     field = doubt.where.rpartition(".")[2]
@@ -266,7 +305,8 @@ def _joint_doubts(
     spans: SourceMap,
     kept: Kept,
 ) -> Iterator[Found]:
-    for check in (pose_found, command_range_found, scale_found, velocity_found, _stribeck, unreached_limit):
+    yield from pose_found(joint, written)
+    for check in (command_range_found, scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
     yield from slow_found(joint, motor)
@@ -274,7 +314,21 @@ def _joint_doubts(
     yield from _friction(joint, joints, drives, spans, kept)
     inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.
-    yield from inertia or gains_found(joint)
+    gains = inertia or gains_found(joint)
+    yield from gains if motor is None else (_at_gear(found, joint, motor, model, spans) for found in gains)
+
+
+def _at_gear(found: Found, joint: JointActuator, motor: Motor, model: SpecModel, spans: SourceMap) -> Found:
+    """What is asked of the gear of a joint, with where the gear is written, and the reduction behind it."""
+    help = found.doubt.help or ""
+    if GEAR_TOO_LARGE not in help:
+        return found
+    field = "gear_ratio" if motor.gearbox is None else "gearbox"
+    places: list[Path] = [("motors", str(joint.motor), field)]
+    reduction = reduction_of(joint.group, model.actuators[joint.group])
+    places += [] if reduction is None else [reduction[0]]
+    there = f"{GEAR_TOO_LARGE[:-1]} ({listed([str(spans.value(place)) for place in places], 2)})?"
+    return replace(found, doubt=replace(found.doubt, help=help.replace(GEAR_TOO_LARGE, there)))
 
 
 def _of_reduction(doubt: Doubt, path: Path, size: float, spans: SourceMap) -> Doubt:
@@ -311,7 +365,15 @@ def _friction(
         (coulomb, limit, "friction.coulomb") if is_stated(coulomb) else (limit, coulomb, "effort_limit")
     )
     drive = drives.get(joint.motor or "") if limit.origin is Origin.DERIVED else None
-    help += _or_gear(None if drive is None else next_gear(drive) or likelier_gear(drive), spans, kept)
+    gear = None if drive is None else next_gear(drive) or likelier_gear(drive)
+    help += _or_gear(gear, spans, kept)
+    if drive is not None and gear is None:
+        # Another length gives another force.
+        lengths = (item for item in misread_lengths(drive) if item.path not in kept.paths)
+        length = next(
+            (item for item in lengths if item.factor * coulomb.value < FRICTION_SHARE * limit.value), None
+        )
+        help += "" if length is None else f" Or {length.path[-1]} ({spans.value(length.path)}): {length.help}"
     where = f"actuators.{joint.group}.{field}"
     yield found_at(
         joint, "FRC101", where, coulomb.value / limit.value, message, help, number, other, error=error

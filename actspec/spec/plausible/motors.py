@@ -103,6 +103,10 @@ PEAK_ACCELERATION = 2500.0
 SPIN_UP = (0.5, 1.0)
 """Time to its own speed without load by its peak or stall torque, and by a continuous torque that stands alone [s].
 Published: 0.005 (Go2) to 0.052 (STS3215)."""
+SPINDLE = 1000.0
+"""What turns as fast without a gear is no joint's, but a spindle or a flywheel [rad/s]."""
+SPINDLE_UP = 5.0
+"""The same of that, with its tool [s]. Chosen: spindles of 24000 rpm take 1 to 3."""
 STAGE_OF_ROTOR = 2.0
 """Inertia behind a stage, seen at the rotor, over the rotor's. Published: 0.003 to 0.011 (motors of the G1)."""
 OUTPUT_ACCELERATION = (1.0, 1e6)
@@ -523,10 +527,11 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             continue
         alone = output.torque_path[-1] == "continuous_torque"
         fast = output.speed * turns
+        most = SPIN_UP[alone] if is_geared(output) or output.speed < SPINDLE else SPINDLE_UP
         yield Relation(
             "SPEC185",
             fast / rate,
-            (0.0, SPIN_UP[alone]),
+            (0.0, most),
             (2e-4, 0.1),
             f"{what} of {given} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} to its "
             f"{format_quantity(fast if at_rotor else output.speed, 'rad/s', 4)} in "
@@ -534,7 +539,7 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             ("motors", name, field),
             "look for a wrong unit: g*cm^2 or kg*cm^2 as kg*m^2",
             (output.torque_path, output.speed_path, ("motors", name, "gear_ratio")),
-            beyond=(0.0, HOPELESS * SPIN_UP[alone]),
+            beyond=(0.0, HOPELESS * most),
             about="spin up",
         )
 

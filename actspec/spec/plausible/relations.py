@@ -28,6 +28,8 @@ RARE = 0.3
 """What a power of ten costs beside a slip that has a reason, as a distance from usual figures in powers of ten."""
 NEAR = 1.0
 """A correction explains a doubt if no relation gets further from what is usual [powers of ten]."""
+FAR = 3.0
+"""The same where it explains too large a friction as well: that tells large machines from robots."""
 ALIKE = 0.1
 """Two readings of one number are both told if they differ by no more than this [powers of ten]."""
 TIE = 0.02
@@ -164,12 +166,15 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
             continue
         after = _each_once(repair.after)
         further = sum(max(0.0, relation.excess - was.get(_about(relation), 0.0)) for relation in after)
-        if further <= NEAR:
+        freed = bool(spoiled) and not any(relation.spoiled for relation in repair.after)
+        if further <= (FAR if freed else NEAR):
             cost = sum(relation.excess for relation in after) + repair.rare
             # A slip that makes it the figure of the file, to the digit, is no accident.
             just = [relation.value for relation in repair.after if _about(relation) in refuted]
             exact = bool(just) and all(1.0 / TO_THE_DIGIT < value < TO_THE_DIGIT for value in just)
             found.append((cost - EXACTLY * (exact and not repair.fitted), repair))
+    # What explains too large a friction as well is likelier than two mistakes.
+    found = [item for item in found if not any(one.spoiled for one in item[1].after)] or found
     if not found:
         return []
     seen = {relation.path for relation in before if relation.broken and not relation.witnessed}

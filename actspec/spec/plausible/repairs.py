@@ -37,7 +37,7 @@ from actspec.spec.plausible.drive import (
     number,
     with_figure,
 )
-from actspec.spec.plausible.driven import AGREES, SLOWED
+from actspec.spec.plausible.driven import AGREES, JUST, SLOWED
 from actspec.spec.plausible.gearing import counts_repaired, reductions_repaired, stages_repaired
 from actspec.spec.plausible.motors import GEAR_INVERSE, is_gear_apart, relations
 from actspec.spec.plausible.relations import (
@@ -69,6 +69,10 @@ from actspec.units import format_quantity
 
 LARGEST_GEAR = 350.0
 """Of published gears, about."""
+POINT_BELOW = 2.0
+"""A stall torque that is so many times below another torque may have its point in the wrong place."""
+SMALLEST_RADIUS = 3e-3
+"""Of a pinion or pulley [m]. Chosen: twelve teeth of module 0.5 have it."""
 SWAPPED = 0.2
 """What an exchange of two torques costs beside a wrong unit, as `RARE`."""
 SIDED = 0.15
@@ -85,6 +89,8 @@ PROVED_COST = 1.0
 """What an exchange of such a torque costs, and a correction to one that its current refutes, as `RARE`."""
 PROVED_NOW = 1.05
 """A torque that comes in the place of another by an exchange is what its current gives if they agree by this factor."""
+AGREED = 0.4
+"""What it costs that a no-load speed is wrong which a velocity limit has, too, to the digit, as `RARE`."""
 ODD = 0.4
 """What it costs that a limit is the odd one beside motor and file, where no slip makes it theirs, as `RARE`."""
 BY_CURRENT = 0.25
@@ -196,6 +202,11 @@ def misread_lengths(drive: Drive) -> Iterator[Misread]:
     """
     before = list(relations(drive))
     speeds = _train_speeds(before)
+    radii = {
+        train.place(index): number(stage.radius)
+        for train in drive.trains.values()
+        for index, stage in enumerate(train.stages)
+    }
     now = sum(relation.excess for relation in before)
     for repair in stages_repaired(drive):
         (place,) = repair.paths[:1]
@@ -204,6 +215,8 @@ def misread_lengths(drive: Drive) -> Iterator[Misread]:
         if own is None or excess > now or any(relation.broken for relation in repair.after):
             continue
         fast = _train_speeds(repair.after).get(place, own)
+        if (radii.get(place) or math.inf) * fast / own < SMALLEST_RADIUS:
+            continue
         yield Misread(place, fast / own, repair.help or "", excess < now)
 
 
@@ -286,9 +299,12 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
     for path in SPEEDS:
         speed = figure_at(motor, path)
         if speed is not None and speed.value:
-            yield from (moved([path], *slip) for slip in speed_slips(motor, speed))
+            agreed, fast = AGREED * _limits_speed(drive), list(speed_slips(motor, speed))
+            yield from (moved([path], factor, help, rare + agreed) for factor, help, rare in fast)
             if across is not None:
-                yield sided(path, 1.0 / across, lossy=False)
+                # What constant and voltage make of ten times as much is no matter of the side.
+                tenfold = any(factor == 10.0 and rare == 0.0 for factor, _, rare in fast)
+                yield sided(path, 1.0 / across, lossy=False, rare=ALIKE * tenfold)
     yield from stages_repaired(drive)
     yield from counts_repaired(drive)
     yield from reductions_repaired(drive)
@@ -338,7 +354,16 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
             for was, now in shares
         )
         cost = SWAPPED + PROVED_COST * against
-        yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?", cost)
+        help = f"are {one[-1]} and {two[-1]} swapped?"
+        below = (_given(motor, two).value or 0.0) / (_given(motor, one).value or math.inf)
+        if one == ("stall_torque",) and below > POINT_BELOW:
+            # The line's own end may be the one with its point in the wrong place.
+            tenth = moved([one], 10.0, "")
+            meant = in_unit(multiplied(_given(motor, one), 10.0))
+            help += (
+                "" if any(item.broken for item in tenth.after) else f" Or stall_torque: did you mean {meant}?"
+            )
+        yield changed(result, [one, two], help, cost)
     stall, free = motor.stall_torque, motor.no_load_speed
     if number(stall) and number(free) and stall is not None and free is not None:
         force, speed_of = replace(stall, value=free.value), replace(free, value=stall.value)
@@ -411,6 +436,9 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
             if any(item.witnessed and 1.0 / EXACT < item.value < EXACT for item in tenth.after):
                 # Of the two, 2 % apart, the file tells which.
                 yield tenth
+            elif _is_exact(tenth):
+                # So does the current, of which the point may be wrong as well: one number is likelier than several.
+                yield replace(tenth, rare=RARE + ALIKE)
             else:
                 yield moved(torques, KGF_CM, kgf_cm(first).replace("is it", f"are {names}"), rare)
     for field in ("rotor_inertia", "reflected_inertia"):
@@ -437,6 +465,14 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
             yield changed(motor.model_copy(update={field: None, "rotor_inertia": inertia}), [(field,)], help)
         elif field == "reflected_inertia" and gear is None:
             yield from _unknown_gear(drive, moved)
+
+
+def _limits_speed(drive: Drive) -> bool:
+    """Whether a velocity limit of the joints is just the motor's speed."""
+    limits = {f"{limit.path}" for limit in drive.limits if limit.path[-1] == "velocity_limit"}
+    return any(
+        item.about in limits and math.isclose(item.value, 1.0, rel_tol=JUST) for item in relations(drive)
+    )
 
 
 def _bare(value: SpecValue) -> str:

@@ -12,8 +12,9 @@ from actspec.ir import JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import SourceMap
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.armatures import LARGEST_LIMIT
+from actspec.spec.plausible.commands import own_speed
 from actspec.spec.plausible.drive import stage_path
-from actspec.spec.plausible.driven import AGREES
+from actspec.spec.plausible.driven import AGREES, is_round
 from actspec.spec.plausible.slips import in_si, lengths
 from actspec.spec.plausible.table import Found, found_at, is_files, is_stated, shown
 from actspec.spec.values import SpecValue
@@ -26,6 +27,10 @@ HELD_AT = 3.0
 """Error at which kp asks for it [rad]. Published: to 3.4, of no limit of that size."""
 SLOWEST = 1.0
 """Velocity limit in another unit [rad/s], below which it is one of its robot's by the number."""
+FASTER = 5.0
+"""The limits of all other joints over it, from which on it is one of them by about its number."""
+ROUNDED = 0.01
+"""It is the motor's speed by its number if they differ by no more than this part."""
 
 
 def odd_limit_found(
@@ -101,7 +106,7 @@ def _arm_of(joint: JointActuator, model: SpecModel) -> tuple[Path, SpecValue] | 
 def other_unit_found(
     joint: JointActuator, joints: Sequence[JointActuator], written: Mapping[Span, SpecValue]
 ) -> Iterator[Found]:
-    """A velocity limit in deg/s or rpm that by its number is what other joints have in rad/s.
+    """A velocity limit in deg/s or rpm that by its number is what the joint's motor or other joints have in rad/s.
 
     Args:
         joint: The joint.
@@ -120,22 +125,40 @@ def other_unit_found(
         return
     if not 0.0 < size < SLOWEST or is_files(limit):
         return
-    same = [
-        other.joint
-        for other in joints
-        if _is_so_fast(other, plain.value or 0.0) and other.group != joint.group
-    ]
-    if same:
-        message = f"a velocity limit of {own.written}, {shown(limit)}: {same[0]} has {plain.written}"
+    says = _says(joint, joints, written, size, plain.value or 0.0)
+    if says is not None:
+        message = f"a velocity limit of {own.written}, {shown(limit)}: {says}"
         where = f"actuators.{joint.group}.velocity_limit"
         yield found_at(joint, "SPEC184", where, 1.0 / size, message, f"did you mean {plain.written}?", limit)
 
 
-def _is_so_fast(joint: JointActuator, size: float) -> bool:
-    """Whether a hinge has just that velocity limit [rad/s]."""
-    limit: Quantity = joint.velocity_limit
-    return (
-        joint.kind is JointKind.HINGE
-        and bool(limit.value)
-        and math.isclose(limit.value or 0.0, size, rel_tol=1e-6)
-    )
+def _says(
+    joint: JointActuator,
+    joints: Sequence[JointActuator],
+    written: Mapping[Span, SpecValue],
+    size: float,
+    meant: float,
+) -> str | None:
+    """What says that a velocity limit is so large in rad/s, and not its size; None where nothing does."""
+    others = [
+        (other.joint, limit)
+        for other in joints
+        if other.kind is JointKind.HINGE and other.group != joint.group
+        if (limit := other.velocity_limit).value
+    ]
+    motor = own_speed(joint)
+    if motor is not None and math.isclose(motor.value or 0.0, meant, rel_tol=ROUNDED):
+        return f"the motor '{joint.motor}' ends at {shown(motor)}"
+    same = next((item for item in others if math.isclose(item[1].require(), meant, rel_tol=1e-6)), None)
+    if same is None and not is_round(meant):
+        # Nobody chooses three digits where all others are in rad/s and far above it: it is about one of them.
+        far = all(_is_plain(limit, written) and limit.require() > FASTER * size for _, limit in others)
+        near = (item for item in others if 1.0 / AGREES < meant / item[1].require() < AGREES)
+        same = next(near, None) if far else None
+    return None if same is None else f"{same[0]} has {shown(same[1])}"
+
+
+def _is_plain(limit: Quantity, written: Mapping[Span, SpecValue]) -> bool:
+    """Whether the spec states a limit in rad/s."""
+    own = None if limit.span is None else written.get(limit.span)
+    return own is not None and in_si(own) is None

@@ -9,6 +9,7 @@ from dataclasses import replace
 from actspec.fields import is_power_of_ten
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.plausible.commands import own_speed
+from actspec.spec.plausible.driven import AGREES
 from actspec.spec.plausible.gains import (
     PLACEHOLDER_RETURN,
     RETURN,
@@ -23,17 +24,20 @@ from actspec.spec.plausible.relations import DEGREE, POINT
 from actspec.spec.plausible.swing import (
     ROTOR_ERROR,
     SOFT,
+    SOFT_GEARED,
     STIFFEST_SERVO,
     damping_words,
     frequency_words,
     is_short,
     slack_words,
 )
-from actspec.spec.plausible.table import Found, found_at, is_files, is_stated, shown
+from actspec.spec.plausible.table import Found, found_at, in_file, is_files, is_stated, shown
 from actspec.units import format_quantity
 
 SLOWEST_SPIN_UP = 0.052
 """Time in which a motor turns its own rotor to its speed [s]. Published: 0.005 (Go2) to 0.052 (STS3215)."""
+GEAR_TOO_LARGE = "is a gear too large?"
+"""How what is asked of a gear begins."""
 LEAST_SPEED = {JointKind.HINGE: 1e-2, JointKind.SLIDE: 1e-3}
 """Effort limit over a kd without kp [rad/s or m/s]: a smaller error of speed asks for all of it. Published: 0.15, of
 servos with a kp 0.07."""
@@ -152,6 +156,9 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
     if not (is_stated(kp) or is_stated(kd)) or joint.command is not Command.POSITION:
         return
     active, speed = None if kd is None else kd.value, own_speed(joint)
+    if speed is None and is_stated(joint.velocity_limit):
+        # As slow as its motor, which nobody describes.
+        speed = joint.velocity_limit
     gains = Gains(
         kp.require(),
         active,
@@ -279,6 +286,12 @@ def _is_of_degrees(kp: Quantity, kd: Quantity | None) -> bool:
     return all(size > 0.0 and is_short(size * DEGREE) and not is_short(size) for size in sizes)
 
 
+def _is_said(limit: Quantity) -> bool:
+    """Whether the robot's file has about the effort limit that the motor gives."""
+    said = in_file(*limit.lost)
+    return said is not None and limit.require() / AGREES < (said.value or 0.0) < limit.require() * AGREES
+
+
 def _by_frequency(
     kp: Quantity, kd: Quantity | None, joint: JointActuator, gains: Gains, inertia: float
 ) -> tuple[str, str, float] | None:
@@ -290,11 +303,11 @@ def _by_frequency(
         return None
     message, help, size = words
     links = inertia - (armature.value or 0.0)
-    if stiffness < SOFT**2 * inertia:
+    if SOFT**2 * inertia <= stiffness < SOFT_GEARED**2 * inertia and _is_said(joint.effort_limit):
+        return None
+    if stiffness < SOFT_GEARED**2 * inertia:
         if armature.origin is Origin.DERIVED and stiffness > SOFT**2 * links:
-            gear = (
-                f"is a gear too large? {shown(armature)} of the inertia is the armature: {armature.formula}"
-            )
+            gear = f"{GEAR_TOO_LARGE} {shown(armature)} of the inertia is the armature: {armature.formula}"
             # What is hardly anything but the rotor is hardly the links'.
             help = f"{gear}. Or {help}" if rotor > ROTOR_ERROR[0] * links else f"{help}. Or {gear}"
     elif help != POINT and kd is not None and kd.value and kd.value > RETURN[1] * stiffness * DEGREE:

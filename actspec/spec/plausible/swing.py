@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from actspec.fields import units_of
-from actspec.spec.plausible.gains import Gains
 from actspec.spec.plausible.relations import DEGREE, POINT
 from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    from actspec.spec.plausible.gains import Gains
 
 TOO_SOFT = 1.0
 SOFT = 6.0
 """Natural frequency [rad/s], where the limit needs an error above `SOFT_ERROR`. Published: 6.2 and up, with the
 links."""
+SOFT_GEARED = 15.0
+"""The same where an error is noticed by `ROTOR_ERROR`: a leg of 20 to 75 rad/s swings with 2 to 12 behind ten times the
+gear, which gives ten times the torque and a hundred times the rotor."""
 SOFT_ERROR = 10.0
 """Effort limit over kp [rad]: noticed where the natural frequency is below `SOFT`, or dry friction holds the joint.
 Published, with a motor: to 2.2."""
@@ -79,7 +85,8 @@ def frequency_words(
     if held:
         message += f"; the dry friction of {format_quantity(dry, unit.torque, 4)} alone holds it within "
         message += format_quantity(dry / gains.kp, unit.position, 3)
-    if soft or (gains.driven and frequency < SOFT and (slack or held)):
+    low = SOFT_GEARED if geared and slack else SOFT
+    if soft or (gains.driven and frequency < low and (slack or held)):
         degrees = format_quantity(gains.kp / DEGREE, unit.stiffness, 4)
         return (
             message,

@@ -142,7 +142,8 @@ CHECKS = (
         "error at which kp asks for the effort limit takes more than 1.5 s at it (legs: 0.1 s) or the motor has 8.4 V "
         "and 10 N*m at most (servos); not where the robot's file or the motor's inertia has it (2 ms to that speed; "
         "published: 5). Of a servo of 14.8 V with a stated gear one of 0.03 to 0.3 to which its torque turns its rotor "
-        "in 0.5 ms. A velocity limit in deg/s or rpm below 1 rad/s whose number other hinges have in rad/s. "
+        "in 0.5 ms. A velocity limit in deg/s or rpm below 1 rad/s whose number other hinges have in rad/s, or the "
+        "joint's motor to 1 %; one of three digits also to a quarter, where all others are in rad/s and 5 times it. "
         "A stated Stribeck velocity from the motor's no-load speed, else the velocity limit, on (published: to 1 "
         "rad/s).",
     ),
@@ -155,8 +156,9 @@ CHECKS = (
         "the peak torque counts where it is stated. A direct drive that reaches its speed in 0.1 s is not too heavy "
         "(hub motors of wheels: 0.03 s). Also a rotor that takes more "
         "than 0.5 s to its own speed without load (0.005 to 0.052 s; 1 s by a continuous torque that stands "
-        "alone). A warning outside, an error outside of a hundred times that. Published: 29400 (Unitree 4010) to "
-        "125000 (7520) at the rotor, 114 (STS3215) to 8640 at the output.",
+        "alone; 5 s without a gear above 1000 rad/s, where it is a spindle, chosen). A warning outside, an error "
+        "outside of a hundred times that. Published: 29400 (Unitree 4010) to 125000 (7520) at the rotor, 114 "
+        "(STS3215) to 8640 at the output.",
     ),
     Check(
         "SPEC186",
@@ -215,7 +217,8 @@ CHECKS = (
         "Dry friction, also break-away friction, that takes half of the effort limit or more.",
         "A warning from 0.5 on, an error from 2 times on; of break-away friction below the limit only where it is 5 "
         "times the kinetic one (chosen: it is 1.1 to 3 times). Published: to 0.36 (head of the TIAGo), and two robots "
-        "whose URDF is wrong: Allegro (12 of 15 N*m in a finger), TALOS (1 of 1 N*m in the gripper).",
+        "whose URDF is wrong: Allegro (12 of 15 N*m in a finger), TALOS (1 of 1 N*m in the gripper). Of frictions "
+        "that one number of their motor explains, that number.",
     ),
     Check(
         "FRC106",
@@ -275,9 +278,10 @@ CHECKS = (
         "error of more than 50 rad for the effort limit (2.2 rad), or of less than 0.015 rad with kd over kp below 2 "
         "ms (an so101 with 998 N*m/rad); and, by the inertia of links and armature at the reference pose: below 6 "
         "rad/s where the limit needs an error of more than 10 rad, or dry friction holds one of 0.1 rad and viscous "
-        "friction is above kd, or below 1 rad/s, or where a rotor behind its gear is 10 times the links and the limit "
-        "needs more than 4 rad (published: 6.2 rad/s and up; an "
-        "error of 25 rad at most, at 16 rad/s); above 150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or "
+        "friction is above kd, or below 1 rad/s, or below 15 rad/s where a rotor behind its gear is 10 times the links "
+        "and the limit needs more than 4 rad, from 6 rad/s on unless the robot's file has the limit (published: 6.2 "
+        "rad/s and up; an error of 25 rad at most, at 16 rad/s); above 150 rad/s where it needs less than 0.06 rad, of "
+        "1e-3 kg*m^2 or "
         "more (95 rad/s; 203 at 0.1 rad), but to 500 rad/s where both gains have two digits and damp it with 0.5 to 3 "
         "(machines); a damping ratio below 0.015 with friction (0.064) or above 60 (12). Servos "
         "without a motor are often a simulator's own: Isaac Lab's G1 has arms of 1482 rad/s. Of them only the 0.015 "

@@ -172,6 +172,14 @@ def _meant(value: SpecValue, bounds: tuple[float, float]) -> Iterator[str]:
     """What a time or frequency outside of its bounds may have been."""
     size, (low, high) = value.value or 0.0, bounds
     if value.unit == "Hz":
+        amount, unit = amount_of(value)
+        if unit == "mHz":
+            # Nobody's filter or drive has millihertz.
+            units = ((1e3, "kHz"), (1.0, "Hz"))
+            yield from (
+                f"did you mean {amount:g} {name}?" for by, name in units if low <= by * amount <= high
+            )
+            return
         # Of a low-pass the time constant is quoted as well; the higher of the two is the more usual one.
         readings = [
             (1e3 * size, "is it in kHz"),

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Path, alternatives
 from actspec.spec.document import SourceMap
 from actspec.spec.models import Motor
 from actspec.spec.plausible.drive import Drive, figure_at, number, with_figure
 from actspec.spec.plausible.motors import relations
-from actspec.spec.plausible.relations import Relation, Repair, explanation
-from actspec.spec.plausible.slips import multiplied
+from actspec.spec.plausible.relations import RARE, Relation, Repair, explanation
+from actspec.spec.plausible.slips import multiplied, slips_of
 from actspec.spec.plausible.table import Doubt
 
 FIGURES = (
@@ -44,11 +44,21 @@ def unexplained(drive: Drive, broken: Sequence[Relation], spans: SourceMap) -> I
     odd = _odd(drive)
     if odd is not None:
         help = "all other figures agree with each other: look for a wrong unit or power of ten"
+        help = alternatives(_in_other_units(drive, odd)) or help
         yield explanation([Repair((), (odd,), help)], broken, spans)
         return
     for relation in _first(broken, drive.sure):
         placed = _placed(relation, drive.motor, spans)
         yield explanation([Repair((), (relation.path,), placed)], [relation], spans)
+
+
+def _in_other_units(drive: Drive, path: Path) -> Iterator[str]:
+    """Readings of a no-load speed in another unit, with which all figures agree."""
+    speed = figure_at(drive.motor, path[2:]) if path[-1] == "no_load_speed" else None
+    for factor, help, rare in () if speed is None else slips_of(speed, speed=True):
+        motor = with_figure(drive.motor, path[2:], multiplied(speed, factor))
+        if rare < RARE and not any(relation.broken for relation in relations(replace(drive, motor=motor))):
+            yield help
 
 
 def _odd(drive: Drive) -> Path | None:

@@ -618,8 +618,9 @@ def test_a_gear_that_makes_a_joint_slow() -> None:
     (found,) = said(text, MODEL)
     assert (found.code, found.where) == ("SPEC192", "actuators.legs.kp")
     assert found.help == (
-        "is a gear too large? 4.5 kg*m^2 of the inertia is the armature: 5e-05 kg*m^2 x 36 (gear_ratio^2) x 2500 "
-        "(reduction^2). Or is it per degree? Per radian it is 1146 N*m/rad, and kd 57.3 times as well"
+        "is a gear too large (s.yaml:3:55, s.yaml:4:56)? 4.5 kg*m^2 of the inertia is the armature: 5e-05 kg*m^2 x 36 "
+        "(gear_ratio^2) x 2500 (reduction^2). Or is it per degree? Per radian it is 1146 N*m/rad, and kd 57.3 "
+        "times as well"
     )
 
 

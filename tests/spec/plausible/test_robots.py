@@ -83,6 +83,12 @@ def test_of_a_cylinder_the_lever_arm_is_named() -> None:
         ("9 rpm", "9 rad/s", "did you mean 9 rad/s?"),
         ("10 rpm", "10 rad/s", None),
         ("{value: 12 deg/s, sure: true}", "12 rad/s", None),
+        # About the other's, in three digits that nobody chooses; 2.61 rpm are 0.273 rad/s, 8 times below it.
+        ("2.61 deg/s", "2.175 rad/s", "did you mean 2.61 rad/s?"),
+        ("2.61 rpm", "2.175 rad/s", "did you mean 2.61 rad/s?"),
+        ("2.6 deg/s", "2.175 rad/s", None),
+        ("2.61 deg/s", "125 deg/s", None),
+        ("2.61 deg/s", "3.5 rad/s", None),
     ],
 )
 def test_a_velocity_limit_by_the_number_of_another_joint(hip: str, calf: str, help: str | None) -> None:
@@ -91,6 +97,25 @@ def test_a_velocity_limit_by_the_number_of_another_joint(hip: str, calf: str, he
     assert [(item[0], item[1], item[3]) for item in found] == (
         [("SPEC184", "actuators.hips.velocity_limit", help)] if help else []
     )
+
+
+@pytest.mark.parametrize(
+    ("speed", "limit", "odd"),
+    [
+        # 180 deg/s are 3.142 rad/s; 3 deg/s may be a choice.
+        ("180 deg/s", "3.14 deg/s", True),
+        ("180 deg/s", "180 deg/s", False),
+        ("180 deg/s", "3 deg/s", False),
+        ("9 rad/s", "9 rpm", True),
+        ("9 rad/s", "{value: 9 rpm, sure: true}", False),
+    ],
+)
+def test_a_velocity_limit_by_the_number_of_its_motor(speed: str, limit: str, odd: bool) -> None:
+    own = f"motor: m, effort_limit: peak, kp: 700, kd: 15, velocity_limit: {limit}"
+    motors = f"{{m: {{side: joint, peak_torque: 245, no_load_speed: {speed}, gear_ratio: 100}}}}"
+    found = told(two(own, motors=motors))
+    assert [item[:2] for item in found] == [("SPEC184", "actuators.hips.velocity_limit")] * odd
+    assert all("the motor 'm' ends at" in item[2] for item in found)
 
 
 AX12 = (
@@ -146,4 +171,33 @@ def test_a_gear_that_is_hardly_the_links(gear: int, gains: str, odd: bool) -> No
     )
     found = told(text, LEG)
     assert [item[:2] for item in found] == [("SPEC192", "actuators.legs.kp")] * odd
-    assert all(item[3].startswith("is a gear too large? 1.21 kg*m^2 of the inertia is") for item in found)
+    assert all(
+        item[3].startswith("is a gear too large (s.yaml:3:39)? 1.21 kg*m^2 of the inertia is")
+        for item in found
+    )
+
+
+SHANK = """<mujoco><compiler angle="radian"/><worldbody><body>
+<joint name="hip" axis="0 1 0" range="-1 0.5"LIMIT/><inertial pos="0 0 0" mass="0.1" diaginertia="1 27e-5 1"/></body>
+</worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("gear", "limit", "odd"),
+    [
+        # Of a Solo's 9: 4.5e-6 x 90^2 = 0.03645 kg*m^2 beside 0.00027, 27 N*m / 3 = 9 rad; sqrt(3 / 0.0367) = 9 rad/s.
+        (90, "", True),
+        # 3.9 rad at 20 rad/s; and what the robot's file has as well.
+        (39, "", False),
+        (90, ' actuatorfrcrange="-27 27"', False),
+    ],
+)
+def test_a_leg_that_is_hardly_more_than_its_rotor(gear: int, limit: str, odd: bool) -> None:
+    text = spec_of(
+        "legs: {joints: [hip], motor: m, level: ideal_pd, effort_limit: peak, kp: 3, kd: 0.1}",
+        robot="name: leg, model: leg.xml",
+        motors=f"{{m: {{side: motor, gear_ratio: {gear}, peak_torque: 0.3, rotor_inertia: 4.5e-6}}}}",
+    )
+    found = told(text, SHANK.replace("LIMIT", limit))
+    assert [item[:2] for item in found] == [("SPEC192", "actuators.legs.kp")] * odd
+    assert all(item[3].startswith("is a gear too large (s.yaml:3:39)? 0.03645 kg*m^2 of") for item in found)
