@@ -141,8 +141,10 @@ def by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
         return replace(found, both_published=True)
     above = own.is_below(found.mine.value), other.is_below(found.theirs.value)
     if above[0] is not above[1]:
-        wrong = found if above[0] else found.turned
-        return replace(wrong, published=robot if here or there else "", beyond_published=True)
+        wrong, right = (found, other) if above[0] else (found.turned, own)
+        # Of several motors the one that the other file has may be another variant's than this one's.
+        sure = (here or there) and right.is_one_motor
+        return replace(wrong, published=robot if sure else "", beyond_published=True)
     if here is there or own.of_others:
         return found
     wrong, right = (found.turned, own) if here else (found, other)
