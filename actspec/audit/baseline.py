@@ -284,31 +284,63 @@ def apply_baseline(
 
     Returns: findings that stay, those set aside, and entries that no finding belongs to any more.
     """
-    left = Counter(entries)
-    by_place: dict[tuple[str, str, str], list[Entry]] = {}
-    # Those that say most first: one that says less takes what they leave.
-    for entry in sorted(entries, key=_says_less):
-        by_place.setdefault((entry.code, entry.file, entry.joint), []).append(entry)
+    owned = [entry_of(reported.finding, folder) for reported in found]
+    known, left = _matched([reported.severity for reported in found], owned, entries)
     kept, suppressed = [], []
-    for reported in found:
-        own = entry_of(reported.finding, folder)
-        near = by_place.get((own.code, own.file, own.joint), ())
-        known = next((entry for entry in near if left[entry] > 0 and entry.covers(own)), None)
-        if known is not None:
-            left[known] -= 1
-        if known is None or _is_worse(reported.severity, known.severity):
+    for number, reported in enumerate(found):
+        entry = known.get(number)
+        if entry is None or _is_worse(reported.severity, entry.severity):
             kept.append(reported)
         else:
             suppressed.append(Suppressed(reported, Means.BASELINE))
-    return tuple(kept), tuple(suppressed), +left
+    return tuple(kept), tuple(suppressed), left
+
+
+def _matched(
+    severities: Sequence[Severity], owned: Sequence[Entry], entries: Counter[Entry]
+) -> tuple[dict[int, Entry], Counter[Entry]]:
+    """The entry of each finding that has one, by the finding's number, and the entries that are left.
+
+    To each its own first, so that a baseline covers all that it was written of: figures of two findings may be as near
+    as one figure in two releases. Then an entry that is not milder, those that say most, the nearest.
+    """
+    left, known = Counter(entries), dict[int, Entry]()
+    for number, own in enumerate(owned):
+        itself = replace(own, severity=severities[number])
+        if left[itself] > 0:
+            left[itself] -= 1
+            known[number] = itself
+    left = +left
+    by_place: dict[tuple[str, str, str], list[Entry]] = {}
+    for entry in left:
+        by_place.setdefault((entry.code, entry.file, entry.joint), []).append(entry)
+    pairs = []
+    for number, own in enumerate(owned):
+        for entry in by_place.get((own.code, own.file, own.joint), ()) if number not in known else ():
+            if entry.covers(own):
+                pairs.append((_distance(severities[number], own, entry), number, entry))
+    for _, number, entry in sorted(pairs, key=lambda pair: pair[0]):
+        if number not in known and left[entry] > 0:
+            left[entry] -= 1
+            known[number] = entry
+    return known, +left
+
+
+def _distance(severity: Severity, own: Entry, entry: Entry) -> tuple[bool | float, ...]:
+    """How far an entry that covers a finding is from it: what counts most stands first."""
+    is_it = replace(entry, severity=None) == own
+    says_less = entry.about is None, entry.value is None, entry.expected is None
+    off = sum(
+        abs(its - mine) / max(abs(its), abs(mine))
+        for its, mine in ((entry.value, own.value), (entry.expected, own.expected))
+        if its is not None and mine is not None and its != mine
+    )
+    worse = _is_worse(severity, entry.severity)
+    return not is_it, worse, *says_less, entry.severity not in (None, severity), off
 
 
 def _is_worse(now: Severity, was: Severity | None) -> bool:
     return was is not None and SEVERITIES.index(now) > SEVERITIES.index(was)
-
-
-def _says_less(entry: Entry) -> tuple[bool, ...]:
-    return entry.about is None, entry.value is None, entry.expected is None
 
 
 def _error(

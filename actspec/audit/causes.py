@@ -36,9 +36,9 @@ from the findings of docs/survey.md that were true and told a second time."""
 _ALONE_BY = {
     "SPC101": frozenset({"SPC107"}),
     "LIM108": frozenset({"SPC107"}),
-    "SRC103": frozenset({"SGN101", "ORD102", "ORD103", "UNT103", "UNT107"}),
-    "SRC104": frozenset({"SGN101", "ORD103", "UNT105", "KNW103"}),
-    "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "LIM111"}),
+    "SRC103": frozenset({"SGN101", "ORD102", "ORD103", "UNT103", "UNT107", "SYM101"}),
+    "SRC104": frozenset({"SGN101", "ORD103", "UNT105", "SYM101", "KNW103"}),
+    "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "SYM101", "LIM111"}),
 }
 """What alone explains that gains, armatures or poses differ, or that a file departs from the spec: others that have the
 figure say nothing of the other file."""

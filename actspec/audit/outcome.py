@@ -179,7 +179,7 @@ class Report:
                 and not (file.in_folder and item.code in _OF_NAMED)
             )
             found += _from_text(file)
-        said = (*found, *_unpaired(self.case), *self.problems)
+        said = (*found, *self.case.once(_unpaired), *self.problems)
         return tuple(item for item in said if item not in self.quiet)
 
     def for_people(self, least: Severity = Severity.INFO) -> tuple[Diagnostic, ...]:
@@ -216,7 +216,12 @@ def _from_text(file: FileReading) -> Iterator[Diagnostic]:
     yield from told
 
 
-def _unpaired(case: Case) -> Iterator[Diagnostic]:
+def _unpaired(case: Case) -> tuple[Diagnostic, ...]:
+    """AUD015 of all robots: what was said is asked for several times."""
+    return tuple(_of_unpaired(case))
+
+
+def _of_unpaired(case: Case) -> Iterator[Diagnostic]:
     """What has the joints of a model and is not compared with it: by its name it is in a robot that has no model, or it
     is another model that somebody named.
     """

@@ -142,8 +142,11 @@ def recased(pattern: str, names: Sequence[str]) -> str | None:
     plain = next((name for name in few if name.lower() == pattern.lower()), None)
     if plain is not None:
         return plain
-    one = (text for text, distance in _respelt(pattern, few) if distance == 0)
-    for candidate in (_each_part(pattern, str.lower), _each_part(pattern, str.upper), *one):
+    for candidate in (
+        _each_part(pattern, str.lower),
+        _each_part(pattern, str.upper),
+        *_one_recased(pattern, few),
+    ):
         with suppress(PatternError):
             if match_names(candidate, few):
                 return candidate
@@ -159,15 +162,33 @@ def _is_literal(token: str) -> bool:
     return token[0] in "_/-" or token[0].isalnum()
 
 
-def _respelt(pattern: str, names: Sequence[str]) -> list[tuple[str, int]]:
-    """The pattern with one literal part respelt from a name, and the change; the smallest first."""
+def _one_recased(pattern: str, names: Sequence[str]) -> list[str]:
+    """The pattern with one literal part in the letters that it has in a name.
+
+    Found without distances: an audit asks this of each configuration beside each model.
+    """
+    found: set[str] = set()
+    for run in _literal_runs(pattern):
+        start, end = "\\A" * (run.start() == 0), "\\Z" * (run.end() == len(pattern))
+        want = re.compile(start + re.escape(run[0]) + end, re.IGNORECASE)
+        parts = {hit[0] for name in names for hit in want.finditer(name)} - {run[0]}
+        found |= {pattern[: run.start()] + part + pattern[run.end() :] for part in parts}
+    return sorted(found)[:_SUGGESTED_TRIES]
+
+
+def _literal_runs(pattern: str) -> list[re.Match[str]]:
+    """The literal parts of a pattern, the longest first."""
     if len(pattern) > MAX_PATTERN:
         return []
     runs = [m for m in _TOKEN.finditer(pattern) if _is_literal(m[0])]
-    runs = sorted(runs, key=lambda m: -len(m[0]))[:_SUGGESTED_RUNS]
+    return sorted(runs, key=lambda m: -len(m[0]))[:_SUGGESTED_RUNS]
+
+
+def _respelt(pattern: str, names: Sequence[str]) -> list[tuple[str, int]]:
+    """The pattern with one literal part respelt from a name, and the change; the smallest first."""
     found: dict[str, int] = {}
     cells = 0
-    for run in runs:
+    for run in _literal_runs(pattern):
         anchored = (run.start() == 0, run.end() == len(pattern))
         for name in names:
             cells += len(run[0]) * len(name)

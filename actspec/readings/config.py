@@ -492,6 +492,8 @@ def _of_group(
     assert config is not None
     control = control_of_group(config.framework, group)
     figures = _with_delay(figures, config.physics_dt)
+    if has_curve(group):
+        figures = _with_end_of_curve(figures)
     columns = {name: found for name, found in figures.items() if name in LedgerRow.__dataclass_fields__}
     numbers: dict[str, Any] = {field: found.value for field, found in columns.items()}
     if own is not None:
@@ -528,6 +530,22 @@ def _of_group(
         **dynamics_at(numbers.get("kp"), total, held, free, config.physics_dt, kd if explicit else None),
         **numbers,
     )
+
+
+def _with_end_of_curve(figures: Mapping[str, Found]) -> Mapping[str, Found]:
+    """The figures of a class that clips by an asymmetric curve alone: its larger torque limits the joint, or a solver's
+    limit below it.
+
+    No file is held to that: what a maker publishes of a motor is the one torque or the other.
+    """
+    ends = [figures.get(f"curve.{name}") for name in ("drive_torque", "brake_torque")]
+    known = [end for end in ends if end is not None and end.value is not None]
+    if len(known) < len(ends):
+        return figures
+    least, solver = max(known, key=lambda end: end.value or 0.0), figures.get("solver_effort_limit")
+    if solver is not None and 0.0 < (solver.value or 0.0) < (least.value or 0.0):
+        least = solver
+    return {**figures, "effort_limit": replace(least, stated=False)}
 
 
 def _with_delay(figures: Mapping[str, Found], step: float | None) -> Mapping[str, Found]:

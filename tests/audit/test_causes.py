@@ -241,6 +241,22 @@ def test_which_of_two_sides_is_wrong_nobody_knows() -> None:
     assert _after(mapping, (other, ERROR)) == [("SYM101", "error", ""), ("SRC101", "info", "SYM101")]
 
 
+@pytest.mark.parametrize(
+    ("code", "field"), [("SRC103", "kd"), ("SRC104", "armature"), ("SRC106", "action_scale")]
+)
+def test_a_figure_of_one_side_is_told_once(code: str, field: str) -> None:
+    """A deploy file has 20 at one entry, and 2 at the other side as the configuration has at both: one fault.
+
+    Of 20 and 10 neither is the configuration's, and of another figure the sides say nothing.
+    """
+    deploy = {"path": "deploy.yaml", "held": "cfg.py", "fields": (field,)}
+    sides = replace(_of("SYM101", "left", line=7, **deploy), related=(Span("deploy.yaml", 8, 1),))
+    left, right = (_of(code, joint, line=line, **deploy) for joint, line in (("left", 7), ("right", 8)))
+    assert _after(left, sides) == [(code, "info", "SYM101"), ("SYM101", "warning", "")]
+    assert [cause for *_, cause in _after(left, sides, right)] == ["", "", ""]
+    assert _after(replace(left, fields=("kp",)), sides)[0][2] == ""
+
+
 def test_a_file_of_another_variant_departs_from_the_spec_once() -> None:
     """What the variant explains is a note: the departing figure, a gear that only one of them has. Nothing else is."""
     variant = _of("SPC107", path="g1.urdf", held="g1.yaml", fields=("effort_limit", "velocity_limit"))

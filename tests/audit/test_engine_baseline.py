@@ -105,6 +105,55 @@ def test_a_figure_that_is_held_to_another_one(expected: float | None, hidden: bo
     assert (len(report.findings), len(report.suppressed)) == ((0, 1) if hidden else (1, 0))
 
 
+def test_a_baseline_covers_all_that_it_was_written_of(folder: Path) -> None:
+    """Two findings of a joint whose figures differ by less than 1 %, in both orders: each has its own entry."""
+    at = {"joint": "knee", "unit": "N*m", "expected": 35.55}
+    for lines in ((3, 9), (9, 3)):
+        found = [
+            finding("LIM901", **at, line=lines[0], value=23.7, severity=Severity.WARNING),
+            finding("LIM901", **at, line=lines[1], value=23.5, severity=Severity.INFO),
+        ]
+        write_baseline(judged(*found).findings, "base.json", force=True)
+        report = judged(*found, baseline="base.json")
+        assert (len(report.findings), len(report.suppressed)) == (0, 2)
+        assert not report.problems
+
+
+@pytest.mark.parametrize(
+    ("known", "now", "shown"),
+    [
+        pytest.param(
+            [(23.7, "warning"), (23.5, "info")],
+            [(23.76, "warning"), (23.56, "info")],
+            [],
+            id="another release of MuJoCo: a quarter of a percent more",
+        ),
+        pytest.param(
+            [(23.7, "warning"), (23.5, "info")], [(23.6, "warning")], [], id="the one that is not milder"
+        ),
+        pytest.param(
+            [(23.7, "info"), (23.5, "warning")], [(23.7, "warning")], [23.7], id="worse than itself"
+        ),
+        pytest.param([(23.7, "info")], [(23.7, "warning"), (23.7, "info")], [23.7], id="one is new"),
+    ],
+)
+def test_of_several_entries_the_nearest_is_it(
+    known: list[tuple[float, str]], now: list[tuple[float, str]], shown: list[float], folder: Path
+) -> None:
+    """Figures within 1 % are one, of entries that cover a finding each is used once."""
+
+    def made(figures: list[tuple[float, str]]) -> list[Finding]:
+        at = {"joint": "knee", "unit": "N*m", "expected": 35.55}
+        return [
+            finding("LIM901", **at, line=line, value=value, severity=Severity(name))
+            for line, (value, name) in enumerate(figures, 1)
+        ]
+
+    write_baseline(judged(*made(known)).findings, "base.json")
+    report = judged(*made(now), baseline="base.json")
+    assert [item.finding.value for item in report.findings] == shown
+
+
 def test_a_new_one_is_not_hidden_behind_a_mended_one(folder: Path) -> None:
     """Without a figure, what the finding is about tells it; of one more than is known, the new one is shown."""
     write_baseline(judged(finding("ORD901", about="left_ankel stiffness")).findings, "base.json")

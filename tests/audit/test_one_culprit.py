@@ -129,3 +129,42 @@ def test_published_limit_lacks_no_gear(tmp_path: Path, monkeypatch: pytest.Monke
         config = config.replace(go2, a1)
     told = _told({"a1.urdf": urdf, "a1_cfg.py": config}, tmp_path, monkeypatch)
     assert told == {frozenset({("SRC101", "warning", "a1.urdf")})}
+
+
+def _as_spot(text: str) -> str:
+    """A Go2's file with joints and limits of a Spot, which others than its maker publish."""
+    for leg, its in zip(LEGS, ("fl", "fr", "hl", "hr"), strict=True):
+        for part, its_part in (("hip", "hx"), ("thigh", "hy"), ("calf", "kn")):
+            text = text.replace(f"{leg}_{part}_joint", f"{its}_{its_part}")
+    for part, its_part in (("hip", "hx"), ("thigh", "hy"), ("calf", "kn")):
+        text = text.replace(f"_{part}_joint", f"_{its_part}")
+    for go2, spot in (("go2_description", "spot"), ("GO2", "SPOT"), ("23.7", "45"), ("45.43", "112.8")):
+        text = text.replace(go2, spot)
+    return text.replace("30.1", "17.6").replace("15.7", "12.0")
+
+
+def test_limit_that_nobody_publishes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spot's maker publishes no limits of its hips, others 45 N*m, which the configuration has: 1000 is wrong."""
+    files = {
+        "spot.urdf": _as_spot(_urdf('effort="112.8" velocity="15.7"')).replace(
+            'effort="45"', 'effort="1000"'
+        ),
+        "spot_cfg.py": _as_spot(_CFG),
+    }
+    assert _told(files, tmp_path, monkeypatch) == {frozenset({("SRC101", "error", "spot.urdf")})}
+
+
+def test_limit_above_all_that_is_published(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """45.43 N*m is published for the calf: 30 may be chosen, 1000 is what KNW101 tells, and the 30 is not wrong too."""
+    config = _CFG.replace("45.43", "30.0")
+    files = {"go2.urdf": _urdf('effort="1000" velocity="15.7"'), "go2_cfg.py": config}
+    assert _told(files, tmp_path, monkeypatch) == {frozenset({("SRC101", "error", "go2.urdf")})}
+
+
+def test_lower_limit_that_others_publish(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What others than the maker publish tells nobody that a lower limit is wrong: which file departs is as before."""
+    files = {
+        "spot.urdf": _as_spot(_urdf('effort="112.8" velocity="15.7"')).replace('effort="45"', 'effort="20"'),
+        "spot_cfg.py": _as_spot(_CFG),
+    }
+    assert _told(files, tmp_path, monkeypatch) == {frozenset({("SRC101", "error", "spot_cfg.py")})}

@@ -289,6 +289,26 @@ def test_a_class_that_nobody_knows_is_what_it_derives_from() -> None:
     assert control_of(Framework.ISAACLAB, *classes) == "ideal_pd"
 
 
+@pytest.mark.parametrize(
+    ("more", "limit"),
+    [
+        pytest.param({"Y1": 40.0, "Y2": 45.43}, 45.43, id="it brakes with more"),
+        pytest.param({"Y1": 40.0, "Y2": None}, 40.0, id="one torque"),
+        pytest.param({"Y1": 40.0, "Y2": 45.43, "effort_limit": 400.0}, 45.43, id="which it does not read"),
+        pytest.param({"Y1": 40.0, "Y2": 45.43, "effort_limit_sim": 30.0}, 30.0, id="the solver clips below"),
+        pytest.param(
+            {"Y1": 40.0, "Y2": 45.43, "effort_limit_sim": 400.0}, 45.43, id="the solver clips above"
+        ),
+        pytest.param({"Y1": 40.0, "Y2": Setting(None, AT, "not known")}, None, id="unknown"),
+    ],
+)
+def test_a_class_with_a_curve_is_limited_by_it(more: dict[str, Any], limit: float | None) -> None:
+    """unitree_rl_lab's `_clip_effort`; as a limit no file states it."""
+    row = _rows("UnitreeActuatorCfg", {"stiffness": 25.0, "X1": 7.0, "X2": 15.7, **more})[".*"]
+    assert row.effort_limit == limit
+    assert "effort_limit" not in row.stated
+
+
 def test_the_inertia_is_that_of_the_free_base() -> None:
     """A URDF does not say whether the base moves: where both fit alike the MJCF's inertia counts, in any order."""
     mjcf = _model()

@@ -53,8 +53,11 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare dry friction with the effort limit."""
         row, friction, limiting, limit = subject
-        # Whoever states both in one MJCF has them act on each other.
-        own = limiting.artifact == row.artifact and case.artifacts[row.artifact].kind is FileKind.MJCF
+        # Whoever states both in one MJCF has them act on each other, and so has a class with a curve and a friction.
+        of_class = limiting is row and "curve.drive_torque" in row.more
+        own = of_class or (
+            limiting.artifact == row.artifact and case.artifacts[row.artifact].kind is FileKind.MJCF
+        )
         if friction < (FRICTION_SHARE if own else 1.0) * limit:
             return
         speed, held = self._creep(case, row, limit)

@@ -288,11 +288,13 @@ def driving_limit(row: LedgerRow) -> tuple[str, float | None]:
     """The field that bounds what drives a joint, and the bound [N*m or N]; None: unknown.
 
     A torque-speed line falls from its stall torque, at standstill: an effort limit above that bounds nothing but what
-    brakes the joint.
+    brakes the joint. So does a limit that is only the larger torque of an asymmetric curve.
     """
-    stall, limit = row.stall_torque, row.effort_limit
-    if stall is not None and limit is not None and 0.0 < stall < limit:
-        return "stall_torque", stall
+    limit, curve = row.effort_limit, "curve.drive_torque"
+    of_curve = None if "effort_limit" in row.stated else row.more.get(curve)
+    for field, most in (("stall_torque", row.stall_torque), (curve, of_curve)):
+        if most is not None and limit is not None and 0.0 < most < limit:
+            return field, most
     return "effort_limit", limit
 
 

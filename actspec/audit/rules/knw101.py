@@ -282,7 +282,7 @@ def _named(row: LedgerRow) -> str:
         return f"the limit of {text}"
     above = shown(row, "effort_limit", row.effort_limit, 6)
     beside = "" if row.effort_limit == math.inf else f", below the effort limit of {above},"
-    return f"the torque at standstill of {text}{beside}"
+    return f"the {'torque at standstill' if field == 'stall_torque' else 'drive torque'} of {text}{beside}"
 
 
 def _says_raised(case: Case, place: Span) -> bool:

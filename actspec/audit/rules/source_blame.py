@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.audit.case import Case
+from actspec.audit.causes import PUBLISHED
 from actspec.audit.known import KnownRobot, likenesses, same
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind, Robot
@@ -41,6 +42,7 @@ class Disagreement:
         one_machine: Whether links and ranges speak of one machine, or do not speak.
         published: The known robot whose figure the other file has; "" where no such robot tells who is right.
         both_published: Whether both figures are published.
+        beyond_published: Whether the figure that departs is a limit above all that is published, and the other is not.
         copy: Whether an earlier file departs in the same way.
         also: The same beside the other files that have the other figure, where this one is the odd one of them all.
         more: Where the other figure is written, too.
@@ -56,6 +58,7 @@ class Disagreement:
     one_machine: bool
     published: str = ""
     both_published: bool = False
+    beyond_published: bool = False
     copy: bool = False
     also: tuple[Disagreement, ...] = ()
     more: tuple[Span, ...] = ()
@@ -109,7 +112,9 @@ def _is_near(figure: Figure, value: float | None) -> bool:
 
 
 def by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
-    """Turned where the departing file has the figure that is published of the robot, and the other one has not."""
+    """Turned where the departing file has the figure that is published of the robot, and the other one has not; or
+    where the other one's limit is above all that is published, which KNW101 tells of it.
+    """
     fields = found.field, found.other_field
     if not set(fields) <= set(_PUBLISHED) or found.other_field not in found.others[0].stated:
         return found
@@ -134,11 +139,17 @@ def by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
     here, there = _is_one_of(found.mine.value, own.figures), _is_one_of(found.theirs.value, other.figures)
     if here and there:
         return replace(found, both_published=True)
-    if here is there:
+    above = own.is_below(found.mine.value), other.is_below(found.theirs.value)
+    if above[0] is not above[1]:
+        wrong, right = (found, other) if above[0] else (found.turned, own)
+        # Of several motors the one that the other file has may be another variant's than this one's.
+        sure = (here or there) and right.is_one_motor
+        return replace(wrong, published=robot if sure else "", beyond_published=True)
+    if here is there or own.of_others:
         return found
     wrong, right = (found.turned, own) if here else (found, other)
-    above = (wrong.mine.value or 0.0) > (wrong.theirs.value or 0.0)
-    return replace(wrong, published=robot) if right.is_one_motor and (above or not right.is_top) else found
+    larger = (wrong.mine.value or 0.0) > (wrong.theirs.value or 0.0)
+    return replace(wrong, published=robot) if right.is_one_motor and (larger or not right.is_top) else found
 
 
 def by_range(case: Case, found: Disagreement) -> Disagreement | None:
@@ -201,16 +212,24 @@ class _Published:
         figures: All of it: the figure may be all that tells variants apart.
         first: Without what is stated elsewhere than of this motor.
         is_top: Whether it is a speed that no source exceeds, beside which a lower one may be chosen.
+        is_limit: Whether it is an effort limit.
+        of_others: Whether it is an effort limit of others than the maker: that one above it is wrong is all that tells.
     """
 
     figures: frozenset[float]
     first: frozenset[float]
     is_top: bool = False
+    is_limit: bool = False
+    of_others: bool = False
 
     @property
     def is_one_motor(self) -> bool:
         """Whether all variants have one motor: else another figure may be of a variant that is not known."""
         return len(self.first) == 1
+
+    def is_below(self, value: float | None) -> bool:
+        """Whether all that is published is well below an effort limit."""
+        return self.is_limit and (value or 0.0) >= PUBLISHED * max(self.figures, default=math.inf)
 
 
 def _published_of(robot: KnownRobot, name: str, field: str) -> _Published:
@@ -218,8 +237,9 @@ def _published_of(robot: KnownRobot, name: str, field: str) -> _Published:
     joints = [variant[name] for variant in robot.variants.values()]
     by_maker = [joint for joint in joints if joint.maker]
     if field == "effort_limit":
-        efforts = frozenset(joint.effort for joint in by_maker)
-        return _Published(efforts.union(*(joint.also for joint in joints)), efforts)
+        efforts = frozenset(joint.effort for joint in by_maker or joints)
+        figures = efforts.union(*(joint.also for joint in joints))
+        return _Published(figures, efforts, is_limit=True, of_others=not by_maker)
     if field == "armature":
         armatures = _stated(joint.armature for joint in joints)
         return _Published(armatures | frozenset(robot.armatures), armatures)

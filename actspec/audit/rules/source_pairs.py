@@ -81,7 +81,7 @@ def disagreements(
         holders = _holders(case, stated) if every else {}
         for found in every:
             wrong = by_what_is_published(case, found)
-            if not wrong.published:
+            if not (wrong.published or wrong.beyond_published):
                 wrong = by_range(case, wrong) or by_kinds(case, wrong, kinds)
             wrong = replace(wrong, also=tuple(_beside_others(case, wrong, stated, kinds)))
             # Several files may be right beside one that is not.
