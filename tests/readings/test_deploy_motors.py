@@ -186,6 +186,32 @@ def test_what_departs_from_the_run(
     assert told("run") == [found]
 
 
+def test_two_runs(run: Path) -> None:
+    """Each deploy file is held to what its own run recorded, in any order: what is right of the other is wrong here."""
+    Path("two/params").mkdir(parents=True)
+    Path("two/params/env.yaml").write_text(
+        RUN.replace("hip: 0.1", "hip: 0.4").replace("dt: 0.005", "dt: 0.01")
+    )
+    later = DEPLOY.replace("[0.3, 0.1, -0.2]", "[0.3, 0.4, -0.2]").replace("step_dt: 0.02", "step_dt: 0.04")
+    files = [f"{name}/params/{file}.yaml" for name in ("run", "two") for file in ("env", "deploy")]
+    Path(files[3]).write_text(later)
+    for names in (files, files[::-1], ["run", "two"]):
+        assert told(*names) == []
+    Path(files[3]).write_text(later.replace("20.0, 0.0", "200.0, 0.0").replace("0.4,", "0.1,"))
+    (run / "deploy.yaml").write_text(DEPLOY.replace("step_dt: 0.02", "step_dt: 0.04"))
+    for names in (files, files[::-1]):
+        found = audit(names, Settings(select=("SRC",))).findings
+        assert {(one.finding.code, one.finding.value, one.finding.span.path) for one in found} == {
+            ("SRC103", 200.0, files[3]),
+            ("SRC106", 0.1, files[3]),
+            ("SRC107", 0.04, files[1]),
+        }
+        assert {(one.severity.value, one.finding.related[0].path) for one in found} == {
+            ("warning", files[2]),
+            ("warning", files[0]),
+        }
+
+
 def test_a_file_elsewhere(run: Path) -> None:
     """Named with the run it has its names; in a folder that is not the run's it has none; nor of two robots' orders."""
     Path("robot").mkdir()
