@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 from actspec.audit.case import Case
+from actspec.audit.rules.joints import is_left_at_zero
 from actspec.audit.rules.sided import are_of_two_sides
 from actspec.audit.rules.source_blame import (
     SAME,
@@ -363,6 +364,8 @@ def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, _
             # Actuators of one joint add up in an MJCF; of a configuration's groups none has it (ORD103).
             continue
         stated = _stated(rows, fields)
+        if stated is None and "default_position" in fields and is_left_at_zero(case, rows[0]):
+            stated = "default_position", 0.0
         if stated is not None:
             found[joint] = stated
     return found
