@@ -400,9 +400,12 @@ def _of_other_joints(case: Case, mine: int, others: Sequence[int]) -> Iterator[D
         if name and name == telling(case.artifacts[other].name) and other not in spelt
     ]
     own = ranges(artifact) if alike else []
-    near = [case.artifacts[other].path for other in alike if own and ranges(case.artifacts[other]) == own]
+    near = [other for other in alike if own and ranges(case.artifacts[other]) == own]
     if near:
-        yield _not_compared(case, "this", near, "it calls them otherwise", Span(artifact.path), _ALIKE)
+        lost = sorted(joints[near[0]] - joints[mine])
+        which = listed(lost, 3) if len(lost) < len(joints[near[0]]) else "them"
+        paths = [case.artifacts[other].path for other in near]
+        yield _not_compared(case, "this", paths, f"it calls {which} otherwise", Span(artifact.path), _ALIKE)
 
 
 def _in_small_letters(robot: RobotView | None) -> Figures:

@@ -112,7 +112,8 @@ def pair(
         called = (words[one] <= words[other] or words[other] <= words[one]) and bool(
             words[one] & words[other]
         )
-        return _overlap(mine, its) or (called and {one, other} <= set(by_hand) and _is_but_one(mine, its))
+        named = called and {one, other} <= set(by_hand)
+        return _overlap(mine, its) or (named and (_is_but_one(mine, its) or _are_renamed(mine, its)))
 
     held = next((names[i] for i, a in enumerate(artifacts) if a.spec is not None and a.path == spec), None)
     bound = {
@@ -522,6 +523,29 @@ def _is_but_one(one: frozenset[str], other: frozenset[str]) -> bool:
     """
     least = min(len(one), len(other))
     return least > 2 and len(one & other) >= least - 1
+
+
+def _are_renamed(one: frozenset[str], other: frozenset[str]) -> bool:
+    """Whether one word for another makes the joints of one artifact those of the other, of which half are called alike:
+    `l_knee` and `r_knee` are `l_calf` and `r_calf`, as macros and search-and-replace have it.
+    """
+    mine, its = one - other, other - one
+    if not mine or len(mine) != len(its) or len(one & other) < len(mine):
+        return False
+    first = _PART.findall(min(mine))
+    for name in its:
+        apart = [pair for pair in zip(first, _PART.findall(name), strict=False) if pair[0] != pair[1]]
+        if len(apart) == 1:
+            word, instead = apart[0]
+            if {
+                "".join(instead if part == word else part for part in _PART.findall(each)) for each in mine
+            } == its:
+                return True
+    return False
+
+
+_PART = re.compile(r"[^\W\d_]+|[\W\d_]+")
+"""Words of a joint's name, and what is between them."""
 
 
 def fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:
