@@ -126,6 +126,12 @@ class Case:
         included = file is not None and file.included and found.kind is FileKind.MJCF
         return included and not found.states(b"angle=")
 
+    def runs_of(self, artifact: int) -> tuple[int, ...]:
+        """What the run recorded that a deploy file is of, as artifacts; none where no record is beside it."""
+        from actspec.readings.pair import runs_of
+
+        return runs_of(self.artifacts, artifact, self.once(_records))
+
     def written(self, place: Span, joint: str) -> frozenset[str]:
         """What is written over of the model or configuration at a place that is about a joint.
 
@@ -161,6 +167,12 @@ class Case:
     def option(self, code: str, name: str, default: float) -> float:
         """A rule's option, or its default."""
         return self.options.get(code, {}).get(name, default)
+
+
+def _records(case: Case) -> tuple[int, ...]:
+    """Artifacts that trainings wrote of themselves."""
+    paths = {file.path for file in case.files if file.record}
+    return tuple(index for index, artifact in enumerate(case.artifacts) if artifact.path in paths)
 
 
 def _whose(case: Case) -> dict[Span, frozenset[int]]:

@@ -25,6 +25,7 @@ from actspec.readings.dynamics import (
     levelled,
 )
 from actspec.readings.including import without_fragments
+from actspec.readings.read import named_as_run
 from actspec.readings.versions import Versions
 from actspec.spec.variants import split
 
@@ -199,7 +200,9 @@ def read_all(
     out = Collector()
     for path in paths:
         if os.path.isdir(path) and not folders:
-            out.error("DIF001", "is a folder: name the files", span=Span(texts.get(path, path)))
+            shown = texts.get(path, path)
+            help = named_as_run(path, shown)
+            out.error("DIF001", "is a folder: name the files", span=Span(shown), help=help)
     out.raise_if_failed(AuditError)
     readings = read_files(paths, exclude=exclude)
     if folders:

@@ -255,7 +255,7 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
         # Lists without names fit each model of so many joints; in a folder, of many robots of a family.
         by_number = member.kind is FileKind.DEPLOY and not own and not says_something(member.config)
         words = frozenset() if case.is_met(its) else distinctive(member)
-        near = [
+        modelled = [
             case.artifacts[index].path
             for index, joints in models.items()
             if (own and len(own & joints) >= SHARE * len(own))
@@ -266,19 +266,28 @@ def _without_a_model(case: Case, robot: Robot, models: Mapping[int, frozenset[st
                 )
                 and fits(member.config, sorted(joints))
             )
-        ] or _trained_with(case, robot, its)
+        ]
+        near = modelled or _trained_with(case, robot, its)
         if member.config is not None and near:
             deploy = member.kind is FileKind.DEPLOY
+            # A configuration's patterns say nothing of keys, which may be parts of names.
+            keyed = not own and not modelled
             what = "this" if deploy else f"`{member.name}`"
             yield _not_compared(
                 case,
                 what,
                 near,
-                "several robots are called so" if by_number else "no name shows that it is the same robot",
+                "several robots are called so"
+                if by_number
+                else "it has no list of joint names"
+                if keyed
+                else "no name shows that it is the same robot",
                 # Others of one file may be compared.
                 Span(member.path) if deploy else member.config.span,
                 f"add {names_wanted(member.config.motors)}"
                 if by_number
+                else f"add joint_names: [...] with its {len(member.config.groups)} joints"
+                if keyed
                 else f"write the robot's name into {'the file' if deploy else 'this configuration'}'s name",
             )
         elif member.config is not None and not case.is_met(its):
@@ -405,9 +414,12 @@ def _of_other_joints(case: Case, mine: int, others: Sequence[int]) -> Iterator[D
         if name and name == telling(case.artifacts[other].name) and other not in spelt
     ]
     own = ranges(artifact) if alike else []
-    near = [case.artifacts[other].path for other in alike if own and ranges(case.artifacts[other]) == own]
+    near = [other for other in alike if own and ranges(case.artifacts[other]) == own]
     if near:
-        yield _not_compared(case, "this", near, "it calls them otherwise", Span(artifact.path), _ALIKE)
+        lost = sorted(joints[near[0]] - joints[mine])
+        which = listed(lost, 3) if len(lost) < len(joints[near[0]]) else "them"
+        paths = [case.artifacts[other].path for other in near]
+        yield _not_compared(case, "this", paths, f"it calls {which} otherwise", Span(artifact.path), _ALIKE)
 
 
 def _in_small_letters(robot: RobotView | None) -> Figures:

@@ -29,6 +29,7 @@ DIAGNOSTICS = {
     "DEPLOY005": "step-of-what",
     "DEPLOY006": "joint-misspelt",
     "DEPLOY007": "two-default-positions",
+    "DEPLOY008": "no-motor-of-its-own",
 }
 """What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
 

@@ -6,6 +6,7 @@ import argparse
 import os
 import re
 import sys
+from collections.abc import Iterator
 
 from actspec.audit.ignores import REMARKS
 from actspec.audit.pages import INDEX, index, page, record
@@ -102,15 +103,17 @@ ELSEWHERE = {
 """Letters of codes that a page of the docs has a table of, to what is said of them."""
 
 
+def _pages() -> Iterator[tuple[str, ...]]:
+    """Code and names of all that has words of its own here."""
+    yield from ((rule.code, *rule.names()) for rule in all_rules())
+    yield from ((check.code, check.name) for check in _every_check())
+    yield from REMARKS.items()
+    yield from DIAGNOSTICS.items()
+
+
 def _elsewhere(selector: str) -> str | None:
     """What is said of a code that has no page of its own; None: it has one, or there is none."""
-    pages = (
-        *((rule.code, *rule.names()) for rule in all_rules()),
-        *((check.code, check.name) for check in _every_check()),
-        *REMARKS.items(),
-        *DIAGNOSTICS.items(),
-    )
-    if any(strength(selector, *names) > 1 for names in pages):
+    if any(strength(selector, *names) > 1 for names in _pages()):
         return None
     letters = selector.rstrip("0123456789")
     if len(selector) - len(letters) not in (0, 3):
@@ -164,6 +167,14 @@ def _chosen(
         for selector in selectors
         if _elsewhere(selector) is None and not any(strength(selector, c.code, c.name) > 1 for c in checks)
     ]
+    for selector in others:
+        # Not a rule of a like code: what another command says has none.
+        family = next((letters for letters in ELSEWHERE if selector.startswith(letters)), None)
+        letters = selector.rstrip("0123456789")
+        if family is not None and not any(strength(letters, *names) > 1 for names in _pages()):
+            message = f"no rule has the code, the beginning of a code or the name {one_line(selector)!r}"
+            out.error("AUD003", message, where="CODE", help=f"{family} and a number: {ELSEWHERE[family]}")
+            others = [other for other in others if other != selector]
     check_selectors(others, rules, "CODE", None, out)
     out.raise_if_failed(AuditError)
     return selected(rules, selectors, ())

@@ -51,7 +51,7 @@ from actspec.readings.joint_lists import (
 )
 from actspec.readings.motor_names import NAMELESS
 from actspec.readings.pair import joint_names, matching, pair
-from actspec.readings.read import PendingFiles
+from actspec.readings.read import PendingFiles, named_as_run
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 from actspec.units import format_quantity
@@ -86,7 +86,8 @@ def read_robot_files(
     out = Collector()
     for path in paths:
         if os.path.isdir(path):
-            out.error("DRF004", "is a folder: name the files", span=Span(path))
+            help = named_as_run(path, path)
+            out.error("DRF004", "is a folder: name the files", span=Span(path), help=help)
         elif not os.path.exists(path):
             broken = os.path.islink(path)
             message = "is a link to no file" if broken else "there is no such file"

@@ -446,6 +446,7 @@ NOT_TAKEN = frozenset(
         "DEPLOY004",
         "DEPLOY006",
         "DEPLOY007",
+        "DEPLOY008",
         "ROBOT009",
         "ROBOT123",
         "ROBOT124",

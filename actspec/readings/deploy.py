@@ -42,7 +42,7 @@ from actspec.readings.deploy_missing import (
     why_without_gains,
 )
 from actspec.readings.deploy_motors import LENGTH, motors_of, sdk_names
-from actspec.readings.deploy_numbers import NO_NUMBER, is_meant_for_one, no_number
+from actspec.readings.deploy_numbers import NO_NUMBER, is_empty, is_meant_for_one, no_number
 from actspec.readings.deploy_steps import nearest, steps_of
 from actspec.readings.leftover import Leftover, node_span
 from actspec.readings.motor_names import NAMELESS, called, names_wanted
@@ -477,7 +477,7 @@ class _Reader:
         if single is not None:
             return {joint: Setting(single, span) for joint in joints or (".*",)}
         if not isinstance(node, yaml.SequenceNode):
-            if is_meant_for_one(node):
+            if is_meant_for_one(node) or is_empty(node):
                 no_number(key, [("it", node)], self.path, out)
             return {}
         values: list[tuple[float | None, Span]] = []

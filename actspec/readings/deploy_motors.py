@@ -30,6 +30,9 @@ LENGTH = "DEPLOY001"
 TWO_POSES = "DEPLOY007"
 """Code of a joint whose default position is two numbers."""
 
+NO_MOTOR = "DEPLOY008"
+"""Code of a joint of the policy that has another one's motor, or none."""
+
 SDK_NAMES = ("joint_sdk_names", "joint_names_sdk_order")
 """Keys of the motors' names, in the order of their numbers. The second is legged_lab's."""
 
@@ -50,25 +53,34 @@ def motors_of(
 ) -> Motors | None:
     """What the lists of a file say of each motor; None where it has no `joint_ids_map` that fits them.
 
+    Joints that have no motor of their own there by a slip lose what is by the policy's order.
+
     Args:
         scopes: Mappings in which they may stand, the nearest first.
         keys: Field to its keys.
         mapping: A mapping's own and merged keys.
         setting: A node as a number with its place; None for any other.
         span: Place of a node.
-        out: Is told where an action does not begin at the default pose by a slip.
+        out: Is told of a joint without a motor of its own, and where an action does not begin at the default pose, by
+            a slip.
     """
     ids = nearest(scopes, ("joint_ids_map",))
     gains = [nearest(scopes, keys[field]) for field in ("kp", "kd")]
     lists = [
         found[1].value for found in gains if found is not None and isinstance(found[1], yaml.SequenceNode)
     ]
-    numbers = _numbers(None if ids is None else ids[1], setting)
-    if ids is None or len(lists) < 2 or not numbers:
+    written = _numbers(None if ids is None else ids[1], setting)
+    if ids is None or len(lists) < 2 or not written:
         return None
     count = max(map(len, lists))
-    if len(set(numbers)) < len(numbers) or not 0 <= min(numbers) <= max(numbers) < count:
+    odd = _without_a_motor(written, count)
+    if odd is None:
         return None
+    for joint, message in odd.items():
+        if message:
+            help = "write the number of each motor once"
+            out.warning(NO_MOTOR, message, where=ids[0], span=span(ids[1].value[joint]), help=help)
+    numbers = [None if joint in odd else number for joint, number in enumerate(written)]
 
     figures: dict[str, dict[str, Setting]] = {}
     for field, own in keys.items():
@@ -76,7 +88,7 @@ def motors_of(
         if found is None or not isinstance(found[1], yaml.SequenceNode):
             continue
         items = found[1].value
-        motors = numbers if field in _BY_POLICY else range(count)
+        motors: Sequence[int | None] = numbers if field in _BY_POLICY else range(count)
         if len(items) != len(motors):
             message = f"it has {many(len(items), 'value')} for {many(len(motors), 'joint')}"
             out.warning(LENGTH, message, where=found[0], span=span(found[1]))
@@ -91,7 +103,8 @@ def motors_of(
                 pose = figures.get("default_position", {}) if _TERMS[name] == "position" else {}
                 terms.append(_term(name, mapping(node), span(node), numbers, pose, setting, span, out))
     groups = []
-    for motor in map(str, sorted(numbers)):
+    # The gains are by motor, whichever joint has it.
+    for motor in map(str, range(count) if odd else sorted(written)):
         own_figures = {field: values[motor] for field, values in figures.items() if motor in values}
         if own_figures:
             at = next(iter(own_figures.values())).span
@@ -99,11 +112,40 @@ def motors_of(
     return Motors(count, tuple(groups), tuple(terms), span(ids[1]))
 
 
+def _without_a_motor(numbers: Sequence[int], count: int) -> dict[int, str] | None:
+    """Places in a `joint_ids_map` whose number is twice there, or no motor's: each with what to say of it, or "" where
+    another place says it.
+
+    None where the numbers are of another order than the gains: Unitree's own files of a G1 with 23 joints have 23 gains
+    and ascending numbers up to 26 (unitree_rl_mjlab, deploy/robots/g1_23dof).
+    """
+    beyond = [joint for joint, number in enumerate(numbers) if not 0 <= number < count]
+    if len(beyond) > 1 or (beyond and list(numbers) == sorted(numbers)):
+        return None
+    missing = [str(motor) for motor in range(count) if motor not in numbers]
+    # A policy of fewer joints leaves motors out.
+    left = f"; none has motor {missing[0]}" if len(missing) == 1 else ""
+    found = {}
+    for joint, number in enumerate(numbers):
+        same = [other for other, its in enumerate(numbers) if its == number]
+        if len(same) > 1:
+            which = " and ".join(str(other + 1) for other in same)
+            found[joint] = (
+                f"joints {which} of the policy have motor {number}{left}" if joint == same[1] else ""
+            )
+    for joint in beyond:
+        found[joint] = (
+            f"joint {joint + 1} of the policy has motor {numbers[joint]}, and the gains are of motors 0 to "
+            f"{count - 1}{left}"
+        )
+    return found
+
+
 def _term(
     name: str,
     term: Mapping[str, yaml.Node],
     place: Span,
-    numbers: Sequence[int],
+    numbers: Sequence[int | None],
     pose: dict[str, Setting],
     setting: Callable[[yaml.Node], Setting | None],
     span: Callable[[yaml.Node], Span],
@@ -128,7 +170,7 @@ def _term(
     return ActionTerm(
         name,
         name,
-        tuple(map(str, motors)),
+        tuple(str(motor) for motor in motors if motor is not None),
         _TERMS[name],
         "",
         _of_all(scale, motors, term.get("scale"), span),
@@ -139,14 +181,14 @@ def _term(
 
 
 def _by_motor(
-    node: yaml.Node | None, motors: Sequence[int], setting: Callable[[yaml.Node], Setting | None]
+    node: yaml.Node | None, motors: Sequence[int | None], setting: Callable[[yaml.Node], Setting | None]
 ) -> dict[str, Setting]:
     """The numbers of a list by motor; none of a list of another length."""
     items = node.value if isinstance(node, yaml.SequenceNode) else []
     if len(items) != len(motors):
         return {}
     pairs = zip(motors, map(setting, items), strict=True)
-    return {str(motor): one for motor, one in pairs if one is not None}
+    return {str(motor): one for motor, one in pairs if one is not None and motor is not None}
 
 
 def _numbers(node: yaml.Node | None, setting: Callable[[yaml.Node], Setting | None]) -> list[int]:
@@ -160,14 +202,14 @@ def _numbers(node: yaml.Node | None, setting: Callable[[yaml.Node], Setting | No
 
 def _of_all(
     values: Mapping[str, Setting],
-    motors: Sequence[int],
+    motors: Sequence[int | None],
     node: yaml.Node | None,
     span: Callable[[yaml.Node], Span],
 ) -> Setting | None:
     """A list as values by motor; unknown where it is none of so many numbers."""
     if node is None:
         return None
-    if len(values) < len(motors):
+    if len(values) < len(motors) - motors.count(None):
         return Setting(None, span(node), "it is no list of a number for each joint")
     places = {motor: one.span for motor, one in values.items()}
     return Setting({motor: one.value for motor, one in values.items()}, span(node), places=places)

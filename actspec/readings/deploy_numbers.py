@@ -28,6 +28,11 @@ def is_meant_for_one(node: yaml.Node) -> bool:
     return figure or node.tag in (f"{_YAML}int", f"{_YAML}float")
 
 
+def is_empty(node: yaml.Node) -> bool:
+    """Whether nothing stands behind a key, not even `null`."""
+    return isinstance(node, yaml.ScalarNode) and node.tag == f"{_YAML}null" and node.value == ""
+
+
 def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], path: str, out: Collector) -> None:
     """Say which figures of a key are no numbers; `null` and `unknown` are nobody's figure, nor are words among words.
 
@@ -38,7 +43,7 @@ def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], path: str, out:
         out: Is told.
     """
     odd = [(joint, node) for joint, node in values if number_of(node) is None and not _is_left_open(node)]
-    figures = [one for one in odd if is_meant_for_one(one[1])]
+    figures = [one for one in odd if is_meant_for_one(one[1]) or is_empty(one[1])]
     if len(values) - len(odd) + len(figures) < len(odd) - len(figures):
         # Words and lists with a number among them are no gains by joint: Isaac Gym's `stiffness: {range: [0.5, 1.5],
         # operation: scaling, schedule_steps: 3000}`.
@@ -53,7 +58,7 @@ def _is_left_open(node: yaml.Node) -> bool:
     """Whether somebody says that there is no figure: a word for it, and not nothing at all."""
     if not isinstance(node, yaml.ScalarNode):
         return False
-    return node.value == "unknown" or (node.tag == f"{_YAML}null" and node.value != "")
+    return node.value == "unknown" or (node.tag == f"{_YAML}null" and not is_empty(node))
 
 
 def _what(node: yaml.Node) -> str:

@@ -68,10 +68,11 @@ def pair(
     configuration joins the robot whose file it names, or that of its name where at least half of its patterns match a
     joint, else the one whose joints all of its patterns match and that nothing tells from it, such as another name that
     it shares with its own file; where several do, none: nothing is guessed; without a robot,
-    the deploy file that has its keys. What a run recorded joins the one configuration that was named with its patterns
-    and its model, and a deploy file that somebody named what was named with it and has the same joints, where nothing
-    else has them. Ranges of randomisation without actuators
-    join the robot that their file's name tells, or the only one. Models that somebody named are one robot where they
+    the deploy file that has its keys. A file without a name beside several robots is of the one whose joints are most
+    nearly its own; a deploy file beside what a run recorded is called as that is. What a run recorded joins the one
+    configuration that was named with its patterns and its model, and a deploy file that somebody named what was named
+    with it and has the same joints, where nothing else has them. Ranges of randomisation without actuators join the
+    robot that their file's name tells, or the only one. Models that somebody named are one robot where they
     have one body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never compared with
     `arm1.xml`, nor one in `my_arm.xml`.
 
@@ -86,8 +87,8 @@ def pair(
     """
     names = [joint_names(artifact) for artifact in artifacts]
     sets = [frozenset(own or ()) for own in names]
-    calls = [_names_of(artifact) for artifact in artifacts]
-    words = [distinctive(artifact) for artifact in artifacts]
+    calls = _called_as_their_runs([_names_of(artifact) for artifact in artifacts], artifacts, records)
+    words = [own or folder for own, folder in calls]
     figures = cache(lambda index: figures_of(artifacts[index].robot))
 
     def agree(one: int, other: int) -> bool:
@@ -111,28 +112,32 @@ def pair(
         called = (words[one] <= words[other] or words[other] <= words[one]) and bool(
             words[one] & words[other]
         )
-        return _overlap(mine, its) or (called and {one, other} <= set(by_hand) and _is_but_one(mine, its))
+        named = called and {one, other} <= set(by_hand)
+        return _overlap(mine, its) or (named and (_is_but_one(mine, its) or _are_renamed(mine, its)))
 
     held = next((names[i] for i, a in enumerate(artifacts) if a.spec is not None and a.path == spec), None)
     bound = {
         i for i, own in enumerate(names) if held and own is not None and _overlap(sets[i], frozenset(held))
     }
     groups: list[list[int]] = []
-    for index, own in enumerate(names):
-        if own is None:
+    # What is called nothing fits too many, and is put to those that are called something.
+    for index in sorted(range(len(names)), key=lambda i: not calls[i][0]):
+        if names[index] is None:
             continue
-        home = next(
-            (
-                group
-                for group in groups
-                if all((overlap(index, i) and agree(index, i)) or {index, i} <= bound for i in group)
-                and any(
-                    {index, i} <= bound
-                    or _may_be_one(artifacts, figures, index, i, 3 if words[index] == words[i] else 2)
-                    for i in group
-                )
-            ),
-            None,
+        fitting_groups = (
+            group
+            for group in groups
+            if all((overlap(index, i) and agree(index, i)) or {index, i} <= bound for i in group)
+            and any(
+                {index, i} <= bound
+                or _may_be_one(artifacts, figures, index, i, 3 if words[index] == words[i] else 2)
+                for i in group
+            )
+        )
+        home = (
+            next(fitting_groups, None)
+            if calls[index][0]
+            else _nearest(sets, calls, index, list(fitting_groups))
         )
         if home is None:
             groups.append([index])
@@ -142,8 +147,8 @@ def pair(
     named = [tuple(group) for group in groups]
     unnamed = [i for i, own in enumerate(names) if own is None]
     configs = [i for i in unnamed if not _is_events(artifacts[i])]
+    joints_of = [[n for i in group for n in names[i] or ()] for group in named]
     for index in configs:
-        joints_of = [[n for i in group for n in names[i] or ()] for group in named]
         only = sum(artifacts[i].path == artifacts[index].path for i in configs) == 1
         if bound and only and fits(artifacts[index].config, held or ()):
             next(group for group in groups if min(bound) in group).append(index)
@@ -155,7 +160,17 @@ def pair(
             if any(_shared(words[index], words[i]) for i in named[g])
             and fits(artifacts[index].config, joints, VARIANT)
         ]
-        silent = [g for g in fitting if any(agree(index, i) for i in named[g])]
+        others = [
+            artifacts[i].config
+            for i in configs
+            if artifacts[i].path == artifacts[index].path and not _agree(words[i], words[index])
+        ]
+        silent = [
+            g
+            for g in fitting
+            if any(agree(index, i) for i in named[g])
+            and not _is_outdone(artifacts[index].config, others, joints_of[g])
+        ]
         sole = len(named) == 1 and (only or not calls[index][0]) and says_something(artifacts[index].config)
         alone = [
             g
@@ -193,6 +208,66 @@ def pair(
         Robot(_name(artifacts, words, sorted(group)), tuple(sorted(group))) for group in groups if group
     ]
     return tuple(sorted(robots, key=lambda robot: robot.artifacts))
+
+
+def _called_as_their_runs(
+    calls: Sequence[tuple[frozenset[str], frozenset[str]]],
+    artifacts: Sequence[Artifact],
+    records: Collection[int],
+) -> list[tuple[frozenset[str], frozenset[str]]]:
+    """What artifacts are called, a deploy file as what the run that exported it recorded beside it."""
+    found = list(calls)
+    for index in range(len(artifacts)):
+        runs = {calls[i] for i in runs_of(artifacts, index, records)}
+        own = runs.pop() if len(runs) == 1 else calls[index]
+        found[index] = own if own[0] else calls[index]
+    return found
+
+
+def runs_of(artifacts: Sequence[Artifact], index: int, records: Iterable[int]) -> tuple[int, ...]:
+    """What the run recorded that a deploy file is of: both stand in one folder, `params`; none for any other file.
+
+    Args:
+        artifacts: All of them.
+        index: The deploy file.
+        records: Indices of what trainings wrote of themselves.
+    """
+    folder = os.path.dirname(artifacts[index].path)
+    if artifacts[index].kind is not FileKind.DEPLOY:
+        return ()
+    return tuple(i for i in records if os.path.dirname(artifacts[i].path) == folder)
+
+
+def _nearest(
+    sets: Sequence[frozenset[str]],
+    calls: Sequence[tuple[frozenset[str], frozenset[str]]],
+    index: int,
+    groups: Sequence[list[int]],
+) -> list[int] | None:
+    """The first group with most of a file's joints and fewest others; None where another one is of another robot."""
+    nearness = [
+        max(len(sets[index] & sets[i]) / len(sets[index] | sets[i]) for i in group) for group in groups
+    ]
+    tied = [group for group, near in zip(groups, nearness, strict=True) if near == max(nearness)]
+    members = [i for group in tied for i in group]
+    apart = any(_are_two(calls[one], calls[other]) for one in members for other in members)
+    return None if apart or not tied else tied[0]
+
+
+def _is_outdone(
+    config: RobotConfig | None, others: Iterable[RobotConfig | None], joints: Sequence[str]
+) -> bool:
+    """Whether one of other configurations, all of whose patterns match a joint too, has more of the joints."""
+    own = len(_selected(config, joints))
+    return any(fits(other, joints) and len(_selected(other, joints)) > own for other in others)
+
+
+def _selected(config: RobotConfig | None, joints: Sequence[str]) -> set[str]:
+    """The joints that a configuration's patterns match."""
+    patterns = [key for group in config.groups for key in group.joints or ()] if config is not None else []
+    return (
+        {joint for key in patterns for joint in matching(config.framework, key, joints)} if config else set()
+    )
 
 
 def _with_nameless(
@@ -448,6 +523,29 @@ def _is_but_one(one: frozenset[str], other: frozenset[str]) -> bool:
     """
     least = min(len(one), len(other))
     return least > 2 and len(one & other) >= least - 1
+
+
+def _are_renamed(one: frozenset[str], other: frozenset[str]) -> bool:
+    """Whether one word for another makes the joints of one artifact those of the other, of which half are called alike:
+    `l_knee` and `r_knee` are `l_calf` and `r_calf`, as macros and search-and-replace have it.
+    """
+    mine, its = one - other, other - one
+    if not mine or len(mine) != len(its) or len(one & other) < len(mine):
+        return False
+    first = _PART.findall(min(mine))
+    for name in its:
+        apart = [pair for pair in zip(first, _PART.findall(name), strict=False) if pair[0] != pair[1]]
+        if len(apart) == 1:
+            word, instead = apart[0]
+            if {
+                "".join(instead if part == word else part for part in _PART.findall(each)) for each in mine
+            } == its:
+                return True
+    return False
+
+
+_PART = re.compile(r"[^\W\d_]+|[\W\d_]+")
+"""Words of a joint's name, and what is between them."""
 
 
 def fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:

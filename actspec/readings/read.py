@@ -504,7 +504,22 @@ def _is_past(file: NamedFile, skip_other: bool) -> bool:
     if file.named:
         return skip_other
     inside = os.path.relpath(file.path, file.folder).replace(os.sep, "/")
-    return inside not in ("env.yaml", "params/env.yaml")
+    return inside not in _RECORDS
+
+
+_RECORDS = ("params/env.yaml", "env.yaml")
+"""What a training wrote of itself, below the folder of the run or its `params`."""
+
+
+def named_as_run(folder: str, called: str) -> str | None:
+    """A help for a folder where a file is asked for: the record of the run that it is; None: it is none.
+
+    Args:
+        folder: It.
+        called: As the user has it.
+    """
+    found = next((name for name in _RECORDS if os.path.isfile(os.path.join(folder, name))), None)
+    return None if found is None else f"it is the folder of a run: name {os.path.join(called, found)}"
 
 
 def _nothing_at(path: str) -> FileReading:

@@ -59,6 +59,25 @@ def test_another_name(
     assert told == ([("hip", 4.0, 9.0), ("knee", 5.0, 9.0)] if robots == 1 and beside == "h1_cfg.py" else [])
 
 
+def test_a_mapping_beside_patterns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The name is there, and what helps is a list: then the hip's 4 N*m/rad are compared with 9, and the knee's 5."""
+    monkeypatch.chdir(tmp_path)
+    Path("h1_cfg.py").write_text(CFG.format('"hip", "kn.*"').replace("ROVER", "H1"))
+    mappings = "kp: {hip: 4, knee: 5}\nkd: {hip: 1, knee: 1}\n"
+    Path("h1_deploy.yaml").write_text(mappings)
+    report = audit(["h1_cfg.py", "h1_deploy.yaml"], Settings())
+    (told,) = [one for one in report.diagnostics() if one.code == "AUD015"]
+    start = "this has the joints of h1_cfg.py, and is not compared with it: "
+    assert (told.message, told.help) == (
+        f"{start}it has no list of joint names",
+        "add joint_names: [...] with its 2 joints",
+    )
+    Path("h1_deploy.yaml").write_text("joint_names: [hip, knee]\n" + mappings)
+    report = audit(["h1_cfg.py", "h1_deploy.yaml"], Settings(select=("SRC103",)))
+    assert [one.finding.joint for one in report.findings] == ["hip", "knee"]
+    assert not [one for one in report.diagnostics() if one.code == "AUD015"]
+
+
 def test_two_deploy_files_of_one_configuration(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Which of them runs the policy is not known: neither is compared, and both are told. Nor is one of a folder."""
     monkeypatch.chdir(tmp_path)

@@ -637,6 +637,11 @@ def test_rule_of_a_code_of_another_command(code: str, page: str, capsys: pytest.
     said = capsys.readouterr().out
     assert said.startswith(f"{code}\n\nThis is no rule: ") and f"docs/{page}.md" in said
     assert code in (ROOT / "docs" / f"{page}.md").read_text("utf-8")
+    assert run("rule", "DEPLOY001") == 0
+    assert capsys.readouterr().out.startswith("DEPLOY001 list-length\n\nThis is no rule: ")
+    assert run("rule", "SYSID101") == 2
+    help = "SYS and a number: `sysid` reports it. docs/sysid.md says when, and what helps."
+    assert capsys.readouterr().err.splitlines()[1:2] == [f"  help: {help}"]
     for wrong in ("DMP199", "NET999"):
         assert run("rule", wrong) == 2
 

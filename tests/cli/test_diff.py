@@ -145,6 +145,28 @@ def test_odd_file_names(name: str, repository: Path, capsys: pytest.CaptureFixtu
     assert capsys.readouterr().out.startswith(f"HEAD:./{name} -> {name} (leg)\n{TOLD}")
 
 
+@pytest.mark.parametrize("command", ["diff", "import"])
+@pytest.mark.parametrize(
+    ("folder", "file"), [("run", "run/params/env.yaml"), ("run/params", "run/params/env.yaml")]
+)
+def test_the_folder_of_a_run(
+    command: str,
+    folder: str,
+    file: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """`audit` takes it for its run; where a file is asked for, the help names that."""
+    monkeypatch.chdir(tmp_path)
+    Path("run/params").mkdir(parents=True)
+    Path("run/params/env.yaml").touch()
+    Path("robots").mkdir()
+    assert main([command, folder, "robots"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("help:") == 1 and f"help: it is the folder of a run: name {file}\n" in said
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "side, message",

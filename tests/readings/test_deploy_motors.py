@@ -126,6 +126,21 @@ def test_an_action_that_is_not_added_to_the_pose() -> None:
             "DEPLOY007 [warning] default_joint_pos: joint 2 of the policy has 0.1 rad here, and an offset of 0.4 rad "
             "in JointPositionAction, which has the default positions of the others",
         ),
+        (
+            "map: [3, 0, 1]",
+            "map: [3, 0, 0]",
+            "DEPLOY008 [warning] joint_ids_map: joints 2 and 3 of the policy have motor 0",
+        ),
+        (
+            "map: [3, 0, 1]",
+            "map: [3, 0, 4]",
+            "DEPLOY008 [warning] joint_ids_map: joint 3 of the policy has motor 4, and the gains are of motors 0 to 3",
+        ),
+        (
+            "map: [3, 0, 1]",
+            "map: [3, 0, -1]",
+            "DEPLOY008 [warning] joint_ids_map: joint 3 of the policy has motor -1, and the gains are of motors 0 to 3",
+        ),
     ],
 )
 def test_lists_that_contradict_each_other(old: str, new: str, said: str) -> None:
@@ -137,9 +152,26 @@ def test_lists_that_contradict_each_other(old: str, new: str, said: str) -> None
     assert len(config.groups) == 3 and left >= ({"kp", "kd"} if "DEPLOY001" not in said else {"kp"})
 
 
-@pytest.mark.parametrize("numbers", ["[3, 0, 4]", "[3, 0, 0]", "[3, 0, -1]", "[3, 0, 0.5]", "[]", "5"])
+def test_a_motor_twice(run: Path) -> None:
+    """The gains are by motor and are compared, also of the one that no joint has; the pose of the other two is not."""
+    text = DEPLOY.replace("map: [3, 0, 1]", "map: [3, 0, 2, 0]").replace("0.1, -0.2]", "0.1, -0.2, 9.0]")
+    config = config_of(NAMES.replace("''", "toe") + text)
+    (note,) = config.notes
+    assert note.message == "joints 2 and 4 of the policy have motor 0; none has motor 1"
+    assert note.span is not None and (note.span.line, note.span.column) == (2, 26)
+    found = {group.name: set(group.settings) for group in config.groups}
+    both, pose = {"kp", "kd"}, {"kp", "kd", "default_position"}
+    assert found == {"hip": both, "knee": both, "toe": pose, "foot": pose}
+    (run / "deploy.yaml").write_text(
+        DEPLOY.replace("[3, 0, 1]", "[3, 0, 0]").replace("20.0, 0.0", "200.0, 0.0")
+    )
+    files = [str(run / "env.yaml"), str(run / "deploy.yaml")]
+    assert set(told(*files)) == {("AUD022", "", None, None), ("SRC103", "knee", 200.0, 20.0)}
+
+
+@pytest.mark.parametrize("numbers", ["[0, 3, 4]", "[3, 4, 5]", "[3, 0, 0.5]", "[]", "5"])
 def test_a_map_that_is_none(numbers: str) -> None:
-    """The lists are then without names, as any."""
+    """The lists are then without names, as any; gaps that ascend are of gains in the policy's order."""
     config = config_of(DEPLOY.replace("[3, 0, 1]", numbers))
     assert config.motors is None and "joint_names: [...]" in (config.notes[0].help or "")
 
@@ -184,6 +216,32 @@ def test_what_departs_from_the_run(
     (run / "deploy.yaml").write_text(DEPLOY.replace(old, new))
     assert told(str(run / "env.yaml"), str(run / "deploy.yaml")) == [found]
     assert told("run") == [found]
+
+
+def test_two_runs(run: Path) -> None:
+    """Each deploy file is held to what its own run recorded, in any order: what is right of the other is wrong here."""
+    Path("two/params").mkdir(parents=True)
+    Path("two/params/env.yaml").write_text(
+        RUN.replace("hip: 0.1", "hip: 0.4").replace("dt: 0.005", "dt: 0.01")
+    )
+    later = DEPLOY.replace("[0.3, 0.1, -0.2]", "[0.3, 0.4, -0.2]").replace("step_dt: 0.02", "step_dt: 0.04")
+    files = [f"{name}/params/{file}.yaml" for name in ("run", "two") for file in ("env", "deploy")]
+    Path(files[3]).write_text(later)
+    for names in (files, files[::-1], ["run", "two"]):
+        assert told(*names) == []
+    Path(files[3]).write_text(later.replace("20.0, 0.0", "200.0, 0.0").replace("0.4,", "0.1,"))
+    (run / "deploy.yaml").write_text(DEPLOY.replace("step_dt: 0.02", "step_dt: 0.04"))
+    for names in (files, files[::-1]):
+        found = audit(names, Settings(select=("SRC",))).findings
+        assert {(one.finding.code, one.finding.value, one.finding.span.path) for one in found} == {
+            ("SRC103", 200.0, files[3]),
+            ("SRC106", 0.1, files[3]),
+            ("SRC107", 0.04, files[1]),
+        }
+        assert {(one.severity.value, one.finding.related[0].path) for one in found} == {
+            ("warning", files[2]),
+            ("warning", files[0]),
+        }
 
 
 def test_a_file_elsewhere(run: Path) -> None:

@@ -423,6 +423,9 @@ _TWICE = "its kp is one number, and joint_names is no list with each joint's nam
             [f"torque_limit: it has 23.7 N*m, {_TEXT}"],
         ),
         ("joint_names: [hip]\nkp: [25]\nkd: ${gains.kd}", {"hip": 25.0}, []),
+        ("joint_names: [hip]\nkp: [25]\nkd:", {"hip": 25.0}, ["kd: it has no value"]),
+        ("joint_names: [hip]\nkp: [25]\nkd: null", {"hip": 25.0}, []),
+        ("kp: {hip: 25}\ntorque_limits: {mode: soft}\nkd:", {"hip": 25.0}, ["kd: it has no value"]),
     ],
 )
 def test_what_is_no_number_in_a_mapping_or_alone(

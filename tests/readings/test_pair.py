@@ -395,3 +395,46 @@ def test_a_cfg_and_a_mapping_with_its_keys() -> None:
     # A model has the say, as ever.
     robot = model("t/go2.xml", "go2", ["hip", "knee"])
     assert _together(robot, cfg, _mapped("t/go2_deploy.yaml", ["hip", "knee"])) == [(0, 1, 2)]
+
+
+def _listed(path: str, name: str, joints: Sequence[str], kind: FileKind = FileKind.CFG) -> Artifact:
+    """A configuration or deploy file that lists its joints."""
+    framework = Framework.DEPLOY if kind is FileKind.DEPLOY else Framework.ISAACLAB
+    found = config(path, name, joints, framework)
+    assert found.config is not None
+    settings = {"joint_order": Setting(tuple(joints), Span(path, 1))}
+    return replace(found, kind=kind, config=replace(found.config, settings=settings))
+
+
+@pytest.mark.parametrize("first", [0, 1], ids=["before both", "behind both"])
+@pytest.mark.parametrize("lists", [True, False], ids=["with lists", "with patterns"])
+def test_a_deploy_file_without_a_name_is_of_the_robot_with_just_its_joints(lists: bool, first: int) -> None:
+    """Of 15 joints 12 are the dog's, all 15 the dog's with an arm, whichever stands first."""
+    deploy = _listed("t/deploy.yaml", "deploy", (*DOG, *ARM), FileKind.DEPLOY)
+    make = _listed if lists else config
+    dog, armed = make("t/robots.py", "LYNX_CFG", DOG), make("t/robots.py", "TITAN_CFG", (*DOG, *ARM))
+    for pair_of in ([dog, armed], [armed, dog]):
+        files = [*pair_of, deploy] if first else [deploy, *pair_of]
+        (both,) = (group for group in _together(*files) if len(group) > 1)
+        assert {files[i].name for i in both} == {"TITAN_CFG", "deploy"}
+
+
+def test_a_deploy_file_without_a_name_beside_two_robots_of_equal_joints() -> None:
+    """A Go1 and a B2 have the same joints, and none is chosen; a robot and its environment are one."""
+    deploy = _listed("t/deploy.yaml", "deploy", DOG, FileKind.DEPLOY)
+    two = [_listed("t/unitree.py", f"UNITREE_{name}_CFG", DOG) for name in ("GO1", "B2")]
+    assert _together(*two, deploy) == [(0,), (1,), (2,)]
+    task = _listed("t/tracking_env_cfg.py", "TrackingCfg", DOG)
+    assert _together(two[0], task, deploy) == [(0, 2), (1,)]
+
+
+def test_a_deploy_file_beside_its_run_is_called_as_that() -> None:
+    """`deploy.yaml` of the Go2's run is no Go1's, though every run has it in a folder `params`."""
+    files = [
+        _listed("one/params/env.yaml", "go1", DOG),
+        _listed("one/params/deploy.yaml", "deploy", DOG, FileKind.DEPLOY),
+        _listed("two/params/env.yaml", "go2", DOG),
+        _listed("two/params/deploy.yaml", "deploy", DOG, FileKind.DEPLOY),
+    ]
+    assert [robot.artifacts for robot in pair(files, records=(0, 2))] == [(0, 1), (2, 3)]
+    assert [robot.artifacts for robot in pair(files)] == [(0,), (1,), (2,), (3,)]

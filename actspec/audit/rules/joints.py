@@ -76,6 +76,16 @@ def starts_there_alone(case: Case, row: LedgerRow) -> bool:
     return any("action_zero" in other.places for other in (row, *partner_rows(case, row, FileKind.CFG)))
 
 
+def is_left_at_zero(case: Case, row: LedgerRow) -> bool:
+    """Whether a joint is at 0 in the default pose since no key of Isaac Lab's `joint_pos` is for it.
+
+    Source: Isaac Lab 2.3.2, articulation.py, `_process_cfg` fills zeros by the keys.
+    """
+    config = case.artifacts[row.artifact].config
+    zero = row.default_position == 0.0 and "default_position" not in row.stated
+    return zero and config is not None and config.framework is Framework.ISAACLAB
+
+
 def by_joint(case: Case, *kinds: FileKind) -> Mapping[tuple[int, str], Sequence[LedgerRow]]:
     """Rows of each joint of each artifact, in their order; rows without a joint are left out.
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import names_model
-from actspec.audit.rules.joints import partner_rows, shown, unit
+from actspec.audit.rules.joints import is_left_at_zero, partner_rows, shown, unit
 from actspec.audit.rules.sided import are_of_two_sides
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
@@ -114,10 +114,9 @@ class PoseOutOfRange(RuleInParts):
 
 def _starts_there(case: Case, row: LedgerRow) -> bool:
     """Whether a row has the position at which its joint starts: Isaac Lab starts what no key is for at 0."""
-    config = case.artifacts[row.artifact].config
-    if row.default_position is None or config is None:
+    if row.default_position is None or case.artifacts[row.artifact].config is None:
         return False
-    return "default_position" in row.stated or config.framework is Framework.ISAACLAB
+    return "default_position" in row.stated or is_left_at_zero(case, row)
 
 
 def _is_in_doubt(case: Case, row: LedgerRow) -> bool:

@@ -12,7 +12,7 @@ from actspec.audit.rules.joints import names_undriven
 from actspec.audit.rules.ord101 import scalar_joints, stated_order
 from actspec.diagnostics import Span, nearest
 from actspec.patterns import is_slip
-from actspec.readings.artifact import Artifact, Framework
+from actspec.readings.artifact import Artifact, FileKind, Framework
 from actspec.readings.pair import matching
 from actspec.robot.view import JointView
 
@@ -86,6 +86,54 @@ def _of_list(case: Case, index: int) -> Iterator[Misnamed]:
     for name, meant in _meant(lost, tuple(free)).items():
         patterns = next((one for one in members if selects(one, name) and not selects(one, meant)), None)
         yield Misnamed(index, name, names[name], free[meant], model, patterns)
+
+
+def drivers_beside(case: Case, index: int) -> list[Artifact]:
+    """The configurations beside a deploy file that have a group for one of its joints, where no other file is."""
+    members = [case.artifacts[other] for other in case.robot_of(index).artifacts if other != index]
+    if case.artifacts[index].kind is not FileKind.DEPLOY or any(one.config is None for one in members):
+        return []
+    names = _names(case.artifacts[index])
+    return [one for one in members if any(selects(one, name) for name in names)]
+
+
+def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Artifact]]:
+    """Names in a deploy file that no group of the robot's configuration has, where no other file names its joints.
+
+    Each with its place, the name that is meant, and the configuration: that name has another name's or pattern's word
+    in the place of one that is nearly it, is in a group, and is left out of the file. Joints without such a name are of
+    a part that the configuration leaves to others.
+    """
+    drivers = drivers_beside(case, index)
+    names = _names(case.artifacts[index])
+    lost = [name for name in names if not any(selects(one, name) for one in drivers)]
+    if 2 * len(lost) > len(names):
+        return
+    patterns = [
+        pattern
+        for one in drivers
+        for group in (one.config.groups if one.config is not None else ())
+        for pattern in group.joints or ()
+    ]
+    words = dict.fromkeys(
+        word for text in (*(names.keys() - {*lost}), *patterns) for word in _LETTERS.findall(text)
+    )
+    for name in lost:
+        meant = {
+            text: one
+            for found in _LETTERS.finditer(name)
+            for word in sorted(words)
+            if word != found[0] and nearest(found[0], [word])
+            for text in (f"{name[: found.start()]}{word}{name[found.end() :]}",)
+            for one in drivers
+            if text not in names and selects(one, text)
+        }
+        if len(meant) == 1:
+            yield name, names[name], *meant.popitem()
+
+
+_LETTERS = re.compile(r"[^\W\d_]{3,}")
+"""Words of a name, or of a pattern, that a slip may have changed: sides and axes are shorter."""
 
 
 def _names(artifact: Artifact) -> Mapping[str, Span]:

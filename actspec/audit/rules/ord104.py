@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS, is_as_written, posed
-from actspec.audit.rules.misnamed import misnamed
+from actspec.audit.rules.misnamed import beside_patterns, drivers_beside, misnamed
 from actspec.diagnostics import Span, listed, nearest, shortened
 from actspec.patterns import match_names, recased
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
@@ -30,7 +30,9 @@ class PatternMatchesNothing(RuleOver[_Subject]):
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
-    needs = "no configuration with values by joint, or with a model of its robot, among the files"
+    needs = (
+        "no configuration with values by joint, or with a model or deploy file of its robot, among the files"
+    )
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
     def subjects(self, case: Case) -> Iterator[_Subject]:
@@ -40,7 +42,7 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                 continue
             model = _model(case, index)
             if config.framework not in FRAMEWORKS:
-                if model is not None:
+                if model is not None or drivers_beside(case, index):
                     yield index, config, model
             elif model is not None or any(_keys(s) for g in config.groups for s in g.settings.values()):
                 yield index, config, model
@@ -79,6 +81,19 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                 confidence=Confidence.MEDIUM,
                 noted_in_folders=True,
                 about=f"{found.name} {found.joint.name}",
+            )
+        for name, place, meant, config in beside_patterns(case, index):
+            yield Finding(
+                self.code,
+                f"no file of the robot has a joint '{shortened(name)}': {basename(config.path)} has a group for "
+                f"'{shortened(meant)}', which this file leaves out",
+                place,
+                name,
+                help=f"did you mean '{shortened(meant)}'?",
+                severity=Severity.WARNING,
+                confidence=Confidence.MEDIUM,
+                noted_in_folders=True,
+                about=f"{name} {meant}",
             )
 
     def _keys(

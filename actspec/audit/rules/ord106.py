@@ -76,13 +76,22 @@ def _pairs(one: Artifact, other: Artifact) -> Iterator[tuple[JointView, JointVie
         else []
         for artifact, theirs in zip((one, other), reversed(names), strict=True)
     ]
-    sole = len(alone[0]) == len(alone[1]) == 1
+    places = [
+        {joint.name: _places(artifact, joint) for joint in joints}
+        for artifact, joints in zip((one, other), alone, strict=True)
+    ]
+
+    def are_left_over(mine: JointView, its: JointView) -> bool:
+        here, there = (list(each.values()) for each in places)
+        place = places[0][mine.name]
+        return here.count(place) == there.count(place) == 1
+
     meant = [
         (mine, its)
         for mine in alone[0]
         for its in alone[1]
-        if _places(one, mine) == _places(other, its)
-        and (is_misspelt(mine.name, its.name) or (sole and _turn_alike(mine, its)))
+        if places[0][mine.name] == places[1][its.name]
+        and (is_misspelt(mine.name, its.name) or (are_left_over(mine, its) and _turn_alike(mine, its)))
     ]
     for mine, its in meant:
         if sum(mine is a or its is b for a, b in meant) == 1:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 
 from actspec.audit.case import Case
+from actspec.audit.rules.joints import is_left_at_zero
 from actspec.audit.rules.sided import are_of_two_sides
 from actspec.audit.rules.source_blame import (
     SAME,
@@ -55,9 +56,9 @@ def disagreements(
     A file is held to the URDF and MJCF of its robot, a deploy file to the training configuration. One that agrees
     with any of them is right; else the nearest is named: with the same joints, by the same name, the first. Of files
     that somebody named a deploy file is held to each configuration: one of another file that agrees, which may be the
-    last that was not changed, does not speak for the others. Of a known
-    robot the file with the published figure is right. A figure that a file does not state is not compared, nor two of
-    which a spec has one: what it says of the other file is SPC101's.
+    last that was not changed, does not speak for the others. Beside what its run recorded it is held to that alone.
+    Of a known robot the file with the published figure is right. A figure that a file does not state is not compared,
+    nor two of which a spec has one: what it says of the other file is SPC101's.
 
     Args:
         case: The case.
@@ -82,7 +83,9 @@ def disagreements(
         for found in every:
             wrong = by_what_is_published(case, found)
             if not (wrong.published or wrong.beyond_published):
-                wrong = by_range(case, wrong) or by_kinds(case, wrong, kinds)
+                # What other runs recorded says nothing of this one.
+                as_is = wrong if found.others[0].artifact in case.runs_of(found.rows[0].artifact) else None
+                wrong = by_range(case, wrong) or as_is or by_kinds(case, wrong, kinds)
             wrong = replace(wrong, also=tuple(_beside_others(case, wrong, stated, kinds)))
             # Several files may be right beside one that is not.
             at = (wrong.rows[0].artifact, wrong.rows[0].joint)
@@ -114,7 +117,9 @@ def _copies(
         return
     key = case.artifacts[mine.artifact].kind, mine.joint, (wrong.field, wrong.mine.value)
     for index in holders.get(key, ()):
-        if case.artifacts[index].path != mine.file:
+        # Beside its own run it may be right.
+        is_its = wrong.others[0].artifact in (case.runs_of(index) or (wrong.others[0].artifact,))
+        if case.artifacts[index].path != mine.file and is_its:
             rows = case.joints[index, mine.joint]
             yield replace(wrong, rows=rows, mine=figure(rows, wrong.field), copy=True)
 
@@ -252,6 +257,7 @@ def _of_robot(
 
     for index in robot.artifacts:
         kind, path = case.artifacts[index].kind, case.artifacts[index].path
+        trained = case.runs_of(index)
         for joint, mine in stated[index].items():
             own = earlier.get((kind, joint))
             if own is None:
@@ -265,9 +271,11 @@ def _of_robot(
                     held = [each for each in own.members if case.artifacts[each[0]].path != path]
                 else:
                     known = [everything[k, joint] for k in kinds if (k, joint) in everything]
-                    if not every and any(mine[1] in each.paths for each in known):
-                        break
                     held = [member for each in known for member in each.members]
+                    own_run = [member for member in held if member[0] in trained]
+                    held = own_run or held
+                    if not own_run and not every and any(mine[1] in each.paths for each in known):
+                        break
                 if not held:
                     continue
                 kind_here = case.joints[index, joint][0].kind
@@ -356,6 +364,8 @@ def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, _
             # Actuators of one joint add up in an MJCF; of a configuration's groups none has it (ORD103).
             continue
         stated = _stated(rows, fields)
+        if stated is None and "default_position" in fields and is_left_at_zero(case, rows[0]):
+            stated = "default_position", 0.0
         if stated is not None:
             found[joint] = stated
     return found

@@ -123,14 +123,17 @@ def _is_of_its_run(case: Case, run: int, config: int) -> bool:
 
 
 def is_of_one_training(case: Case, found: Disagreement) -> bool:
-    """Whether a deploy file runs what a configuration trains.
+    """Whether a deploy file runs what a configuration trains, as it does what its own run recorded.
 
     Policies of a robot with several sets of gains have a training each, and which of them belongs to the configuration
     at hand, no file tells. Nor is it the file's own where no gain of any joint agrees: a project beside another one
     (of rl_sar's deploy files beside robot_lab's configurations 14 are so). But no training has the gains of another one
     exchanged, or all of them with a digit more.
     """
-    one, other = (case.joints_by_artifact.get(rows[0].artifact, {}) for rows in (found.rows, found.others))
+    sides = found.rows[0].artifact, found.others[0].artifact
+    if sides[1] in case.runs_of(sides[0]) or sides[0] in case.runs_of(sides[1]):
+        return True
+    one, other = (case.joints_by_artifact.get(index, {}) for index in sides)
     pairs = [_both(one, other, name) for name in ("kp", "kd")]
     if are_exchanged(found) or (all(pairs) and _are_a_digit_off(pairs)):
         return True

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rules.joints import starts_there_alone
+from actspec.audit.rules.joints import is_left_at_zero, starts_there_alone
 from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_blame import POSE, Disagreement
 from actspec.audit.rules.source_pairs import compared, disagreements
@@ -66,4 +66,7 @@ class ActionOrPose(SourceRule):
             sign = ", the other way" if found.ratio is not None and found.ratio < 0.0 else ""
             beside = "here" if is_of_run(case, found) else "as in training"
             return f"the same action moves the command {times} times as far {beside}{sign}"
-        return f"every command is {shown(mine.value - theirs.value, mine.unit)} off"
+        sides = (found.rows, "here"), (found.others, "there")
+        at = next((where for rows, where in sides if is_left_at_zero(case, rows[0])), None)
+        left = "" if at is None else f" (no key of joint_pos is for the joint {at})"
+        return f"every command is {shown(mine.value - theirs.value, mine.unit)} off{left}"

@@ -28,10 +28,13 @@ class Timing(RuleInParts):
             for index in robot.artifacts:
                 if case.artifacts[index].kind is not FileKind.DEPLOY:
                     continue
+                own = [i for i in case.runs_of(index) if i in trained]
                 for name in ("control_dt", "physics_dt"):
                     mine = self._period(case, index, name)
                     theirs = [
-                        (i, found) for i in trained if (found := self._period(case, i, name)) is not None
+                        (i, found)
+                        for i in own or trained
+                        if (found := self._period(case, i, name)) is not None
                     ]
                     if mine is None or not theirs:
                         continue
