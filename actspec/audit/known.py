@@ -18,10 +18,11 @@ from typing import Any
 
 from actspec.audit.case import MODELS, Case
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, RobotConfig
+from actspec.readings.called import distinctive, telling
 from actspec.readings.config import figures_of, selected
 from actspec.readings.dict_keys import of_one_key
+from actspec.readings.joint_names import joint_names, last_numbers, matching
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import distinctive, joint_names, last_numbers, matching, telling
 from actspec.readings.versions import Versions
 from actspec.resources import data_path
 

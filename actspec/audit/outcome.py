@@ -15,16 +15,9 @@ from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.patterns import recased
 from actspec.readings.artifact import STEP_OF_WHAT, Artifact, FileKind, FileReading, Robot
 from actspec.readings.body import SHARE, Figures, figures_of, share_a_body
+from actspec.readings.called import distinctive, telling
+from actspec.readings.joint_names import fits, has_joints, joint_names, matching, says_something
 from actspec.readings.motor_names import names_wanted
-from actspec.readings.pair import (
-    distinctive,
-    fits,
-    has_joints,
-    joint_names,
-    matching,
-    says_something,
-    telling,
-)
 from actspec.robot.view import RobotView
 
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)

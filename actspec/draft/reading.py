@@ -49,8 +49,9 @@ from actspec.readings.joint_lists import (
     names_of,
     patterns_of,
 )
+from actspec.readings.joint_names import joint_names, matching
 from actspec.readings.motor_names import NAMELESS
-from actspec.readings.pair import joint_names, matching, pair
+from actspec.readings.pair import pair
 from actspec.readings.read import PendingFiles, named_as_run
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView

@@ -12,7 +12,7 @@ from actspec.readings.artifact import ActionTerm, ActuatorGroup, Framework, Robo
 from actspec.readings.config import lost_keys, selected
 from actspec.readings.dict_keys import POSE, again, may_match, meant_for, meets, plain_name, refuses_two
 from actspec.readings.joint_lists import patterns_of
-from actspec.readings.pair import matching
+from actspec.readings.joint_names import matching
 
 _SCALE = "action_scale"
 

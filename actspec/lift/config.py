@@ -18,8 +18,8 @@ from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
 from actspec.readings.config import selected
 from actspec.readings.dict_keys import plain_name
+from actspec.readings.joint_names import joint_names, matching
 from actspec.readings.overlap import has_last
-from actspec.readings.pair import joint_names, matching
 from actspec.readings.versions import Versions, friction_unit_of, is_native, meant_for
 from actspec.robot.view import JointView
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActionTerm, Framework, RobotConfig, Setting
 from actspec.readings.dict_keys import Found, may_match, meets, of_one_key, plain_name, settled, value_of
-from actspec.readings.pair import matching
+from actspec.readings.joint_names import matching
 
 SCALE = "action_scale"
 

@@ -28,11 +28,12 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
+from actspec.readings.called import agreement
 from actspec.readings.dict_keys import Found, may_match, plain_name, settled, value_of
 from actspec.readings.isaaclab import has_curve, idle_speeds, settle_friction, take_curve, take_limits
+from actspec.readings.joint_names import joint_names, matching
 from actspec.readings.ledger import LedgerRow, dynamics_at
 from actspec.readings.overlap import has_last, last_of_each, left_by, taken_by
-from actspec.readings.pair import agreement, joint_names, matching
 from actspec.readings.versions import Versions, is_native
 from actspec.robot.view import JointInertia, JointView, ModelFormat, RobotView
 

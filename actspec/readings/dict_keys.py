@@ -17,7 +17,7 @@ from difflib import SequenceMatcher
 from actspec.diagnostics import Span, shortened
 from actspec.patterns import PatternError, compile_pattern, match_names, recased, suggest_pattern
 from actspec.readings.artifact import Framework, Setting
-from actspec.readings.pair import matching
+from actspec.readings.joint_names import matching
 
 _ALIKE = 0.9
 """How alike a pattern and the nearest one that matches are, where it is misspelt and not that of another joint.

@@ -18,6 +18,7 @@ from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.deploy import MOST_JOINTS, NAMES
 from actspec.readings.deploy_motors import SDK_NAMES
+from actspec.readings.joint_names import joint_names, matching
 from actspec.readings.joint_texts import (
     NAME_KEYS,
     PATTERN,
@@ -28,7 +29,6 @@ from actspec.readings.joint_texts import (
     without_beginning,
 )
 from actspec.readings.motor_names import names_wanted
-from actspec.readings.pair import joint_names, matching
 from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
 from actspec.readings.read import MOST_YAML_BYTES, YAML, PendingFiles
 from actspec.readings.yaml_nodes import MOST_STEPS, Unfit, compose

@@ -12,7 +12,7 @@ import yaml
 
 from actspec import api
 from actspec.ir import ActuatorSet, JointActuator, Quantity
-from actspec.readings.pair import telling
+from actspec.readings.called import telling
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 TABLE = ROBOTS / "known.json"

@@ -11,7 +11,7 @@ from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import Framework
-from actspec.readings.pair import matching
+from actspec.readings.joint_names import matching
 from actspec.report import ReportOptions, render
 
 MODEL = """<mujoco model="biped">

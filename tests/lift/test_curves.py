@@ -259,10 +259,10 @@ BOT = EntityArticulationInfoCfg(actuators=(UnitreeActuatorCfg_Some(target_names_
 
 
 def test_the_ledger_has_the_solvers_speed(tmp_path: Path) -> None:
-    """`velocity_limit` is none of the class's, so that of the solver counts, of which an effort limit is a column."""
+    """`velocity_limit` is none of the class's, so that of the solver counts; its effort limit is Y1's, below that."""
     limits = "effort_limit=7.0, velocity_limit=9.0, effort_limit_sim=75.0, velocity_limit_sim=20.0"
     curved(tmp_path, "X1 = 13.5; X2 = 30; Y1 = 20.2", limits)
     (artifact,) = read_file(str(tmp_path / "cfg.py")).artifacts
     (row,) = rows_of_config(artifact, 0, (), LAB)
-    assert (row.control, row.effort_limit, row.velocity_limit) == ("ideal_pd", None, 20.0)
+    assert (row.control, row.effort_limit, row.velocity_limit) == ("ideal_pd", 20.2, 20.0)
     assert (row.more["solver_effort_limit"], row.no_load_speed) == (75.0, 30.0)

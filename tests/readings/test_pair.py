@@ -11,7 +11,9 @@ from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.body import share_a_body
-from actspec.readings.pair import distinctive, matching, pair
+from actspec.readings.called import distinctive
+from actspec.readings.joint_names import matching
+from actspec.readings.pair import pair
 from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
 
 DOG = tuple(f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf"))

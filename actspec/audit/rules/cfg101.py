@@ -10,7 +10,7 @@ from actspec.audit.rules.configs import Group, groups_of, names_model
 from actspec.diagnostics import shortened
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.dict_keys import dead_keys, may_match, meant_for
-from actspec.readings.pair import joint_names
+from actspec.readings.joint_names import joint_names
 from actspec.readings.versions import is_native
 
 _DEAD = "the drive gives no torque"

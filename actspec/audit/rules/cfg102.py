@@ -13,7 +13,7 @@ from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.dict_keys import selects_nothing
-from actspec.readings.pair import joint_names
+from actspec.readings.joint_names import joint_names
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
 _Subject = tuple[int, RobotConfig, Sequence[tuple[int, RobotView]]]

@@ -12,8 +12,9 @@ from os.path import basename, splitext
 
 from actspec.audit.case import Case
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.called import agreement
+from actspec.readings.joint_names import matching
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import agreement, matching
 from actspec.simulators.classes import ISAACLAB, MJLAB, StockClass
 
 FRAMEWORKS = {Framework.ISAACLAB: "Isaac Lab", Framework.MJLAB: "mjlab"}

@@ -7,7 +7,7 @@ from itertools import pairwise
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.randomized import about_range, ranges
 from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
-from actspec.readings.pair import matching
+from actspec.readings.joint_names import matching
 
 _Subject = tuple[int, RobotConfig, RandomizedRange]
 

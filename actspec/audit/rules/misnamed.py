@@ -13,7 +13,7 @@ from actspec.audit.rules.ord101 import scalar_joints, stated_order
 from actspec.diagnostics import Span, nearest
 from actspec.patterns import is_slip
 from actspec.readings.artifact import Artifact, FileKind, Framework
-from actspec.readings.pair import matching
+from actspec.readings.joint_names import matching
 from actspec.robot.view import JointView
 
 _FEW = 2

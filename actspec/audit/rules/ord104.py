@@ -12,7 +12,7 @@ from actspec.diagnostics import Span, listed, nearest, shortened
 from actspec.patterns import match_names, recased
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.dict_keys import PLAIN, dead_keys, may_match, meant_for, selects_nothing
-from actspec.readings.pair import joint_names, matching
+from actspec.readings.joint_names import joint_names, matching
 
 _SURE = (Severity.ERROR, Confidence.HIGH)
 

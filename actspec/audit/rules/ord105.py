@@ -6,7 +6,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.diagnostics import shortened
 from actspec.readings.artifact import FileKind, Framework, RobotConfig, Setting
 from actspec.readings.dict_keys import PLAIN, POSE, again
-from actspec.readings.pair import joint_names
+from actspec.readings.joint_names import joint_names
 from actspec.simulators.classes import ISAACLAB
 
 _BY_JOINT = ISAACLAB["ImplicitActuatorCfg"].mappable

@@ -10,7 +10,7 @@ from actspec.audit.rules.misnamed import is_misspelt, misnamed, selects
 from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed, shortened
 from actspec.readings.artifact import Artifact, Robot
-from actspec.readings.pair import joint_names
+from actspec.readings.joint_names import joint_names
 from actspec.robot.view import JointView
 
 _FEW = 2

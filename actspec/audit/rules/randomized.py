@@ -9,8 +9,8 @@ from actspec.audit.case import Case
 from actspec.audit.rules.configs import groups_of
 from actspec.audit.rules.joints import unit
 from actspec.readings.artifact import FileKind, Framework, RandomizedRange, RobotConfig
+from actspec.readings.joint_names import matching
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import matching
 from actspec.units import format_number, format_quantity
 
 DEVIATIONS = 3.0

@@ -24,10 +24,11 @@ from actspec.diagnostics import Span
 from actspec.joints import JointKind
 from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.body import LIKENESS, SHARE, are_one_body
+from actspec.readings.called import agreement
 from actspec.readings.compare import Figure
 from actspec.readings.dynamics import figure
+from actspec.readings.joint_names import joint_names, last_numbers, series
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import agreement, joint_names, last_numbers, series
 
 _Stated = tuple[str, float]
 """Name of the field that a file states, and its value."""

@@ -19,11 +19,11 @@ from actspec.audit.rules.source_pairs import compared, disagreements
 from actspec.diagnostics import SEVERITIES, Severity
 from actspec.fields import FIELDS, LIMITS, is_placeholder
 from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.called import distinctive
 from actspec.readings.compare import angle_slip
 from actspec.readings.dynamics import figure
 from actspec.readings.joint import read_joint
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import distinctive
 from actspec.units import format_quantity
 
 TIMES = 3.0

@@ -27,8 +27,8 @@ from actspec.diagnostics import one_line
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.called import telling
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import telling
 from actspec.units import format_quantity
 
 _DRIVE = (
