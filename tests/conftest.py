@@ -105,6 +105,6 @@ def _in_process() -> Iterator[None]:
 @pytest.fixture
 def processes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files are read in other processes, as users have it."""
-    monkeypatch.setattr("actspec.readings.read.Pool", Pool)
+    monkeypatch.setattr("actspec.readings.named.Pool", Pool)
     monkeypatch.setattr("actspec.audit.fix.IsolatedCall", IsolatedCall)
     monkeypatch.setattr("actspec.verify.readback.read_usda", read_usda)

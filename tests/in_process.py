@@ -70,7 +70,7 @@ def in_process() -> Iterator[None]:
     from actspec.robot.usda import layer_of
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("actspec.readings.read.Pool", Calls)
+        patch.setattr("actspec.readings.named.Pool", Calls)
         patch.setattr("actspec.audit.fix.IsolatedCall", Call)
         if find_spec("pxr") is not None:
             patch.setattr("actspec.verify.readback.read_usda", layer_of)

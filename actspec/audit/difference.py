@@ -25,7 +25,7 @@ from actspec.readings.dynamics import (
     levelled,
 )
 from actspec.readings.including import without_fragments
-from actspec.readings.read import named_as_run
+from actspec.readings.named import named_as_run
 from actspec.readings.versions import Versions
 from actspec.spec.variants import split
 

@@ -39,7 +39,7 @@ from actspec.audit.settings import Settings, beyond_known, not_read
 from actspec.diagnostics import AuditError, Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileReading
 from actspec.readings.including import without_fragments
-from actspec.readings.read import PendingFiles
+from actspec.readings.named import PendingFiles
 
 
 def audit(

@@ -10,7 +10,7 @@ from functools import partial
 from actspec import files
 from actspec.diagnostics import ActspecError
 from actspec.ir import ActuatorSet
-from actspec.readings import read
+from actspec.readings import named, read
 from actspec.readings.artifact import Artifact, FileKind, FileReading
 from actspec.readings.networks import networks_of
 from actspec.robot.view import ModelFile, RobotView
@@ -87,13 +87,13 @@ def pending_files(
     skip_other: bool = False,
     jobs: int | None = None,
     exclude: Callable[[str, bool], bool] | None = None,
-) -> read.PendingFiles:
-    """Begin to read files; see `readings.read.PendingFiles`. Specs are resolved.
+) -> named.PendingFiles:
+    """Begin to read files; see `readings.named.PendingFiles`. Specs are resolved.
 
     `changed` are files as they would be, by real path.
     """
     reader = partial(read_file_changed, changed) if changed else read_file
-    return read.PendingFiles(
+    return named.PendingFiles(
         paths, keep_matrices=keep_matrices, skip_other=skip_other, jobs=jobs, read=reader, exclude=exclude
     )
 

@@ -11,7 +11,7 @@ from actspec.audit.read import pending_files
 from actspec.audit.settings_file import excluded
 from actspec.cli.options import FAIL_ON, add_force, add_versions, describe
 from actspec.placing import finish
-from actspec.readings.read import PendingFiles, expand
+from actspec.readings.named import PendingFiles, expand
 from actspec.report import FORMATS
 
 CONFIDENCES = ("low", "medium", "high")

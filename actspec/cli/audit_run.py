@@ -33,7 +33,7 @@ from actspec.files import FAULTS, name_in_file, noting, path_of_name, why
 from actspec.owned import check_kept, head_of, put_file
 from actspec.placing import is_stream
 from actspec.readings.artifact import FileKind
-from actspec.readings.read import PendingFiles
+from actspec.readings.named import PendingFiles
 from actspec.report import ReportOptions, least_shown, render, renderer
 from actspec.report.findings import for_people
 from actspec.report.terminal import Progress, print_diagnostics, style_of

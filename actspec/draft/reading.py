@@ -51,8 +51,8 @@ from actspec.readings.joint_lists import (
 )
 from actspec.readings.joint_names import joint_names, matching
 from actspec.readings.motor_names import NAMELESS
+from actspec.readings.named import PendingFiles, named_as_run
 from actspec.readings.pair import pair
-from actspec.readings.read import PendingFiles, named_as_run
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 from actspec.units import format_quantity

@@ -29,8 +29,9 @@ from actspec.readings.joint_texts import (
     without_beginning,
 )
 from actspec.readings.motor_names import names_wanted
+from actspec.readings.named import PendingFiles
 from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
-from actspec.readings.read import MOST_YAML_BYTES, YAML, PendingFiles
+from actspec.readings.read import MOST_YAML_BYTES, YAML
 from actspec.readings.yaml_nodes import MOST_STEPS, Unfit, compose
 from actspec.robot.view import JointView
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from actspec.audit.outcome import Means, Report
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed, many, one_line
-from actspec.readings.read import counted_not_read
+from actspec.readings.named import counted_not_read
 from actspec.report import ReportOptions
 from actspec.report.findings import MOST_ALIKE, FindingGroup, counts, for_people
 from actspec.report.ledger import ledger_lines

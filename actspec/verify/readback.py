@@ -23,7 +23,7 @@ from actspec.readings.compare import Figure
 from actspec.readings.config import IN_FIGURES, figures_of, rows_of_config
 from actspec.readings.dynamics import OF_CONTROLS, JointDynamics, dynamics_of
 from actspec.readings.ledger import LedgerRow, rows_of_robot, rows_of_spec
-from actspec.readings.read import PendingFiles
+from actspec.readings.named import PendingFiles
 from actspec.readings.versions import Versions
 from actspec.robot.usda import MAX_BYTES, MISSING, Asset, UsdaAttribute, UsdaLayer, read_usda
 from actspec.robot.view import ModelFormat, RobotView

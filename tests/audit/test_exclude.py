@@ -12,7 +12,7 @@ from actspec.audit.engine import audit
 from actspec.audit.exclude import Exclude
 from actspec.audit.settings import Settings
 from actspec.cli.main import main
-from actspec.readings.read import expand
+from actspec.readings.named import expand
 
 FILES = ("a.xml", "third_party/b.xml", "third_party/deep/c.xml", "own/third_party/d.xml", "own/e.urdf")
 

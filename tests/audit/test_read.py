@@ -15,7 +15,7 @@ import pytest
 from actspec.audit.read import pending_files, read_file, read_files
 from actspec.cli.main import main
 from actspec.readings.artifact import FileKind, FileReading
-from actspec.readings.read import expand
+from actspec.readings.named import expand
 
 GOOD = """<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
 <actuator><motor joint="j" gear="2"/></actuator></mujoco>"""

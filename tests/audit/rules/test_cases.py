@@ -56,7 +56,7 @@ from actspec.audit.rule import Rule, RuleOver, sections
 from actspec.audit.rules import all_rules
 from actspec.audit.settings import Settings
 from actspec.readings.including import without_fragments
-from actspec.readings.read import expand
+from actspec.readings.named import expand
 from actspec.readings.versions import Versions
 
 CASES = Path(__file__).parent / "cases"
