@@ -8,6 +8,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import product
 
 from actspec.audit.case import Case
+from actspec.audit.rules.configs import names_model
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEED, PLACEHOLDER_SPEEDS, is_power_of_ten
 from actspec.ir import JointKind
@@ -244,9 +245,16 @@ def undriven_joints(case: Case) -> dict[int, frozenset[str]]:
 
 
 def is_driven_by_mjlab(case: Case, row: LedgerRow) -> bool:
-    """Whether an mjlab configuration of the robot gives a model its actuators, and decides on step and integrator."""
+    """Whether an mjlab configuration that loads a model gives it its actuators, and decides on step and integrator.
+
+    One that does not tell which model it loads may load each.
+    """
+    model = case.artifacts[row.artifact]
     configs = (case.artifacts[other.artifact].config for other in partner_rows(case, row, FileKind.CFG))
-    return any(config is not None and config.framework is Framework.MJLAB for config in configs)
+    return any(
+        config is not None and config.framework is Framework.MJLAB and names_model(case, config, model)
+        for config in configs
+    )
 
 
 _UNDRIVEN = re.compile(
