@@ -67,11 +67,8 @@ ISAACLAB = {
 }
 """Isaac Lab's classes; figures of the torque-speed line that are missing are LIM110's."""
 
-_BASE = frozenset(
+COMMON = frozenset(
     {
-        "transmission_type",
-        "armature",
-        "frictionloss",
         "viscous_damping",
         "delay_min_lag",
         "delay_max_lag",
@@ -80,6 +77,9 @@ _BASE = frozenset(
         "delay_per_env_phase",
     }
 )
+"""Fields that every actuator of mjlab has from `simulators.mjlab.COMMON_FIELDS` on."""
+
+_BASE = COMMON | {"transmission_type", "armature", "frictionloss"}
 
 _NONE: frozenset[str] = frozenset()
 

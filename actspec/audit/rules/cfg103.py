@@ -7,7 +7,7 @@ from actspec.audit.rules.configs import CLASSES, FRAMEWORKS, NO_STOCK_CLASSES, s
 from actspec.diagnostics import listed, nearest, shortened
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.simulators import before, release
-from actspec.simulators.classes import StockClass
+from actspec.simulators.classes import COMMON, StockClass
 from actspec.simulators.mjlab import COMMON_FIELDS
 
 
@@ -65,24 +65,11 @@ class UnknownField(RuleInParts):
                     )
 
 
-_COMMON = frozenset(
-    {
-        "viscous_damping",
-        "delay_min_lag",
-        "delay_max_lag",
-        "delay_hold_prob",
-        "delay_update_period",
-        "delay_per_env_phase",
-    }
-)
-"""Fields that every actuator of mjlab has from 1.3 on. Source: mjlab 1.2.0 and 1.3.0, actuator/actuator.py."""
-
-
 def _later(case: Case, config: RobotConfig, group: ActuatorGroup, name: str) -> bool:
     named = case.versions.mjlab
     if config.framework is not Framework.MJLAB or named is None or "base_cfg" in group.settings:
         return False
-    return name in _COMMON and before(release(named), COMMON_FIELDS)
+    return name in COMMON and before(release(named), COMMON_FIELDS)
 
 
 def _nearest(name: str, fields: frozenset[str]) -> str:
