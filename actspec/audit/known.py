@@ -86,6 +86,11 @@ class KnownJoint:
     gear: float | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def largest(self) -> float:
+        """Largest torque that is stated of it anywhere [N*m]."""
+        return max((self.effort, *self.also))
+
     def source_of(self, name: str) -> str:
         """Title of the source of a figure."""
         return self.sources.get(name, self.source)

@@ -118,7 +118,8 @@ def _configs(path: str, root: yaml.Node, of_isaaclab: bool) -> Iterator[RobotCon
 
 def _own(group: ActuatorGroup) -> tuple[str, ...]:
     """Settings that no class of mjlab's has: the group's was somebody's own."""
-    return tuple(name for name in group.settings if all(name not in cls.fields for cls in MJLAB.values()))
+    known = frozenset().union(*(cls.fields for cls in MJLAB.values()))
+    return tuple(name for name in group.settings if name not in known)
 
 
 def _of_mjlab(whole: Value) -> Value:

@@ -115,7 +115,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         most = {name: _most(subject, name) for name in names}
         worst = min(names, key=lambda name: most[name].effort)
         published = most[worst]
-        largest = max((published.effort, *published.also))
+        largest = published.largest
         if limit < times * largest:
             return None
         found = self._times_off(subject, row, names, limit, worst, published)
@@ -237,19 +237,15 @@ def _is_a_margin(subject: Likeness, names: tuple[str, ...], limit: float) -> boo
 
     Known are the robot's own joints, and those of the name of other robots.
     """
-    robot = subject.robot
-    theirs = {effort for name in robot.joints for effort in robot.efforts(name)}
-    theirs.update(
+    theirs = {
         effort
-        for other in known_robots()
-        for name in other.joints
-        if name in names
-        for effort in other.efforts(name)
-    )
-    return not any(same(limit, effort) for effort in theirs) and all(
-        limit < _ABOVE_OTHERS * max(joint.effort, *joint.also, 0.0)
-        for joint in (_most(subject, name) for name in names)
-    )
+        for robot in known_robots()
+        for name in robot.joints
+        if robot.name == subject.robot.name or name in names
+        for effort in robot.efforts(name)
+    }
+    largest = min(_most(subject, name).largest for name in names)
+    return limit < _ABOVE_OTHERS * largest and not any(same(limit, effort) for effort in theirs)
 
 
 def _is_held(row: LedgerRow) -> bool:
