@@ -407,7 +407,9 @@ class Artifact:
     def may_be_part(self) -> bool:
         """Whether a file that includes it can have the compiler that it lacks."""
         known = self.kind is FileKind.MJCF and self.robot is not None
-        return known and (not self.states(b"<compiler") or self._is_included)
+        # Options and contacts of bodies that another file has are part of it, whatever compiler they bring.
+        whole = self.states(b"<compiler") and self.states(b"<worldbody")
+        return known and (not whole or self._is_included)
 
     @property
     def _is_whole(self) -> bool:

@@ -48,20 +48,10 @@ _SECTIONS = (
 _ROOTS = frozenset(("mujoco", "mujocoinclude", *_SECTIONS.split()))
 """Of an included file. MuJoCo takes any away and keeps what is in it; here the root tells an MJCF from other files, or
 that everything in it is of `_IN_ROOTS`."""
-_IN_ROOTS = frozenset(
-    (
-        *_SECTIONS.split(),
-        "deformable",
-        "extension",
-        "include",
-        "option",
-        "size",
-        "statistic",
-        "material",
-        "mesh",
-        "texture",
-    )
-)
+_OTHERS = "deformable extension include option size statistic material mesh texture"
+_IN_BODIES = "attach camera composite flexcomp frame freejoint geom inertial joint light replicate site"
+_IN_ROOTS = frozenset(f"{_SECTIONS} {_OTHERS} {_IN_BODIES}".split())
+"""What an included file may begin with: it is put into the whole, its assets or a body."""
 _MODELS = frozenset(("mujoco", "robot"))
 """Roots of an attached model."""
 
@@ -245,7 +235,7 @@ class _Assembly:
     def _no_model(self, file: ModelFile, site: Span, chain: tuple[str, ...]) -> None:
         # Nothing of the file is shown: it may be any file of this machine.
         message = f"the included file {file.include!r} is not an MJCF file"
-        help = "an included file is XML with the root <mujocoinclude> or <mujoco>, or with sections of MJCF alone"
+        help = "an included file is XML with the root <mujocoinclude> or <mujoco>, or with elements of MJCF alone"
         if not chain:
             message = f"the attached model {file.include!r} is not an MJCF or URDF file"
             help = "an attached model is XML with the root <mujoco> or <robot>"

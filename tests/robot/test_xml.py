@@ -720,7 +720,7 @@ def test_content_of_a_foreign_file_is_never_shown(secret: str, kind: str, tmp_pa
         open_document(path)
     assert str(caught.value) == (
         f"{path}:1:9: ROBOT008: the included file '../secret' {kind}\n"
-        "  help: an included file is XML with the root <mujocoinclude> or <mujoco>, or with sections of MJCF alone"
+        "  help: an included file is XML with the root <mujocoinclude> or <mujoco>, or with elements of MJCF alone"
     )
 
 
@@ -752,6 +752,20 @@ def test_a_root_of_any_name_around_assets(tmp_path: Path) -> None:
     )
     assert [element.tag for element in open_document(path).walk()] == ["mujoco", "asset", "texture"]
     assert mujoco.MjModel.from_xml_path(str(path)).ntex == 1
+
+
+def test_a_root_of_any_name_around_what_a_body_has(tmp_path: Path) -> None:
+    """As that of an object's geoms, which its body includes: <bottle><geom/></bottle>."""
+    path = written(
+        tmp_path,
+        {
+            "m/main.xml": "<mujoco><worldbody><body><include file='bottle.xml'/></body></worldbody></mujoco>",
+            "m/bottle.xml": "<bottle><freejoint/><geom size='0.1'/></bottle>",
+        },
+    )
+    tags = ["mujoco", "worldbody", "body", "freejoint", "geom"]
+    assert [element.tag for element in open_document(path).walk()] == tags
+    assert mujoco.MjModel.from_xml_path(str(path)).nv == 6
 
 
 def test_an_error_inside_an_include_has_its_own_place(tmp_path: Path) -> None:

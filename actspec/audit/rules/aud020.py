@@ -17,7 +17,7 @@ class RefusedModel(Rule):
         # In a folder it may be for another MuJoCo, or whole where it is installed: AUD013 says it.
         for file in case.files:
             for artifact in file.refused_models:
-                message, help, severity = "the model does not compile", None, None
+                message, help, severity = "the model does not compile in the installed MuJoCo", None, None
                 if file.whole is not None:
                     whole = one_line(file.whole)
                     message, severity = (

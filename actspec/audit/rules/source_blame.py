@@ -149,7 +149,9 @@ def by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
         return found
     wrong, right = (found.turned, own) if here else (found, other)
     larger = (wrong.mine.value or 0.0) > (wrong.theirs.value or 0.0)
-    return replace(wrong, published=robot) if right.is_one_motor and (larger or not right.is_top) else found
+    if right.is_top and not larger:
+        return found
+    return replace(wrong, published=robot if right.is_one_motor else "")
 
 
 def by_range(case: Case, found: Disagreement) -> Disagreement | None:
