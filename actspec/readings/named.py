@@ -37,8 +37,12 @@ _OTHER_ROBOT = re.compile(
 )
 """The devices of a robot in YARP's own format, whose root is called as a URDF's, and worlds with robots in them."""
 
-_ROBOT_CODE = re.compile(rb"\b(?:ArticulationCfg|LeggedRobotCfg|isaaclab|omni\.isaac\.lab|mjlab|legged_gym)")
-"""What a configuration imports, or derives from, that cannot be parsed."""
+_ROBOT_CODE = re.compile(
+    rb"\b(?:ArticulationCfg|LeggedRobotCfg)|"
+    rb"^[ \t]*(?:from|import)[ \t]+[\w.]*(?:isaaclab|omni\.isaac\.lab|mjlab|legged_gym)",
+    re.MULTILINE,
+)
+"""What a configuration imports, or derives from, that cannot be parsed. A path in a command is no import."""
 
 _RECORDS = ("params/env.yaml", "env.yaml")
 """What a training wrote of itself, below the folder of the run or its `params`."""

@@ -63,9 +63,9 @@ def known_inertia(
 def pose_inertia(model: mujoco.MjModel, poses: int = POSES) -> PoseInertia:
     """Mass matrices without armature at the reference pose and at sampled poses.
 
-    The reference pose is the first keyframe, else qpos0. Sampled are hinges and slides, within
-    their ranges; a hinge without a range over +-pi; a slide without one, balls and free joints
-    stay at the reference. Tendon armature, which couples joints, counts as inertia here.
+    The reference pose is the first keyframe, else qpos0, where a joint that cannot be there is at the nearest end of
+    its range. Sampled are hinges and slides, within their ranges; a hinge without a range over +-pi; a slide without one,
+    balls and free joints stay at the reference. Tendon armature, which couples joints, counts as inertia here.
 
     Args:
         model: Compiled; its armature is set to 0 during the call and restored.
@@ -90,6 +90,7 @@ def pose_inertia(model: mujoco.MjModel, poses: int = POSES) -> PoseInertia:
 
 def _poses(model: mujoco.MjModel, poses: int) -> NDArray[np.float64]:
     """The reference pose and as many sampled ones as there are memory and time for, shape (n_pose, nq) [rad or m]."""
+    import mujoco
     import numpy as np
 
     fit = min(MOST_BYTES // max(8 * model.nv**2, 1), MOST_WORK // max(model.nv**3, 1))
@@ -97,7 +98,12 @@ def _poses(model: mujoco.MjModel, poses: int) -> NDArray[np.float64]:
         raise InertiaUnknown(f"{model.nv} degrees of freedom are too many for mass matrices")
     columns, low, high = _sampled(model)
     count = min(poses, fit - 1) if len(columns) else 0
-    qpos = np.tile(reference_pose(model), (1 + count, 1))
+    pose = reference_pose(model)
+    if not model.nkey:
+        held = model.jnt_limited.astype(bool) & (model.jnt_type >= int(mujoco.mjtJoint.mjJNT_SLIDE))
+        at, ends = model.jnt_qposadr[held], model.jnt_range[held]
+        pose[at] = np.clip(pose[at], ends[:, 0], ends[:, 1])
+    qpos = np.tile(pose, (1 + count, 1))
     qpos[1:, columns] = low + (high - low) * latin_hypercube(count, len(columns), SEED)
     return qpos
 

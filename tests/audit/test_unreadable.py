@@ -196,6 +196,7 @@ DEPLOY = "joint_names: [knee, hip]\nkp: [25, 25\nkd: [1, 1]\n"
 OTHERS = {
     "python2.py": "print 'the robot of legged gym'\n",
     "train.py": "import isaaclab\nprint(1)\n",
+    "commands.py": "# train\npython legged_gym/scripts/train.py --task=leg\n~/legged_gym/logs$ tensorboard\n",
     "chart.yaml": "{{ if .Values.kp }}\nname: [a\n",
     "comment.yaml": "# kp: 25\nname: [a\n",
     "scene.yaml": "stiff: [1, 2\n",

@@ -110,6 +110,16 @@ def test_limits_bound_the_poses() -> None:
     assert m11.min() == pytest.approx(two_link(1.5)[0, 0], abs=2.4 * 0.5 / 256)
 
 
+def test_the_reference_is_a_pose_that_the_joint_can_take() -> None:
+    """A knee that never stretches: qpos0 is outside of its range, and the nearest end counts."""
+    knee = 'range="0.524 2.531" limited="true"'
+    found = pose_inertia(compiled(arm(second=knee)))
+    np.testing.assert_allclose(found.matrices[0], two_link(0.524), rtol=1e-12)
+    assert found.matrices[:, 0, 0].max() <= two_link(0.524)[0, 0] * (1 + 1e-12)
+    key = '<keyframe><key qpos="0 0"/></keyframe>'
+    np.testing.assert_allclose(pose_inertia(compiled(arm(second=knee, rest=key))).matrices[0], two_link(0.0))
+
+
 def test_first_keyframe_is_the_reference() -> None:
     """The reference pose is the first keyframe, not qpos0 and not the second."""
     keys = '<keyframe><key qpos="0.3 0.9"/><key qpos="0 0.1"/></keyframe>'

@@ -319,6 +319,9 @@ half or a whole turn is written for a hinge that turns half of it."""
 _ROUNDED = 0.02
 """Difference up to which a position is a number of half turns [rad]. Chosen: strangers write 31.4 for 10 pi."""
 
+_NO_ROOM = 100.0
+"""Least end of a virtual slide's range [m]. Chosen: no machine has such a slide."""
+
 _TURN = 2.0 * math.pi
 """Chosen: a target beyond a full turn is in degrees; below it is the joint's range that is not."""
 
@@ -449,8 +452,9 @@ def _moving(hinges: Iterable[JointView]) -> list[JointView]:
 def _placeholder_ranges(artifact: Artifact) -> set[tuple[float, float] | None]:
     """Ranges that were written for one that is none.
 
-    Those that slides of the file have too: a base that floats on virtual joints gets one for all. And those of several
-    hinges, the same to both sides, where others of the file have radians: joints without an end.
+    Those that slides of the file have too: a base that floats on virtual joints gets one for all, or beside slides of
+    100 m and more a smaller power of ten. And those of several hinges, the same to both sides, where others of the file
+    have radians: joints without an end.
     """
     joints = () if artifact.robot is None else artifact.robot.joints
     hinges = Counter(joint.range for joint in _limited_hinges(artifact))
@@ -458,7 +462,14 @@ def _placeholder_ranges(artifact: Artifact) -> set[tuple[float, float] | None]:
     endless = {
         ends for ends, count in hinges.items() if ends and radians and count > 1 and ends[0] == -ends[1]
     }
-    return {joint.range for joint in joints if joint.kind is JointKind.SLIDE} | endless
+    slides = {joint.range for joint in joints if joint.kind is JointKind.SLIDE}
+    floating = any(_is_no_range(ends) and largest(ends or (0.0, 0.0)) >= _NO_ROOM for ends in slides)
+    return slides | endless | ({ends for ends in hinges if _is_no_range(ends)} if floating else set())
+
+
+def _is_no_range(ends: tuple[float, float] | None) -> bool:
+    """Whether a range is a power of ten to both sides."""
+    return ends is not None and ends[0] == -ends[1] and is_power_of_ten(ends[1])
 
 
 def is_degrees_of(command: tuple[float, float], joint: tuple[float, float]) -> bool:
