@@ -63,6 +63,20 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         ("fourier_n1", "", "right_knee_pitch_joint", 95.0),
         # 1.5484 N*m behind 7.75.
         ("cyberdog2", "", "FL_calf_joint", 12.0001),
+        ("booster_k1", "", "right_knee_pitch_joint", 112.0),
+        ("booster_k1_serial", "", "Left_Ankle_Roll", 38.3),
+        ("deep_m20", "", "hr_wheel_joint", 21.6),
+        ("deep_dr02", "", "waist_y_joint", 363.0),
+        ("deep_dr02", "", "right_ankle_x_joint", 50.0),
+        ("agibot_x2", "", "left_wrist_yaw_joint", 36.0),
+        ("fourier_gr1", "", "left_hip_roll_joint", 84.18),
+        ("fourier_gr2", "", "right_ankle_roll_joint", 29.835),
+        ("limx_tron2a", "", "knee_R_Joint", 150.0),
+        ("limx_tron2b", "", "wrist_roll_L_U_Joint", 15.0),
+        ("limx_oli", "", "waist_yaw_joint", 42.0),
+        # 12.2 N*m behind 16, and 0.9 behind 50.
+        ("agility_cassie", "", "left-knee", 195.2),
+        ("agility_cassie_urdf", "", "toe_joint_right", 45.0),
     ],
 )
 def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: float) -> None:
@@ -84,6 +98,13 @@ def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: floa
         ("unitree_h1_2", "right_ankle_roll_joint", {40.0, 45.0, 75.0}),
         # Of a limit and a peak each.
         ("aubo_i5", "wrist3_joint", {34.0, 61.0, 102.0}),
+        # Booster's URDF, and the motor of its training.
+        ("booster_k1", "left_hip_roll_joint", {43.0, 76.0}),
+        # AgiBot's models of the X2 of today and before.
+        ("agibot_x2", "waist_roll_joint", {36.0, 48.0}),
+        ("fourier_gr1", "right_knee_pitch_joint", {135.0, 225.0}),
+        # A URDF, and the deploy parameters of two motors.
+        ("limx_oli", "left_ankle_pitch_joint", {42.0, 80.0}),
     ],
 )
 def test_figures_of_a_maker_s_other_files(robot: str, joint: str, efforts: set[float]) -> None:
@@ -256,6 +277,119 @@ def test_an_arm_by_its_numbered_joints(
     Path(f"{name}.urdf").write_text(_arm(name, chain))
     found = audit([f"{name}.urdf"], Settings(select=("KNW101",))).findings
     assert {int(re.sub(r"fr3v2|\D", "", item.finding.joint)) for item in found} == said
+
+
+_LEGS = {"hip_pitch": 1, "hip_roll": 1, "hip_yaw": 1, "knee": 1, "ankle_pitch": 2, "ankle_roll": 3}
+_BODY = {"shoulder_pitch": 2, "shoulder_roll": 2, "shoulder_yaw": 3, "elbow": 3, "wrist_yaw": 4}
+_WAIST = {"waist_yaw_joint": 1, "waist_pitch_joint": 3, "waist_roll_joint": 3}
+
+
+def _humanoid(figures: Mapping[int, float]) -> dict[str, float]:
+    """Joints by the names that the G1, the X2 and Oli have in common, to limits by their class [N*m]."""
+    sides = {
+        f"{side}_{joint}_joint": kind
+        for side in ("left", "right")
+        for joint, kind in {**_LEGS, **_BODY}.items()
+    }
+    return {joint: figures[kind] for joint, kind in {**sides, **_WAIST}.items()}
+
+
+@pytest.mark.parametrize(
+    ("name", "limits", "said"),
+    [
+        pytest.param("X2-Ultra", _humanoid({1: 120, 2: 60, 3: 36, 4: 36}), set(), id="an X2"),
+        pytest.param(
+            "x2_ultra",
+            _humanoid({1: 120, 2: 36, 3: 24, 4: 24}) | {"waist_pitch_joint": 48, "waist_roll_joint": 48},
+            set(),
+            id="an X2 of before",
+        ),
+        pytest.param(
+            "X2-Ultra",
+            _humanoid({1: 120, 2: 60, 3: 36, 4: 36}) | {"left_elbow_joint": 60},
+            {"left_elbow_joint"},
+            id="60 is 1.67 times an X2's 36",
+        ),
+        pytest.param(
+            "HU_D04_01", _humanoid({1: 140, 2: 42, 3: 42, 4: 19}), {"waist_yaw_joint"}, id="140 / 42"
+        ),
+        pytest.param(
+            "HU_D04_01",
+            _humanoid({1: 140, 2: 42, 3: 42, 4: 19}) | {"waist_yaw_joint": 42, "left_ankle_roll_joint": 80},
+            set(),
+            id="two motors at Oli's ankle",
+        ),
+        pytest.param("HU_D03_03", _humanoid({1: 600, 2: 42, 3: 42, 4: 19}), set(), id="another one of LimX"),
+        pytest.param(
+            "cassie",
+            {
+                f"{joint}_{side}": limit
+                for side in ("left", "right")
+                for joint, limit in {
+                    "hip_abduction": 200,
+                    "hip_rotation": 112,
+                    "hip_flexion": 200,
+                    "thigh_joint": 200,
+                    "ankle_joint": 200,
+                    "toe_joint": 20,
+                }.items()
+            },
+            {"hip_abduction_left", "hip_abduction_right"},
+            id="200 is 1.78 times 112.5 and 1.02 times 195.2; the ankle has no motor",
+        ),
+        pytest.param(
+            "M20",
+            {
+                f"{leg}_{joint}_joint": limit
+                for leg in ("fl", "fr", "hl", "hr")
+                for joint, limit in {"hipx": 76.4, "hipy": 260, "knee": 21.6, "wheel": 21.6}.items()
+            },
+            {f"{leg}_knee_joint" for leg in ("fl", "fr", "hl", "hr")},
+            id="an M20's wheels' at its knees; 260 is a maker's file",
+        ),
+        pytest.param(
+            "SF_TRON2A",
+            {
+                f"{joint}_{side}_Joint": limit
+                for side in "LR"
+                for joint, limit in {
+                    "proximal_pitch": 150,
+                    "proximal_roll": 200,
+                    "proximal_yaw": 60,
+                    "knee": 60,
+                    "ankle_pitch": 70,
+                }.items()
+            },
+            {"knee_L_Joint", "knee_R_Joint"},
+            id="a TRON2A's yaw at its knees; 200 and 70 are LimX's, too",
+        ),
+        pytest.param(
+            "K1_locomotion",
+            {
+                f"{side}_{joint}": limit
+                for side in ("Left", "Right")
+                for joint, limit in {
+                    "Hip_Pitch": 30,
+                    "Hip_Roll": 76,
+                    "Hip_Yaw": 20,
+                    "Knee_Pitch": 40,
+                    "Ankle_Pitch": 68,
+                    "Ankle_Roll": 15,
+                }.items()
+            },
+            {"Left_Ankle_Pitch", "Right_Ankle_Pitch"},
+            id="68 is 1.78 times 38.3, and a K1's legs are known by either names",
+        ),
+    ],
+)
+def test_robots_of_joints_that_others_have(
+    name: str, limits: Mapping[str, float], said: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Right ones of makers with figures of several files of theirs, and a wrong one; by hand."""
+    monkeypatch.chdir(tmp_path)
+    Path(f"{name}.urdf").write_text(_arm(name, limits))
+    found = audit([f"{name}.urdf"], Settings(select=("KNW101",))).findings
+    assert {item.finding.joint for item in found} == said
 
 
 @pytest.mark.parametrize(
