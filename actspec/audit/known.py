@@ -108,6 +108,8 @@ class KnownRobot:
         variants: Name to joints; one without a name where there are none.
         former: Whether a file that may be of another one too is of that: its maker replaced this one under the same
             name, or the name leaves open which of several it is.
+        beside: Words that its name must have beside one of `words`. A file that may be of another robot too is of the
+            one with such words.
         armatures: What others give its joints, whichever [kg*m^2], to the titles of their sources.
     """
 
@@ -117,6 +119,7 @@ class KnownRobot:
     spelt: Mapping[str, str]
     variants: Mapping[str, Mapping[str, KnownJoint]]
     former: bool = False
+    beside: frozenset[str] = frozenset()
     armatures: Mapping[float, str] = field(default_factory=dict)
 
     @property
@@ -167,6 +170,7 @@ def known_robots() -> tuple[KnownRobot, ...]:
                 for variant, rows in entry["variants"].items()
             },
             entry.get("former", False),
+            frozenset(entry.get("with", ())),
             {float(figure): title for figure, title in entry.get("armatures", {}).items()},
         )
         for name, entry in table.items()
@@ -228,7 +232,7 @@ def all_likenesses(case: Case) -> tuple[Likeness, ...]:
         if artifact.kind is FileKind.SPEC:
             continue
         words = distinctive(artifact)
-        named = [robot for robot in known_robots() if robot.words & words]
+        named = [robot for robot in known_robots() if robot.words & words and robot.beside <= words]
         if not named:
             continue
         outside = _outside(artifact)
@@ -237,14 +241,17 @@ def all_likenesses(case: Case) -> tuple[Likeness, ...]:
         others = any(robot.name in copied and not robot.former for robot in named)
         if words & HANDLES or (others and len(copied) < len(named)):
             continue
-        # Of two that its name has the joints tell which it is, if they do; legs alone are those of the newer G1.
+        # Of two that its name has the joints tell which it is, if they do: all of an arm's six, or six of another's
+        # seven; legs alone are those of the newer G1.
         met = [
             (robot, rows, spelling)
             for robot in named
             for rows, spelling in [_rows(case, index, artifact, robot)]
             if rows and (robot.name not in copied or _is_a_copy(outside, robot, rows))
         ]
+        met = [each for each in met if each[0].needed <= _joints_of(each[1])] or met
         met = [each for each in met if not each[0].former] or met
+        met = [each for each in met if each[0].beside] or met
         if len(met) == 1:
             robot, rows, spelling = met[0]
             parts = _parts(case, index, rows, spelling)
@@ -350,7 +357,7 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
         )
         if names is None and not _has_its_keys(artifact, [row for row, _ in pairs], tuple(known)):
             continue
-        count = len({joint for _, joints in pairs for joint in joints} & needed)
+        count = len(_joints_of(pairs) & needed)
         of_own = len(pairs) / max(len(names or by_joint), 1)
         arm = [name for name, joint in known.items() if joint in needed]
         counted = names is None or _counts_alike(arm, names)
@@ -367,6 +374,11 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
         if counted and (whole or legs) and len(pairs) > len(best):
             best, spelling = pairs, {joint: name for name, joint in known.items()}
     return best, spelling
+
+
+def _joints_of(rows: Iterable[tuple[LedgerRow, tuple[str, ...]]]) -> frozenset[str]:
+    """The known joints that rows are of."""
+    return frozenset(joint for _, joints in rows for joint in joints)
 
 
 def _loads(artifact: Artifact, robot: KnownRobot) -> bool:

@@ -100,7 +100,7 @@ def table() -> str:
                     row["velocity"] = float(f"{math.radians(speed):.9g}")
                 groups.append({**row, "source": source, "maker": True})
         robots[name] = {"words": arm["words"], "variants": {"": groups}}
-        robots[name] |= {key: arm[key] for key in ("prefixes", "spelt", "former") if key in arm}
+        robots[name] |= {key: arm[key] for key in ("with", "prefixes", "spelt", "former") if key in arm}
     for name, limits in published["also"].items():
         for rows in robots[name]["variants"].values():
             rows[:] = [each for row in rows for each in _with_others(row, limits)]
@@ -119,7 +119,7 @@ def table() -> str:
         ]
         head = "".join(
             f'    "{key}": {json.dumps(entry[key])},\n'
-            for key in ("words", "prefixes", "spelt", "former", "armatures")
+            for key in ("words", "with", "prefixes", "spelt", "former", "armatures")
             if key in entry
         )
         lines.append(f'  "{name}": {{\n{head}    "variants": {{\n' + ",\n".join(rows) + "\n    }\n  }")

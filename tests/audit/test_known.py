@@ -77,6 +77,19 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         # 12.2 N*m behind 16, and 0.9 behind 50.
         ("agility_cassie", "", "left-knee", 195.2),
         ("agility_cassie_urdf", "", "toe_joint_right", 45.0),
+        ("ufactory_lite6", "", "joint6", 20.0),
+        ("kinova_gen3_lite", "", "joint_2", 14.0),
+        ("kinova_gen3_6", "", "joint_4", 9.0),
+        ("techman_tm5", "", "joint_4", 43.0),
+        ("techman_tm5_ros1", "", "wrist_1_joint", 43.0),
+        ("techman_tm12", "", "joint_3", 157.0),
+        ("techman_tm12_ros1", "", "elbow_joint", 157.0),
+        ("hans_elfin3", "", "elfin_joint4", 104.0),
+        ("hans_elfin5", "", "elfin_joint2", 420.0),
+        ("rainbow_rby1", "", "left_arm_6", 8.0),
+        ("dexmate_vega", "", "head_j2", 2.5),
+        ("galaxea_a1x", "", "arm_joint2", 50.0),
+        ("galaxea_r1_pro", "", "right_arm_joint4", 25.0),
     ],
 )
 def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: float) -> None:
@@ -105,6 +118,11 @@ def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: floa
         ("fourier_gr1", "right_knee_pitch_joint", {135.0, 225.0}),
         # A URDF, and the deploy parameters of two motors.
         ("limx_oli", "left_ankle_pitch_joint", {42.0, 80.0}),
+        # The limit of its URDF and that of its guide.
+        ("kinova_gen3_6", "joint_5", {9.0, 52.0}),
+        # Its files for ROS 1 and ROS 2.
+        ("hans_elfin3", "elfin_joint3", {69.0, 200.0}),
+        ("hans_elfin5", "elfin_joint6", {34.0, 69.0}),
     ],
 )
 def test_figures_of_a_maker_s_other_files(robot: str, joint: str, efforts: set[float]) -> None:
@@ -261,6 +279,20 @@ def test_arms_mounted_under_a_name_of_the_file_s_own(
         ),
         pytest.param("tiago", "arm_{}_joint", (43, 43, 43, 26, 3, 6.6, 6.6), {3}, id="43 is 1.65 times 26"),
         pytest.param("tiago_dual", "arm_left_{}_joint", (99,) * 7, set(), id="another robot of that maker"),
+        pytest.param("xarm_lite6", "joint{}", (50, 50, 32, 32, 32, 32), {6}, id="32 is 1.6 times 20"),
+        pytest.param("tm12x", "joint_{}", (353, 353, 157, 54, 54, 157), {6}, id="157 is 2.9 times 54"),
+        pytest.param("tm5s", "joint_{}", (353,) * 6, set(), id="the S series is another robot"),
+        pytest.param("elfin5", "elfin_joint{}", (420, 420, 420, 200, 69, 69), {3}, id="420 is 2.1 times 200"),
+        pytest.param("elfin5", "elfin_joint{}", (200, 200, 200, 104, 34, 34), set(), id="that of ROS 2"),
+        pytest.param("a1x", "arm_joint{}", (27, 50, 50, 14, 14, 14), {3}, id="50 is 1.9 times 27"),
+        pytest.param("gen3_lite", "joint_{}", (10, 14, 10, 7, 7, 7), set(), id="a lite"),
+        pytest.param("gen3lite", "joint_{}", (10, 14, 10, 7, 7, 14), {6}, id="14 is twice 7"),
+        pytest.param("lite", "joint_{}", (99,) * 6, set(), id="a lite of anybody's"),
+        pytest.param("gen3", "joint_{}", (10, 14, 10, 7, 7, 7), set(), id="one that is called gen3 alone"),
+        pytest.param("gen3", "joint_{}", (39, 105, 39, 9, 52, 9), set(), id="six joints, URDF and guide"),
+        pytest.param(
+            "gen3", "joint_{}", (39, 130, 39, 9, 9, 63), {2, 6}, id="more than 1.2 times 105 and 52"
+        ),
     ],
 )
 def test_an_arm_by_its_numbered_joints(
@@ -390,6 +422,47 @@ def test_robots_of_joints_that_others_have(
     Path(f"{name}.urdf").write_text(_arm(name, limits))
     found = audit([f"{name}.urdf"], Settings(select=("KNW101",))).findings
     assert {item.finding.joint for item in found} == said
+
+
+@pytest.mark.parametrize(
+    ("constant", "groups", "robot"),
+    [
+        pytest.param(
+            "GEN3", {"joint_[1-3]": 105, "joint_4": 52, "joint_[56]": 52}, None, id="six joints, as published"
+        ),
+        pytest.param(
+            "GEN3", {"joint_[1-3]": 105, "joint_[4-6]": 70}, "kinova_gen3_6", id="70 is 1.35 times 52"
+        ),
+        pytest.param("GEN3", {"joint_[1-4]": 105, "joint_[5-7]": 70}, "kinova_gen3", id="of seven joints"),
+        pytest.param("GEN3", {"joint_.*": 70}, "kinova_gen3", id="any number of joints: seven"),
+        pytest.param("GEN3_LITE", {"joint_.*": 70}, "kinova_gen3_lite", id="of a name with both words"),
+        pytest.param("R1_PRO", {"(left|right)_arm_joint.*": 63}, "galaxea_r1_pro", id="63 is 3.5 times 18"),
+        pytest.param("R1", {"(left|right)_arm_joint.*": 63}, None, id="without Pro, arms of six joints"),
+    ],
+)
+def test_robots_that_share_a_word(
+    constant: str,
+    groups: dict[str, int],
+    robot: str | None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of those whose names a configuration has it is the one whose joints it has all, then the one with more words."""
+    monkeypatch.chdir(tmp_path)
+    actuators = ", ".join(
+        f"'{n}': ImplicitActuatorCfg(joint_names_expr=['{names}'], effort_limit_sim={limit}.0, "
+        "stiffness=80.0, damping=4.0)"
+        for n, (names, limit) in enumerate(groups.items())
+    )
+    Path("arms.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        "from isaaclab.assets import ArticulationCfg\n"
+        f"{constant}_CFG = ArticulationCfg(actuators={{{actuators}}})\n"
+    )
+    found = audit(["arms.py"], Settings(select=("KNW101",))).findings
+    assert {item.finding.message.partition(" for ")[2].partition(":")[0] for item in found} == (
+        {robot} if robot else set()
+    )
 
 
 @pytest.mark.parametrize(
