@@ -64,8 +64,8 @@ def pose_inertia(model: mujoco.MjModel, poses: int = POSES) -> PoseInertia:
     """Mass matrices without armature at the reference pose and at sampled poses.
 
     The reference pose is the first keyframe, else qpos0, where a joint that cannot be there is at the nearest end of
-    its range. Sampled are hinges and slides, within their ranges; a hinge without a range over +-pi; a slide without one,
-    balls and free joints stay at the reference. Tendon armature, which couples joints, counts as inertia here.
+    its range. Sampled are hinges and slides, within their ranges; a hinge without a range over +-pi; a slide without
+    one, balls and free joints stay at the reference. Tendon armature, which couples joints, counts as inertia here.
 
     Args:
         model: Compiled; its armature is set to 0 during the call and restored.

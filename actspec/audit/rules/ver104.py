@@ -42,7 +42,7 @@ class ImplicitVelocityLimit(RuleOver[Group]):
                 "velocity_limit is ignored for an implicit drive: the joint keeps the USD's speed limit",
                 setting.span,
                 joint,
-                help="write velocity_limit_sim (Isaac Lab 2.1 and later) if the solver is to enforce it, or leave it out",
+                help="write velocity_limit_sim (of Isaac Lab 2.1 on) if the solver is to enforce it, or leave it out",
                 fields=("velocity_limit",),
                 severity=Severity.INFO if _changes_nothing(case, group, joint, setting) else None,
             )
