@@ -318,6 +318,7 @@ class RobotConfig:
     edited: frozenset[str] = frozenset()
     by_call: bool = False
     robot_missing: Span | None = None
+    stands_up: bool = False
 
     @property
     def unrolled(self) -> RobotConfig:

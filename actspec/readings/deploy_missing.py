@@ -9,7 +9,7 @@ import yaml
 
 from actspec.diagnostics import Collector, listed, nearest, shortened
 from actspec.readings.artifact import Setting
-from actspec.readings.deploy_keys import gain_of, joint_lists, own_gains
+from actspec.readings.deploy_keys import STANDING, gain_of, joint_lists, own_gains
 from actspec.readings.dict_keys import PLAIN
 
 MISSPELT = "DEPLOY006"
@@ -74,6 +74,9 @@ def why_without_gains(
                 return Lack(_of_one_number(key, block, gains, names), value)
             if key in known or not isinstance(value, yaml.CollectionNode):
                 continue
+            if key in STANDING:
+                why = f"its {key} is of getting up and lying down, and the policy's gains (rl_kp, rl_kd) are not here"
+                return Lack(why, value)
             if key.lower() in known:
                 return Lack(_other_key(key), value)
             if gain_of(key) is not None:
