@@ -63,6 +63,7 @@ def called(
         nameless={},
         nameless_lists={},
         motors=None,
+        by_motor=True,
         entries={where: one for where, one in config.entries.items() if one.span not in taken},
     )
 
