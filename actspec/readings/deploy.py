@@ -42,7 +42,14 @@ from actspec.readings.deploy_missing import (
     why_without_gains,
 )
 from actspec.readings.deploy_motors import LENGTH, motors_of, sdk_names
-from actspec.readings.deploy_numbers import NO_NUMBER, is_empty, is_meant_for_one, no_number
+from actspec.readings.deploy_numbers import (
+    LEAST_JOINTS,
+    NO_NUMBER,
+    by_side,
+    is_empty,
+    is_meant_for_one,
+    no_number,
+)
 from actspec.readings.deploy_steps import nearest, steps_of
 from actspec.readings.leftover import Leftover, node_span
 from actspec.readings.motor_names import NAMELESS, called, names_wanted
@@ -52,8 +59,6 @@ from actspec.robot.view import ModelFile
 
 MOST_JOINTS = 2000
 """Chosen: joints that one list names; every field's list is held against every name."""
-LEAST_JOINTS = 3
-"""Chosen: entries of a list without names from which on it is one of joints; two may be the ends of a range."""
 PER_JOINT = {
     "kp": ("kp", "kps", "stiffness", "p_gains", "kp_gains", "joint_kp", "joint_stiffness", "rl_kp"),
     "kd": ("kd", "kds", "damping", "d_gains", "kd_gains", "joint_kd", "joint_damping", "rl_kd"),
@@ -518,10 +523,14 @@ class _Reader:
         block = self.mapping(node)
         if block.keys() <= _COMMANDS:
             return {}
-        # A mapping below is no joint's figure, but has some of its own.
-        no_number(
-            name, [one for one in block.items() if not isinstance(one[1], yaml.MappingNode)], self.path, out
-        )
+        sides = by_side([*block.items()], joints) if joints is not None else ""
+        if sides:
+            help = "write one list in the order of the joint names, or {JOINT: NUMBER, ...}"
+            out.warning(NO_NUMBER, f"it has {sides}", where=name, span=self._span(node), help=help)
+        else:
+            # A mapping below is no joint's figure, but has some of its own.
+            figures = [one for one in block.items() if not isinstance(one[1], yaml.MappingNode)]
+            no_number(name, figures, self.path, out)
         for key, value_node in block.items():
             value = number_of(value_node)
             if value is None:

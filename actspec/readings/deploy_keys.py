@@ -64,7 +64,12 @@ def gain_of(key: str) -> tuple[str, str] | None:
     if parts is None or key in ("kp", "kps", "kd", "kds", *STANDING):
         return None
     name = "_".join(part for part in (parts["before"], parts["after"]) if part).lower()
-    return None if _OTHER & set(name.split("_")) else (parts["gain"].lower(), name)
+    return None if is_of_another(name) else (parts["gain"].lower(), name)
+
+
+def is_of_another(name: str) -> bool:
+    """Whether the numbers of a key are no gains of joints' positions, by its words."""
+    return not _OTHER.isdisjoint(name.lower().split("_"))
 
 
 def own_gains(

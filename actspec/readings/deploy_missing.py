@@ -10,6 +10,7 @@ import yaml
 from actspec.diagnostics import Collector, listed, nearest, shortened
 from actspec.readings.artifact import Setting
 from actspec.readings.deploy_keys import STANDING, gain_of, joint_lists, own_gains
+from actspec.readings.deploy_numbers import by_side
 from actspec.readings.dict_keys import PLAIN
 
 MISSPELT = "DEPLOY006"
@@ -72,6 +73,10 @@ def why_without_gains(
         for key, value in block.items():
             if key in known and number(value) is not None:
                 return Lack(_of_one_number(key, block, gains, names), value)
+            if key in known and isinstance(value, yaml.MappingNode):
+                sides = by_side([*mapping(value).items()])
+                if sides:
+                    return Lack(f"its {key} has {sides}", value)
             if key in known or not isinstance(value, yaml.CollectionNode):
                 continue
             if key in STANDING:

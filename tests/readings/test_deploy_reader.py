@@ -520,6 +520,56 @@ def test_what_is_no_number_in_a_mapping_or_alone(
     assert said == [f"{one}: it is not judged" for one in told]
 
 
+_SIDES = """
+joint_names: [left_hip, left_knee, left_foot, right_hip, right_knee, right_foot]
+kd: [1, 2, 3, 1, 2, 3]
+"""
+
+
+@pytest.mark.parametrize(
+    ("kp", "told"),
+    [
+        (
+            "{left: [9, 8, 7], right: [9, 8, 7]}",
+            "lists below left, right: which joints they are of is not read",
+        ),
+        ("{legs: [9, 8, 7, 9, 8, 7]}", "a list below legs: which joints it is of is not read"),
+        (
+            "{left: {hip: 9, knee: 8}, right: {hip: 9, knee: 8}}",
+            "mappings below left, right: which joints they are of is not read",
+        ),
+        (
+            "{left: {hip: 9, knee: 8}, right: [9, 8, 7]}",
+            "lists and mappings below left, right: which joints they are of is not read",
+        ),
+        # What is drawn, of which two or three numbers and a rule are written; a joint's own schedule.
+        ("{low: [9, 8, 7], high: [10, 9, 8]}", ""),
+        ("{left: {min: 7, max: 9}, right: {min: 7, max: 9}}", ""),
+        ("{range: [0.5, 1.5], operation: scaling}", ""),
+        ("{left: [0.5, 1.5], right: [0.5, 1.5]}", ""),
+        ("{left_hip: {early: 9, late: 8}, right_hip: {early: 9, late: 8}}", ""),
+    ],
+)
+def test_gains_by_side(kp: str, told: str, tmp_path: Path) -> None:
+    """Lists below words that are no joints are said not to be read, as a text in their place is; ranges are none."""
+    path = tmp_path / "deploy.yaml"
+    path.write_text(f"{_SIDES}kp: {kp}\n")
+    reading = read_file(str(path))
+    assert {group.name: group.settings["kd"].value for group in reading.artifacts[0].config.groups} == {
+        f"{side}_{part}": value
+        for side in ("left", "right")
+        for part, value in zip(("hip", "knee", "foot"), (1, 2, 3), strict=True)
+    }
+    said = [
+        f"{one.code} {one.span.line}:{one.span.column} {one.where}: {one.message}"
+        for one in reading.not_taken
+    ]
+    assert said == ([f"DEPLOY003 4:5 kp: it has {told}"] if told else [])
+    # With no other figure it is why the file cannot be read.
+    path.write_text(f"kp: {kp}\n")
+    assert not told or read_file(str(path)).reason == f"its kp has {told}"
+
+
 @pytest.mark.parametrize(
     ("text", "reason", "at"),
     [
