@@ -23,7 +23,7 @@ from actspec.robot.view import RobotView
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
 
-UNKNOWN = frozenset({"AUD015", "CFG001", "CFG003", "DEPLOY002", STEP_OF_WHAT})
+UNKNOWN = frozenset({"AUD015", "CFG001", "CFG003", "DEPLOY002", "DEPLOY009", STEP_OF_WHAT})
 """Codes of information about figures that no rule looks at, or that are not compared."""
 
 

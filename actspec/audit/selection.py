@@ -30,6 +30,7 @@ DIAGNOSTICS = {
     "DEPLOY006": "joint-misspelt",
     "DEPLOY007": "two-default-positions",
     "DEPLOY008": "no-motor-of-its-own",
+    "DEPLOY009": "gains-of-standing-up",
 }
 """What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
 

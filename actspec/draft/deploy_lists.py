@@ -9,7 +9,7 @@ from actspec.diagnostics import Collector, listed, one_line
 from actspec.draft.sources import places, stated
 from actspec.ir import JointActuator, Quantity, unknown
 from actspec.readings.artifact import Artifact, NamelessList, RobotConfig
-from actspec.readings.deploy import LEAST_JOINTS
+from actspec.readings.deploy_numbers import LEAST_JOINTS
 from actspec.readings.motor_names import names_wanted
 from actspec.robot.view import JointView, RobotView
 

@@ -209,6 +209,7 @@ class ActionTerm:
         zero: Command at zero action, a number or by pattern; None: the joint's default position, and no speed.
         clip: Pattern to the ends between which the command stays; None without.
         span: Where it is made.
+        ordered: Whether its actions are in the order of `joints`, by `preserve_order`, and not in the robot's.
     """
 
     name: str
@@ -220,6 +221,7 @@ class ActionTerm:
     zero: Setting | None
     clip: Setting | None
     span: Span
+    ordered: bool = False
 
     @property
     def place(self) -> Span:
@@ -318,6 +320,8 @@ class RobotConfig:
     edited: frozenset[str] = frozenset()
     by_call: bool = False
     robot_missing: Span | None = None
+    stands_up: bool = False
+    by_motor: bool = False
 
     @property
     def unrolled(self) -> RobotConfig:

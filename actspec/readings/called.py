@@ -10,6 +10,13 @@ from functools import lru_cache
 from actspec.files import in_common
 from actspec.readings.artifact import Artifact, Framework
 
+_OF_A_POLICY = re.compile(
+    r".*/(?:robots/(?P<robot>[^/]+)/config/policy/(?:[^/]+/)*|logs/[^/]+/(?P<task>[^/]+)/[^/]+/)params"
+)
+"""Folders of one policy, whose robot is told further up. Source: unitree_rl_lab, deploy/robots/*/src/State_RLBase.cpp,
+which loads `policy_dir / "params" / "deploy.yaml"`; their config/config.yaml: `policy_dir: config/policy/velocity`,
+or `../../../logs/rsl_rl/unitree_b2_velocity`, below which is a folder for each training."""
+
 _FOLDERS = 3
 """Folders above a file whose names tell robots of one family apart. Chosen: `anymal_b_description/urdf/anymal.urdf`."""
 
@@ -61,9 +68,11 @@ def distinctive(artifact: Artifact) -> frozenset[str]:
 
 
 def names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
-    """Telling words of the artifact's own name, and of its folder."""
+    """Telling words of the artifact's own name, and of its folder, or of the robot's one above a policy's."""
     stem = stem_of(artifact.path)
-    folder = os.path.basename(os.path.dirname(os.path.abspath(artifact.path)))
+    above = os.path.dirname(os.path.abspath(artifact.path)).replace(os.sep, "/")
+    deep = _OF_A_POLICY.fullmatch(above)
+    folder = telling((deep["robot"] or deep["task"]) if deep else "") or telling(os.path.basename(above))
     own = telling(artifact.name)
     if artifact.config is None or artifact.config.framework is Framework.DEPLOY:
         own |= telling(stem)
@@ -71,7 +80,7 @@ def names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
     inside = _of_its_joints(artifact)
     # The more exact name counts: a scene called `h1` with `h1_2.xml` is an H1-2.
     own = frozenset(word for word in own if not any(i != word and i.startswith(word) for i in inside))
-    return own | inside, telling(folder)
+    return own | inside, folder
 
 
 def _included(artifact: Artifact) -> frozenset[str]:

@@ -31,7 +31,7 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
-from actspec.readings.deploy_keys import joint_lists, own_gains
+from actspec.readings.deploy_keys import STANDING, STANDING_UP, joint_lists, own_gains, standing_up
 from actspec.readings.deploy_missing import (
     MISSPELT,
     NO_GAINS,
@@ -42,7 +42,14 @@ from actspec.readings.deploy_missing import (
     why_without_gains,
 )
 from actspec.readings.deploy_motors import LENGTH, motors_of, sdk_names
-from actspec.readings.deploy_numbers import NO_NUMBER, is_empty, is_meant_for_one, no_number
+from actspec.readings.deploy_numbers import (
+    LEAST_JOINTS,
+    NO_NUMBER,
+    by_side,
+    is_empty,
+    is_meant_for_one,
+    no_number,
+)
 from actspec.readings.deploy_steps import nearest, steps_of
 from actspec.readings.leftover import Leftover, node_span
 from actspec.readings.motor_names import NAMELESS, called, names_wanted
@@ -52,21 +59,9 @@ from actspec.robot.view import ModelFile
 
 MOST_JOINTS = 2000
 """Chosen: joints that one list names; every field's list is held against every name."""
-LEAST_JOINTS = 3
-"""Chosen: entries of a list without names from which on it is one of joints; two may be the ends of a range."""
 PER_JOINT = {
-    "kp": (
-        "kp",
-        "kps",
-        "stiffness",
-        "p_gains",
-        "kp_gains",
-        "joint_kp",
-        "joint_stiffness",
-        "fixed_kp",
-        "rl_kp",
-    ),
-    "kd": ("kd", "kds", "damping", "d_gains", "kd_gains", "joint_kd", "joint_damping", "fixed_kd", "rl_kd"),
+    "kp": ("kp", "kps", "stiffness", "p_gains", "kp_gains", "joint_kp", "joint_stiffness", "rl_kp"),
+    "kd": ("kd", "kds", "damping", "d_gains", "kd_gains", "joint_kd", "joint_damping", "rl_kd"),
     "effort_limit": (
         "effort_limit",
         "effort_limits",
@@ -120,6 +115,9 @@ NAMES = (
 
 _COMMANDS = frozenset(("pos", "position", "vel", "velocity", "torque", "effort"))
 """Keys of a mapping that is by what is commanded, as `action_scale: {pos: 0.25}`, and not by joint."""
+
+_NOT_OF_LISTS = frozenset((STEP_OF_WHAT, NO_NUMBER, STANDING_UP))
+"""Codes of remarks that do not tell that a block has lists of figures."""
 
 _Block: TypeAlias = "dict[str, yaml.Node]"
 """A mapping of the file: key to value."""
@@ -253,7 +251,7 @@ class _Reader:
         block = self.mapping(node)
         if self._has_gains(block):
             config = self._config(node, block, above, name)
-            if config.groups or any(note.code not in (STEP_OF_WHAT, NO_NUMBER) for note in config.notes):
+            if config.groups or any(note.code not in _NOT_OF_LISTS for note in config.notes):
                 yield config
             else:
                 self.no_numbers += [note for note in config.notes if note.code == NO_NUMBER]
@@ -275,7 +273,8 @@ class _Reader:
                 return False
             self.keys = {**PER_JOINT, "kp": (own[0].kp,), "kd": (own[0].kd,)}
             return True
-        if any(_is_per_joint(block.get(key)) for field in ("kp", "kd") for key in PER_JOINT[field]):
+        # A block with the gains of standing up has limits and a default pose that are the policy's, too.
+        if any(_is_per_joint(block.get(key)) for key in (*_GAIN_KEYS, *STANDING)):
             return True
         gains = [nearest((block,), PER_JOINT[field]) for field in ("kp", "kd")]
         single = all(found is not None and is_meant_for_one(found[1]) for found in gains)
@@ -334,6 +333,7 @@ class _Reader:
         for twice in self.refused[:1]:
             if any(one.entries == len(twice.value) for one in lists.values()):
                 name_twice(twice, self.path, out)
+        stands_up = standing_up(scopes, _GAIN_KEYS, self._span, out)
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))
@@ -366,6 +366,7 @@ class _Reader:
             nameless=nameless,
             nameless_lists=lists,
             motors=motors,
+            stands_up=stands_up,
         )
         return config if joints is not None else called(config, called_so)
 
@@ -522,10 +523,14 @@ class _Reader:
         block = self.mapping(node)
         if block.keys() <= _COMMANDS:
             return {}
-        # A mapping below is no joint's figure, but has some of its own.
-        no_number(
-            name, [one for one in block.items() if not isinstance(one[1], yaml.MappingNode)], self.path, out
-        )
+        sides = by_side([*block.items()], joints) if joints is not None else ""
+        if sides:
+            help = "write one list in the order of the joint names, or {JOINT: NUMBER, ...}"
+            out.warning(NO_NUMBER, f"it has {sides}", where=name, span=self._span(node), help=help)
+        else:
+            # A mapping below is no joint's figure, but has some of its own.
+            figures = [one for one in block.items() if not isinstance(one[1], yaml.MappingNode)]
+            no_number(name, figures, self.path, out)
         for key, value_node in block.items():
             value = number_of(value_node)
             if value is None:

@@ -1,12 +1,23 @@
-"""Gains of a deploy file under keys of its author's own: `kp_walk` beside `kd_walk`, `motor_kp`, `Kp`."""
+"""Gains of a deploy file that no key of `PER_JOINT` has: an author's own, `kp_walk` beside `kd_walk`, `motor_kp`, `Kp`;
+and those of standing up."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import yaml
+
+from actspec.diagnostics import Collector, Span
+from actspec.readings.deploy_steps import nearest
+
+STANDING_UP = "DEPLOY009"
+"""Code of gains that are of standing up alone."""
+
+STANDING = ("fixed_kp", "fixed_kd")
+"""Keys of the gains with which the robot gets up and lies down, and never runs its policy. Source: rl_sar, rl_sdk.cpp:
+Interpolate takes them as it is told, RLControl and ComputeTorques take rl_kp and rl_kd always."""
 
 _LIKE = re.compile(r"(?:(?P<before>\w+)_)?(?P<gain>k[pd])s?(?:_(?P<after>\w+))?", re.IGNORECASE)
 
@@ -50,10 +61,15 @@ class OwnGains:
 def gain_of(key: str) -> tuple[str, str] | None:
     """`kp` or `kd`, and what an author's own key calls it: `kp` and `walk` of `kp_walk`; None of any other key."""
     parts = _LIKE.fullmatch(key)
-    if parts is None or key in ("kp", "kps", "kd", "kds"):
+    if parts is None or key in ("kp", "kps", "kd", "kds", *STANDING):
         return None
     name = "_".join(part for part in (parts["before"], parts["after"]) if part).lower()
-    return None if _OTHER & set(name.split("_")) else (parts["gain"].lower(), name)
+    return None if is_of_another(name) else (parts["gain"].lower(), name)
+
+
+def is_of_another(name: str) -> bool:
+    """Whether the numbers of a key are no gains of joints' positions, by its words."""
+    return not _OTHER.isdisjoint(name.lower().split("_"))
 
 
 def own_gains(
@@ -105,3 +121,30 @@ def joint_lists(blocks: Iterator[Mapping[str, yaml.Node]]) -> set[frozenset[str]
             if len(node.value) == len(set(texts)) > 1:
                 found.add(frozenset(texts))
     return found
+
+
+def standing_up(
+    scopes: Sequence[Mapping[str, yaml.Node]],
+    gains: Sequence[str],
+    span: Callable[[yaml.Node], Span],
+    out: Collector,
+) -> bool:
+    """Whether a block's only gains are of standing up, which are compared with nothing; that is said.
+
+    Args:
+        scopes: Mappings in which they may stand, the nearest first.
+        gains: Every known key of gains that joints run a policy with.
+        span: Place of a node.
+        out: Is told.
+    """
+    found = nearest(scopes, STANDING)
+    if found is None or nearest(scopes, gains) is not None:
+        return False
+    out.info(
+        STANDING_UP,
+        "these are the gains of getting up and lying down (rl_sar), and those of the policy (rl_kp, rl_kd) are not "
+        "here: they are compared with nothing",
+        where=found[0],
+        span=span(found[1]),
+    )
+    return True

@@ -9,7 +9,8 @@ import yaml
 
 from actspec.diagnostics import Collector, listed, nearest, shortened
 from actspec.readings.artifact import Setting
-from actspec.readings.deploy_keys import gain_of, joint_lists, own_gains
+from actspec.readings.deploy_keys import STANDING, gain_of, joint_lists, own_gains
+from actspec.readings.deploy_numbers import by_side
 from actspec.readings.dict_keys import PLAIN
 
 MISSPELT = "DEPLOY006"
@@ -72,8 +73,15 @@ def why_without_gains(
         for key, value in block.items():
             if key in known and number(value) is not None:
                 return Lack(_of_one_number(key, block, gains, names), value)
+            if key in known and isinstance(value, yaml.MappingNode):
+                sides = by_side([*mapping(value).items()])
+                if sides:
+                    return Lack(f"its {key} has {sides}", value)
             if key in known or not isinstance(value, yaml.CollectionNode):
                 continue
+            if key in STANDING:
+                why = f"its {key} is of getting up and lying down, and the policy's gains (rl_kp, rl_kd) are not here"
+                return Lack(why, value)
             if key.lower() in known:
                 return Lack(_other_key(key), value)
             if gain_of(key) is not None:

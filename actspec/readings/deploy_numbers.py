@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import yaml
 
-from actspec.diagnostics import Collector, shortened
+from actspec.diagnostics import Collector, listed, shortened
+from actspec.readings.deploy_keys import is_of_another
 from actspec.readings.leftover import node_span
 from actspec.readings.yaml_nodes import number_of
 
@@ -18,6 +19,10 @@ _FIGURE = re.compile(r"\s*[-+]?\.?\d")
 """How a text begins that is meant for a number: `0,5`, `25 N*m/rad`, `4O0`, `1e5`."""
 
 _YAML = "tag:yaml.org,2002:"
+
+
+LEAST_JOINTS = 3
+"""Chosen: entries of a list without names from which on it is one of joints; two may be the ends of a range."""
 
 
 def is_meant_for_one(node: yaml.Node) -> bool:
@@ -52,6 +57,39 @@ def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], path: str, out:
         out.warning(
             NO_NUMBER, f"{joint} has {_what(node)}: it is not judged", where=key, span=node_span(path, node)
         )
+
+
+def by_side(values: Sequence[tuple[str, yaml.Node]], joints: Collection[str] = ()) -> str:
+    """What a key has in place of figures of joints, with why that is not read: `kp: {left: [...], right: [...]}`.
+
+    Args:
+        values: Of the key, by word.
+        joints: Names of the file's list.
+
+    Returns: Empty where most of its values are no lists and mappings of numbers below words that are no joints.
+    """
+    below = [
+        (word, node)
+        for word, node in values
+        if word not in joints and not is_of_another(word) and _are_numbers(node)
+    ]
+    if 2 * len(below) <= len(values):
+        return ""
+    words = listed(shortened(word) for word, _ in below)
+    kinds = sorted({"list" if isinstance(node, yaml.SequenceNode) else "mapping" for _, node in below})
+    if len(below) == 1:
+        return f"a {kinds[0]} below {words}: which joints it is of is not read"
+    return f"{' and '.join(f'{kind}s' for kind in kinds)} below {words}: which joints they are of is not read"
+
+
+def _are_numbers(node: yaml.Node) -> bool:
+    """Whether a list or mapping has figures that may be of joints, as those of a range or of a schedule are not."""
+    if isinstance(node, yaml.SequenceNode):
+        return len(node.value) >= LEAST_JOINTS and all(number_of(item) is not None for item in node.value)
+    pairs = node.value if isinstance(node, yaml.MappingNode) else []
+    return len(pairs) > 1 and all(
+        number_of(value) is not None and not is_of_another(str(word.value)) for word, value in pairs
+    )
 
 
 def _is_left_open(node: yaml.Node) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileReading, Framework, Motors, RobotConfig, Setting
+from actspec.readings.called import distinctive, names_agree
 
 NAMELESS = "DEPLOY002"
 """Code of a list whose joints nobody names."""
@@ -63,6 +64,7 @@ def called(
         nameless={},
         nameless_lists={},
         motors=None,
+        by_motor=True,
         entries={where: one for where, one in config.entries.items() if one.span not in taken},
     )
 
@@ -83,10 +85,11 @@ def names_wanted(motors: Motors | None, count: int | None = None) -> str:
 def with_names(readings: Sequence[FileReading]) -> list[FileReading]:
     """Readings, motors of deploy files called as the run or configuration has them that is beside it, or named with it.
 
-    Nobody else's names are taken, and none where two orders may be meant.
+    In a folder the names are those of the configuration that is called as the deploy file's robot. Nobody else's are
+    taken, and none where two orders may be meant.
     """
     orders = [
-        (reading, tuple(map(str, order.value)))
+        (reading, artifact, tuple(map(str, order.value)))
         for reading in readings
         for artifact in reading.artifacts
         if artifact.config is not None
@@ -101,10 +104,16 @@ def with_names(readings: Sequence[FileReading]) -> list[FileReading]:
             config = artifact.config
             if config is not None and config.motors is not None:
                 folder, count = os.path.dirname(reading.path), config.motors.count
-                fitting = [(one, names) for one, names in orders if len(names) == count]
-                beside = {names for one, names in fitting if os.path.dirname(one.path) == folder}
-                named = {names for one, names in fitting if not one.in_folder and not reading.in_folder}
-                chosen = beside or named
+                fitting = [each for each in orders if len(each[2]) == count]
+                beside = {names for one, _, names in fitting if os.path.dirname(one.path) == folder}
+                named = {names for one, _, names in fitting if not one.in_folder and not reading.in_folder}
+                own = distinctive(artifact)
+                alike = {
+                    names
+                    for one, other, names in fitting
+                    if not one.record and names_agree(own, distinctive(other))
+                }
+                chosen = beside or named or alike
                 if len(chosen) == 1:
                     artifact = replace(artifact, config=called(config, next(iter(chosen))))
             artifacts.append(artifact)

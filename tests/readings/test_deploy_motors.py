@@ -256,6 +256,42 @@ def test_a_file_elsewhere(run: Path) -> None:
     assert told(str(run / "env.yaml"), "env.yaml", "robot/deploy.yaml") == []
 
 
+CONFIG = """\
+from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+
+def legs(hip, knee):
+    return {"legs": IdealPDActuatorCfg(
+        joint_names_expr=["hip", "knee", "foot"], effort_limit=23.5,
+        stiffness={"hip": hip, "knee": knee, "foot": 30.0}, damping={"hip": hip / 10, "knee": knee / 10, "foot": 3.0},
+    )}
+
+class Cfg(ArticulationCfg):
+    joint_sdk_names: list = []
+
+UNITREE_GO2_CFG = Cfg(actuators=legs(10.0, 20.0), joint_sdk_names=["hip", "knee", "", "foot"])
+UNITREE_B2_CFG = Cfg(actuators=legs(20.0, 10.0), joint_sdk_names=["knee", "hip", "", "foot"])
+"""
+
+
+def test_the_folder_of_its_robot_tells_whose_names_it_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """unitree_rl_lab's own layout, in a folder: the Go2's numbering, and not the B2's, and the Go2's gains."""
+    monkeypatch.chdir(tmp_path)
+    Path("robots").mkdir()
+    Path("robots/unitree.py").write_text(CONFIG)
+    for robot, joint in (("go2", "hip"), ("b2", "knee"), ("h1", None)):
+        folder = Path(f"deploy/robots/{robot}/config/policy/velocity/v0/params")
+        folder.mkdir(parents=True)
+        (folder / "deploy.yaml").write_text(DEPLOY)
+        assert told(".", as_named=True) == []
+        (folder / "deploy.yaml").write_text(DEPLOY.replace("10.0, 20.0", "100.0, 20.0"))
+        departs = [("SRC103", joint, 100.0, 10.0)] if joint else []
+        assert told(".", as_named=True) == departs
+        (folder / "deploy.yaml").unlink()
+
+
 def test_a_change_is_told_once(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The entry is the joint's, and no number without one any more."""
     files = [str(run / "env.yaml"), str(run / "deploy.yaml")]

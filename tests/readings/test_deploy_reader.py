@@ -125,7 +125,7 @@ def test_nobody_is_asked_about_a_file_that_was_met(tmp_path: Path, monkeypatch: 
 
 def test_lists_in_the_policys_order(tmp_path: Path) -> None:
     """rl_sar: the third value of a list is of the joint in place joint_mapping[2] = 1 among the names."""
-    text = "joint_names: [hip, knee, ankle]\nfixed_kp: [60, 25, 10]\njoint_mapping: [2, 0, 1]\n"
+    text = "joint_names: [hip, knee, ankle]\nrl_kp: [60, 25, 10]\njoint_mapping: [2, 0, 1]\n"
     _, found, said = _read(tmp_path, text)
     assert {joint: values["kp"] for joint, values in found.items()} == {
         "ankle": 60.0,
@@ -141,6 +141,83 @@ def test_lists_in_the_policys_order(tmp_path: Path) -> None:
             "knee": 25.0,
             "ankle": 10.0,
         }
+
+
+RL_SAR = """
+dog:
+  joint_names: [fl_hip, fl_knee, fr_hip, fr_knee]
+  rl_kp: [25, 25, 25, 25]
+  rl_kd: [0.5, 0.5, 0.5, 0.5]
+  fixed_kp: [80, 30, 80, 30]
+  fixed_kd: [3, 3, 3, 3]
+  torque_limits: [30, 30, 30, 30]
+  default_dof_pos: [0, 1.5, 0, 1.5]
+"""
+
+
+def test_the_policys_gains_are_not_those_of_standing_up(tmp_path: Path) -> None:
+    """rl_sar: RLControl sends rl_kp and rl_kd always, Interpolate fixed_kp and fixed_kd where it gets up."""
+    _, found, said = _read(tmp_path, RL_SAR)
+    for joint, pose in (("fl_hip", 0.0), ("fl_knee", 1.5), ("fr_hip", 0.0), ("fr_knee", 1.5)):
+        assert found[joint] == {"kp": 25.0, "kd": 0.5, "effort_limit": 30.0, "default_position": pose}
+    assert said == []
+    # Its base.yaml has limits and pose of the robot, and no policy.
+    alone = "".join(line for line in RL_SAR.splitlines(keepends=True) if "rl_k" not in line)
+    _, found, said = _read(tmp_path, alone)
+    assert found["fl_knee"] == {"effort_limit": 30.0, "default_position": 1.5}
+    assert said == [
+        "these are the gains of getting up and lying down (rl_sar), and those of the policy (rl_kp, rl_kd) are not "
+        "here: they are compared with nothing"
+    ]
+    # An author's own keys beside them are no choice between two: fixed_kp is none.
+    _, found, said = _read(
+        tmp_path, "joint_names: [hip, knee]\nfixed_kp: [80, 30]\nfixed_kd: [3, 3]\nkp_walk: [25, 25]\n"
+    )
+    assert found == {}
+    assert said == [
+        "its fixed_kp is of getting up and lying down, and the policy's gains (rl_kp, rl_kd) are not here"
+    ]
+
+
+STANDING_CFG = """
+from isaaclab.actuators import ImplicitActuatorCfg
+from isaaclab.assets import ArticulationCfg
+
+DOG_CFG = ArticulationCfg(
+    init_state=ArticulationCfg.InitialStateCfg(joint_pos={".*_hip": 0.0, ".*_knee": 1.6}),
+    actuators={
+        "legs": ImplicitActuatorCfg(
+            joint_names_expr=["fl_hip", "fr_hip", "fl_knee", "fr_knee"],
+            effort_limit_sim=30.0, velocity_limit_sim=20.0, stiffness=25.0, damping=0.5,
+        ),
+    },
+)
+"""
+
+
+def test_standing_up_is_held_to_no_training(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """kp 250 of the policy is ten times the training's, whatever fixed_kp is; a pose beside it alone is of standing."""
+    monkeypatch.chdir(tmp_path)
+    Path("dog_cfg.py").write_text(STANDING_CFG)
+    alone = "".join(line for line in RL_SAR.splitlines(keepends=True) if "rl_k" not in line)
+    texts = {
+        RL_SAR.replace("1.5", "1.6"): [],
+        RL_SAR.replace("1.5", "1.6").replace("rl_kp: [25, 25, 25, 25]", "rl_kp: [250, 250, 250, 250]"): [
+            ("SRC103", "10 times")
+        ],
+        alone: [],
+        alone.replace("[30, 30, 30, 30]", "[60, 60, 60, 60]"): [("SRC101", "60 N*m")],
+    }
+    for text, wanted in texts.items():
+        Path("dog_deploy.yaml").write_text(text)
+        found = audit(["dog_cfg.py", "dog_deploy.yaml"], Settings()).findings
+        assert {item.finding.code for item in found} == {code for code, _ in wanted}
+        assert all(times in found[0].finding.message for _, times in wanted)
+    # The same pose of a policy's own file is another command.
+    Path("dog_deploy.yaml").write_text(RL_SAR)
+    assert {item.finding.code for item in audit(["dog_cfg.py", "dog_deploy.yaml"], Settings()).findings} == {
+        "SRC106"
+    }
 
 
 def test_a_list_without_names_is_not_guessed(tmp_path: Path) -> None:
@@ -441,6 +518,56 @@ def test_what_is_no_number_in_a_mapping_or_alone(
     assert {joint: value for joint, value in kp.items() if joint != "schedule_steps"} == found
     said = [f"{one.where}: {one.message}" for one in reading.not_taken]
     assert said == [f"{one}: it is not judged" for one in told]
+
+
+_SIDES = """
+joint_names: [left_hip, left_knee, left_foot, right_hip, right_knee, right_foot]
+kd: [1, 2, 3, 1, 2, 3]
+"""
+
+
+@pytest.mark.parametrize(
+    ("kp", "told"),
+    [
+        (
+            "{left: [9, 8, 7], right: [9, 8, 7]}",
+            "lists below left, right: which joints they are of is not read",
+        ),
+        ("{legs: [9, 8, 7, 9, 8, 7]}", "a list below legs: which joints it is of is not read"),
+        (
+            "{left: {hip: 9, knee: 8}, right: {hip: 9, knee: 8}}",
+            "mappings below left, right: which joints they are of is not read",
+        ),
+        (
+            "{left: {hip: 9, knee: 8}, right: [9, 8, 7]}",
+            "lists and mappings below left, right: which joints they are of is not read",
+        ),
+        # What is drawn, of which two or three numbers and a rule are written; a joint's own schedule.
+        ("{low: [9, 8, 7], high: [10, 9, 8]}", ""),
+        ("{left: {min: 7, max: 9}, right: {min: 7, max: 9}}", ""),
+        ("{range: [0.5, 1.5], operation: scaling}", ""),
+        ("{left: [0.5, 1.5], right: [0.5, 1.5]}", ""),
+        ("{left_hip: {early: 9, late: 8}, right_hip: {early: 9, late: 8}}", ""),
+    ],
+)
+def test_gains_by_side(kp: str, told: str, tmp_path: Path) -> None:
+    """Lists below words that are no joints are said not to be read, as a text in their place is; ranges are none."""
+    path = tmp_path / "deploy.yaml"
+    path.write_text(f"{_SIDES}kp: {kp}\n")
+    reading = read_file(str(path))
+    assert {group.name: group.settings["kd"].value for group in reading.artifacts[0].config.groups} == {
+        f"{side}_{part}": value
+        for side in ("left", "right")
+        for part, value in zip(("hip", "knee", "foot"), (1, 2, 3), strict=True)
+    }
+    said = [
+        f"{one.code} {one.span.line}:{one.span.column} {one.where}: {one.message}"
+        for one in reading.not_taken
+    ]
+    assert said == ([f"DEPLOY003 4:5 kp: it has {told}"] if told else [])
+    # With no other figure it is why the file cannot be read.
+    path.write_text(f"kp: {kp}\n")
+    assert not told or read_file(str(path)).reason == f"its kp has {told}"
 
 
 @pytest.mark.parametrize(

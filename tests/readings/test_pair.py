@@ -440,3 +440,27 @@ def test_a_deploy_file_beside_its_run_is_called_as_that() -> None:
     ]
     assert [robot.artifacts for robot in pair(files, records=(0, 2))] == [(0, 1), (2, 3)]
     assert [robot.artifacts for robot in pair(files)] == [(0,), (1,), (2,), (3,)]
+
+
+@pytest.mark.parametrize(
+    ("path", "name"),
+    [
+        ("deploy/robots/go2/config/policy/velocity/v0/params/deploy.yaml", "go2"),
+        ("deploy/robots/go2/config/policy/velocity/params/deploy.yaml", "go2"),
+        ("deploy/robots/g1_29dof/config/policy/mimic/dance_102/params/deploy.yaml", "g1"),
+        ("deploy/robots/h1_2/config/policy/velocity/v0/params/deploy.yaml", "h1_2"),
+        ("logs/rsl_rl/unitree_go2_velocity/2026-01-31_10-20-30/params/deploy.yaml", "go2"),
+        # The folder tells, and so does the file.
+        ("robots/b2/config/policy/velocity/v0/go2/deploy.yaml", "go2"),
+        ("deploy/robots/b2/config/policy/velocity/v0/params/go2.yaml", "go2"),
+    ],
+)
+def test_a_policys_folder_is_called_as_its_robot(path: str, name: str) -> None:
+    """unitree_rl_lab's program finds its file below the robot's folder, so that it can be called nothing else."""
+    deploy = _listed(path, "deploy", DOG, FileKind.DEPLOY)
+    assert distinctive(deploy) == {name}
+    robots = [
+        _listed("t/unitree.py", f"UNITREE_{one.upper()}_CFG", DOG) for one in ("go2", "b2", "g1", "h1_2")
+    ]
+    (both,) = (group for group in _together(*robots, deploy) if len(group) > 1)
+    assert robots[both[0]].name == f"UNITREE_{name.upper()}_CFG"

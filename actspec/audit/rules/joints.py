@@ -68,12 +68,14 @@ def partner_rows(case: Case, row: LedgerRow, *kinds: FileKind) -> Iterator[Ledge
 
 
 def starts_there_alone(case: Case, row: LedgerRow) -> bool:
-    """Whether a configuration's default position is where the joint starts and no zero of its command.
+    """Whether a file's default position is where the joint starts and no zero of its command.
 
-    A task of the robot says so, whose actions are not added to it.
+    A task of the robot says so, whose actions are not added to it; or a deploy file of which only standing up is told,
+    as rl_sar's `base.yaml`: each policy's own `config.yaml` has its pose again (16 of 16).
     """
-    if case.artifacts[row.artifact].kind is not FileKind.CFG:
-        return False
+    artifact = case.artifacts[row.artifact]
+    if artifact.kind is not FileKind.CFG:
+        return artifact.config is not None and artifact.config.stands_up
     return any("action_zero" in other.places for other in (row, *partner_rows(case, row, FileKind.CFG)))
 
 

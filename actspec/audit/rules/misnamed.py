@@ -10,6 +10,7 @@ from actspec.audit.case import Case
 from actspec.audit.rules.configs import FRAMEWORKS, is_whole_robot
 from actspec.audit.rules.joints import names_undriven
 from actspec.audit.rules.ord101 import scalar_joints, stated_order
+from actspec.audit.rules.sided import across, side_words
 from actspec.diagnostics import Span, nearest
 from actspec.patterns import is_slip
 from actspec.readings.artifact import Artifact, FileKind, Framework
@@ -83,7 +84,12 @@ def _of_list(case: Case, index: int) -> Iterator[Misnamed]:
         and joint.name not in robot.coupled
         and not names_undriven(joint.name)
     }
-    for name, meant in _meant(lost, tuple(free)).items():
+    near = _meant(lost, tuple(free))
+    rest = (
+        [name for name in lost if name not in near],
+        [joint for joint in free if joint not in near.values()],
+    )
+    for name, meant in {**near, **_of_its_side(*rest, [*names])}.items():
         patterns = next((one for one in members if selects(one, name) and not selects(one, meant)), None)
         yield Misnamed(index, name, names[name], free[meant], model, patterns)
 
@@ -101,8 +107,8 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
     """Names in a deploy file that no group of the robot's configuration has, where no other file names its joints.
 
     Each with its place, the name that is meant, and the configuration: that name has another name's or pattern's word
-    in the place of one that is nearly it, is in a group, and is left out of the file. Joints without such a name are of
-    a part that the configuration leaves to others.
+    in the place of one that is nearly it, or is the like of a joint on the other side, is in a group, and is left out
+    of the file. Joints without such a name are of a part that the configuration leaves to others.
     """
     drivers = drivers_beside(case, index)
     names = _names(case.artifacts[index])
@@ -118,6 +124,14 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
     words = dict.fromkeys(
         word for text in (*(names.keys() - {*lost}), *patterns) for word in _LETTERS.findall(text)
     )
+    free = {
+        other: one
+        for name in names.keys() - {*lost}
+        for other in across(name)
+        for one in drivers
+        if other not in names and selects(one, other)
+    }
+    sided = _of_its_side(lost, [*free], [*names])
     for name in lost:
         meant = {
             text: one
@@ -130,6 +144,8 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
         }
         if len(meant) == 1:
             yield name, names[name], *meant.popitem()
+        elif not meant and name in sided:
+            yield name, names[name], sided[name], free[sided[name]]
 
 
 _LETTERS = re.compile(r"[^\W\d_]{3,}")
@@ -181,6 +197,23 @@ def _meant(lost: Sequence[str], free: Sequence[str]) -> dict[str, str]:
     meant = {name: near[0] for name, near in near_ones.items() if len(near) == 1}
     taken = list(meant.values())
     return {name: joint for name, joint in meant.items() if taken.count(joint) == 1}
+
+
+def _of_its_side(lost: Sequence[str], free: Sequence[str], names: Sequence[str]) -> dict[str, str]:
+    """The name that no joint has, to the joint of its side that a list leaves out: `right_foot` beside `left_ankle`.
+
+    There is one of each: a lost name that has no like on the other side, and a joint that has its like there.
+
+    Args:
+        lost: Names of the list that no joint has.
+        free: Joints that it leaves out.
+        names: All of its names.
+    """
+    odd = [name for name in lost if across(name) and not {*across(name)} & {*names}]
+    left_out = [joint for joint in free if {*across(joint)} & ({*names} - {*lost})]
+    if len(odd) != 1 or len(left_out) != 1 or side_words(odd[0]) != side_words(left_out[0]):
+        return {}
+    return {odd[0]: left_out[0]}
 
 
 def _is_alike(one: str, other: str) -> bool:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from os.path import basename
 
 from actspec.audit.finding import Skipped
@@ -16,7 +17,8 @@ from actspec.audit.rules.ord101 import (
 from actspec.audit.rules.source_blame import POSE, SAME
 from actspec.diagnostics import Span
 from actspec.fields import FIELDS
-from actspec.readings.artifact import Artifact, FileKind, Setting
+from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.dict_keys import PLAIN
 from actspec.robot.view import isaac_order
 
 _SHARED = 0.8
@@ -34,7 +36,45 @@ Chosen: two exchanged joints are two, and a leg's hip and knee have two gains.""
 _LEAST = 4
 """Joints of a list from which on an order is told from its figures. Chosen: two hips and two knees."""
 
-_Subject = tuple[Artifact, list[tuple[str, tuple[str, ...]]], tuple[str, ...], Setting]
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """An order of joints that a robot has, or that its policy was trained in.
+
+    Attributes:
+        text: What it is, in words.
+        names: Its joints.
+        span: Where a configuration says that its policy's actions are in it; None: it is a model's.
+    """
+
+    text: str
+    names: tuple[str, ...]
+    span: Span | None = None
+
+    def is_of(self, names: Sequence[str]) -> bool:
+        """Whether joints stand in it, those apart that only one of the two has."""
+        return kept_names(names, self.names) == kept_names(self.names, names)
+
+
+@dataclass(frozen=True, slots=True)
+class _Subject:
+    """An order that a file states.
+
+    Attributes:
+        artifact: The file.
+        names: Its joints.
+        span: Where.
+        known: The orders of its robot's models.
+        trained: Those of the policies that its robot is trained with.
+        alone: Whether these are of all of its trainings, and the file is of a policy in its own order.
+    """
+
+    artifact: Artifact
+    names: tuple[str, ...]
+    span: Span
+    known: tuple[_Order, ...]
+    trained: tuple[_Order, ...]
+    alone: bool
 
 
 class DeployOrder(RuleOver[_Subject]):
@@ -44,7 +84,7 @@ class DeployOrder(RuleOver[_Subject]):
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
-    needs = "no joint order and model of one robot among the files"
+    needs = "no joint order and model, or order of a policy's actions, of one robot among the files"
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """The order of the names, and that of the lists beside them."""
@@ -56,12 +96,14 @@ class DeployOrder(RuleOver[_Subject]):
         """Lists that are a configuration's in another order than the names beside them."""
         order = stated_order(case.artifacts[index])
         members = [other for other in case.robot_of(index).artifacts if other != index]
+        names = order[0] if order else ()
         known = [
             item
             for other in members
             for item in (
-                *_known_orders(case.artifacts[other], order[0] if order else ()),
+                *_known_orders(case.artifacts[other], names),
                 *_listed_order(case.artifacts[other]),
+                *_trained_order(case.artifacts[other], names),
             )
         ]
         for other in members if order is not None else ():
@@ -70,7 +112,7 @@ class DeployOrder(RuleOver[_Subject]):
             apart: dict[str, list[str]] = {}
             differing: dict[str, None] = {}
             for field in _FIGURES:
-                found = _moved(case, index, other, order[0] if order else (), field, known)
+                found = _moved(case, index, other, names, field, known)
                 if found is not None:
                     apart.setdefault(found[0], []).append(field)
                     differing |= dict.fromkeys(found[1])
@@ -94,95 +136,129 @@ class DeployOrder(RuleOver[_Subject]):
     def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, artifact in enumerate(case.artifacts):
             order = stated_order(artifact)
-            if order is None:
+            if order is None or artifact.config is None:
                 continue
             names, setting = order
-            models = [
-                case.artifacts[other]
-                for other in case.robot_of(index).artifacts
-                if case.artifacts[other].robot is not None
-            ]
-            known = [item for model in models for item in _known_orders(model, names)]
-            if not known:
-                continue
-            yield artifact, known, names, setting
+            members = [case.artifacts[other] for other in case.robot_of(index).artifacts]
+            known = tuple(item for member in members for item in _known_orders(member, names))
+            tasks = [member for member in members if member.kind is FileKind.CFG and _acts(member)]
+            if artifact.kind is not FileKind.DEPLOY or artifact.config.by_motor:
+                # The robot's numbering, which the policy's order is no part of.
+                tasks = []
+            trained = [tuple(_trained_order(task, names)) for task in tasks]
+            # actspec's own goes by name, and rl_sar's base.yaml is of no policy.
+            of_policy = "sdk_order" not in artifact.config.settings and not artifact.config.stands_up
+            if known or any(trained):
+                yield _Subject(
+                    artifact,
+                    names,
+                    setting.span,
+                    known,
+                    tuple(item for items in trained for item in items),
+                    of_policy and all(trained),
+                )
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Find out which order each is."""
-        artifact, known, names, setting = subject
-        commands = [item for item in known if item[0].startswith("the actuators")]
-        silent = commands or [item for item in known if item[0].startswith("the joints")]
-        if not any(differing_places(kept_names(names, own), kept_names(own, names)) for _, own in silent[:1]):
+        if any(order.is_of(subject.names) for order in subject.trained):
             return
-        finding = self._finding(artifact, names, setting.span, known, silent[0])
-        if finding is not None:
-            yield finding
+        if subject.trained and subject.alone:
+            yield self._finding(subject, subject.trained[0])
+            return
+        commands = [order for order in subject.known if order.text.startswith("the actuators")]
+        silent = commands or [order for order in subject.known if order.text.startswith("the joints")]
+        if silent and not silent[0].is_of(subject.names):
+            own = next((order for order in subject.known if order.is_of(subject.names)), None)
+            if own is None or own not in commands:
+                yield self._finding(subject, silent[0])
 
-    def _finding(
-        self,
-        artifact: Artifact,
-        names: Sequence[str],
-        span: Span,
-        known: Sequence[tuple[str, tuple[str, ...]]],
-        first: tuple[str, tuple[str, ...]],
-    ) -> Finding | None:
-        ours, theirs = kept_names(names, first[1]), kept_names(first[1], names)
+    def _finding(self, subject: _Subject, first: _Order) -> Finding:
+        """What is said of an order that is not the first one."""
+        ours, theirs = kept_names(subject.names, first.names), kept_names(first.names, subject.names)
         places = differing_places(ours, theirs)
-        same = next(
-            (
-                text
-                for text, own in known
-                if not differing_places(kept_names(names, own), kept_names(own, names))
-            ),
-            None,
-        )
-        differ = f"{len(places)} of {len(ours)} joints stand elsewhere than in the order of {first[0]}"
-        if same is not None and same.startswith("the actuators"):
-            return None
+        same = next((order for order in subject.known if order.is_of(subject.names)), None)
         text = (
-            f"this is the order of {same}: {differ}"
-            if same
-            else f"this order is none of the robot's: {differ}"
+            f"{len(places)} of {len(ours)} joints stand elsewhere than in the order of {first.text}, place {places[0]} "
+            f"is {ours[places[0]]} and not {theirs[places[0]]}"
         )
-        others = "; ".join(text for text, _ in known)
-        stated = artifact.kind is FileKind.CFG
+        if subject.known:
+            which = "order is none of the robot's" if same is None else f"is the order of {same.text}"
+            text = f"this {which}: {text}"
+        others = "; ".join(order.text for order in subject.known)
+        help = f"compared: {others}; if it is the SDK's, say so, and map by name where the orders meet"
+        severity, confidence = self.severity, self.confidence
+        if first.span is not None:
+            help = "the policy's actions are in that order: write the names and their lists in it, or map by name"
+            # What commands a simulator has the order of its actuators, and a program between it and the policy.
+            if same is not None and same.text.startswith("the actuators"):
+                severity = Severity.INFO
+        elif same is not None:
+            help = "map by name where the orders meet"
+            severity, confidence = Severity.INFO, Confidence.HIGH
+        elif subject.artifact.kind is FileKind.CFG:
+            severity, confidence = Severity.INFO, Confidence.LOW
         return Finding(
             self.code,
-            f"{text}, place {places[0]} is {ours[places[0]]} and not {theirs[places[0]]}",
-            span,
-            help="map by name where the orders meet"
-            if same
-            else f"compared: {others}; if it is the SDK's, say so, and map by name where the orders meet",
-            severity=Severity.INFO if same or stated else self.severity,
-            confidence=Confidence.HIGH if same else Confidence.LOW if stated else self.confidence,
+            text,
+            subject.span,
+            help=help,
+            related=() if first.span is None else (first.span,),
+            severity=severity,
+            confidence=confidence,
             about=f"{ours[places[0]]} {theirs[places[0]]}",
         )
 
 
-def _known_orders(artifact: Artifact, names: Sequence[str]) -> Iterator[tuple[str, tuple[str, ...]]]:
+def _known_orders(artifact: Artifact, names: Sequence[str]) -> Iterator[_Order]:
     """Orders of a model that has enough of the names, each with what it is."""
     robot = artifact.robot
     if robot is None:
         return
     joints = scalar_joints(robot)
     shared = kept_names(joints, names)
-    if len(shared) < max(2.0, _SHARED * len(names)):
+    if not _are_enough(shared, names):
         return
     file = basename(artifact.path)
     driven = tuple(drive.target for drive in first_drives(robot))
     if len(kept_names(driven, names)) == len(shared):
-        yield f"the actuators of {file}", driven
-    yield f"the joints of {file}", joints
+        yield _Order(f"the actuators of {file}", driven)
+    yield _Order(f"the joints of {file}", joints)
     isaac = isaac_order(robot, shared)
     if isaac is not None:
-        yield f"Isaac Lab (breadth-first over {file})", isaac
+        yield _Order(f"Isaac Lab (breadth-first over {file})", isaac)
 
 
-def _listed_order(artifact: Artifact) -> Iterator[tuple[str, tuple[str, ...]]]:
+def _are_enough(shared: Sequence[str], names: Sequence[str]) -> bool:
+    """Whether so many names of an order tell that it is of this robot."""
+    return len(shared) >= max(2.0, _SHARED * len(names))
+
+
+def _acts(artifact: Artifact) -> bool:
+    """Whether a configuration says which joints the policy commands."""
+    return artifact.config is not None and bool(artifact.config.actions)
+
+
+def _trained_order(artifact: Artifact, names: Sequence[str]) -> Iterator[_Order]:
+    """The order of a policy's actions where its configuration writes it out, with enough of the names.
+
+    Source: Isaac Lab 2.3.2, isaaclab/envs/mdp/actions/joint_actions.py, and mjlab 1.6.0, mjlab/envs/mdp/actions: of
+    preserve_order, find_joints; action_manager.py: one term's actions after the other's.
+    """
+    terms = artifact.config.actions if artifact.kind is FileKind.CFG and artifact.config is not None else ()
+    joints = tuple(joint for term in terms for joint in term.joints or ())
+    if not all(term.ordered and term.joints for term in terms) or len(set(joints)) < len(joints):
+        return
+    if all(map(PLAIN.fullmatch, joints)) and _are_enough(kept_names(joints, names), names):
+        yield _Order(f"the actions of {basename(artifact.path)}", joints, terms[0].span)
+
+
+def _listed_order(artifact: Artifact) -> Iterator[_Order]:
     """The order of joints that a configuration states."""
     order = stated_order(artifact)
     if order is not None:
-        yield f"the joint names of {basename(artifact.path)}", tuple(name for name in order[0] if name)
+        yield _Order(
+            f"the joint names of {basename(artifact.path)}", tuple(name for name in order[0] if name)
+        )
 
 
 def _moved(
@@ -191,7 +267,7 @@ def _moved(
     other: int,
     names: Sequence[str],
     field: str,
-    known: Sequence[tuple[str, tuple[str, ...]]],
+    known: Sequence[_Order],
 ) -> tuple[str, list[str]] | None:
     """The order that a deploy file's list is in, as words or "", and the joints at which it is not a configuration's.
 
@@ -203,11 +279,11 @@ def _moved(
     differing = [name for name, a, b in zip(names, mine, theirs, strict=True) if not _are_equal([a], [b])]
     if not differing:
         return None
-    for text, order in known:
-        kept = kept_names(order, names)
+    for order in known:
+        kept = kept_names(order.names, names)
         its = dict(zip(names, theirs, strict=True))
         if len(kept) == len(names) and _are_equal(mine, [its[name] for name in kept]):
-            return f": they are in the order of {text}", differing
+            return f": they are in the order of {order.text}", differing
     return ("", differing) if min(len(differing), len(set(mine))) >= _TELLS else None
 
 

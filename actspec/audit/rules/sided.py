@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 
@@ -20,6 +20,8 @@ _SIDES = (
 _RIGHT = {
     form(left): form(right) for left, right in _SIDES for form in (str.lower, str.upper, str.capitalize)
 }
+
+_LEFT = {right: left for left, right in _RIGHT.items()}
 
 SIDE_WORDS = frozenset(word for sides in _SIDES for word in sides)
 
@@ -41,20 +43,35 @@ WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^A-Za-z0-9]+")
 
 def other_side(name: str, names: Collection[str]) -> str | None:
     """Which of the names is the other side's of a joint, if one is."""
-    right = (other for other in mirrors(name) if other in names)
-    return next(right, next((other for other in names if name in mirrors(other)), None))
+    return next((other for other in across(name) if other in names), None)
 
 
 @lru_cache(maxsize=4096)
 def mirrors(name: str) -> tuple[str, ...]:
     """What a left joint's name may be on the right: one of its words changed, or all of them."""
+    return _with_others(name, _RIGHT)
+
+
+@lru_cache(maxsize=4096)
+def across(name: str) -> tuple[str, ...]:
+    """What a joint's name may be on the other side, whichever that is; none of a joint in the middle."""
+    return (*mirrors(name), *_with_others(name, _LEFT))
+
+
+def _with_others(name: str, sides: Mapping[str, str]) -> tuple[str, ...]:
+    """A name with one of its words for a side changed, or all of them."""
     words = WORD.findall(name)
-    at = [index for index, word in enumerate(words) if word in _RIGHT]
+    at = [index for index, word in enumerate(words) if word in sides]
     return tuple(
-        "".join(_RIGHT[word] if index in chosen else word for index, word in enumerate(words))
+        "".join(sides[word] if index in chosen else word for index, word in enumerate(words))
         for chosen in (*([index] for index in at), at)
         if chosen
     )
+
+
+def side_words(name: str) -> list[str]:
+    """The words of a joint's name that tell its side, in lower case."""
+    return [word.lower() for word in WORD.findall(name) if word.lower() in SIDE_WORDS]
 
 
 def of_its_leg(name: str) -> str:

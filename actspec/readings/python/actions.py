@@ -97,6 +97,7 @@ def _term(draft: Draft, name: str, value: Value) -> ActionTerm | None:
         _zero(draft, name, stock, fields),
         setting(fields["clip"]) if "clip" in fields and fields["clip"].data is not None else None,
         obj.span,
+        known(fields.get("preserve_order")) is True,
     )
 
 
