@@ -220,12 +220,20 @@ def _known_orders(artifact: Artifact, names: Sequence[str]) -> Iterator[_Order]:
         return
     file = basename(artifact.path)
     driven = tuple(drive.target for drive in first_drives(robot))
+    orders = {f"the joints of {file}": joints}
     if len(kept_names(driven, names)) == len(shared):
-        yield _Order(f"the actuators of {file}", driven)
-    yield _Order(f"the joints of {file}", joints)
+        orders = {f"the actuators of {file}": driven} | orders
     isaac = isaac_order(robot, shared)
     if isaac is not None:
-        yield _Order(f"Isaac Lab (breadth-first over {file})", isaac)
+        orders[f"Isaac Lab (breadth-first over {file})"] = isaac
+    for text, order in orders.items():
+        yield _Order(text, order)
+    # Wheels are another action of the policy, and one comes after the other.
+    ends = {joint.name for joint in robot.scalar_joints if joint.range is not None}
+    for text, order in orders.items() if 0 < len(ends & set(shared)) < len(shared) else ():
+        parted = tuple(sorted(order, key=lambda name: name not in ends))
+        if parted != order:
+            yield _Order(f"joints with a range and then the others, each as {text}", parted)
 
 
 def _are_enough(shared: Sequence[str], names: Sequence[str]) -> bool:
