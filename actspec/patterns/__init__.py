@@ -18,6 +18,7 @@ from actspec.patterns.pattern import (
     compile_pattern,
     covering_pattern,
     match_names,
+    written_out,
 )
 from actspec.patterns.selection import (
     Matches,
@@ -46,4 +47,5 @@ __all__ = [
     "recased",
     "resolve_patterns",
     "suggest_pattern",
+    "written_out",
 ]

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Sequence
 
 from actspec.patterns import PatternError, match_names
+from actspec.patterns import written_out as names_in
 from actspec.readings.artifact import Artifact, Framework, RobotConfig
 from actspec.readings.body import SHARE
 
@@ -127,5 +128,17 @@ def matching(framework: Framework, pattern: str, joints: Sequence[str]) -> tuple
         return tuple(joint for joint in joints if pattern in (joint, ".*"))
     try:
         return match_names(pattern, joints)
+    except PatternError:
+        return ()
+
+
+def written_out(framework: Framework, pattern: str) -> tuple[str, ...]:
+    """The joints that a configuration's key writes out by its framework's rule; none where it selects any number."""
+    if framework is Framework.LEGGED_GYM:
+        return ()
+    if framework is Framework.DEPLOY:
+        return () if pattern == ".*" else (pattern,)
+    try:
+        return names_in(pattern)
     except PatternError:
         return ()
