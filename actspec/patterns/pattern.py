@@ -44,6 +44,10 @@ class PatternError(ValueError):
         self.help = help
 
 
+class NoExpression(PatternError):
+    """A text that is no regular expression: whoever matches with `re` refuses it, too."""
+
+
 @dataclass(frozen=True, slots=True)
 class Pattern:
     """A pattern that was parsed and found harmless.
@@ -97,7 +101,7 @@ def compile_pattern(text: str) -> Pattern:
     except re.error as err:
         at = "" if err.pos is None else f" at character {err.pos + 1}"
         message = f"{quoted(text)} is not a regular expression: {err.msg}{at}"
-        raise PatternError(message, _glob_help(text)) from err
+        raise NoExpression(message, _glob_help(text)) from err
     except Warning as err:
         raise PatternError(
             f"{quoted(text)} is read differently by different Python versions: {err}",
