@@ -20,6 +20,7 @@ from actspec.patterns import (
     recased,
     resolve_patterns,
     suggest_pattern,
+    written_out,
 )
 
 LEGS = tuple(f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf"))
@@ -345,3 +346,26 @@ def test_a_list_of_patterns_keeps_every_result_and_every_problem() -> None:
 def test_covering_is_exact(patterns: list[str], wanted: set[str], expected: bool) -> None:
     """A pattern may be emitted only where it selects the intended joints and no other."""
     assert covering_pattern(patterns, wanted, LEGS) is expected
+
+
+@pytest.mark.parametrize(
+    ("pattern", "names"),
+    [
+        ("joint[1-3]", ("joint1", "joint2", "joint3")),
+        ("(left|right)_j[24]", ("left_j2", "left_j4", "right_j2", "right_j4")),
+        ("hip(_joint)?", ("hip", "hip_joint")),
+        ("hip", ("hip",)),
+        pytest.param("joint[1-8]", tuple(f"joint{n}" for n in range(1, 9)), id="eight"),
+        pytest.param("joint[1-9]", (), id="any digit"),
+        pytest.param("[1-8][1-8][1-8]", (), id="512 names"),
+        pytest.param("(?i)hip", (), id="in any letters"),
+        *(
+            pytest.param(text, (), id="any number")
+            for text in (".*_hip", "joint.", r"joint\d", "[^a]b", "a+")
+        ),
+    ],
+)
+def test_names_that_a_pattern_writes_out(pattern: str, names: tuple[str, ...]) -> None:
+    """By hand; each is a name that the pattern matches."""
+    assert written_out(pattern) == names
+    assert match_names(pattern, names) == names

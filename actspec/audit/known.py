@@ -21,7 +21,7 @@ from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, RobotCo
 from actspec.readings.called import distinctive, telling
 from actspec.readings.config import figures_of, selected
 from actspec.readings.dict_keys import of_one_key
-from actspec.readings.joint_names import joint_names, last_numbers, matching
+from actspec.readings.joint_names import joint_names, last_numbers, matching, written_out
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions
 from actspec.resources import data_path
@@ -331,10 +331,15 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
         if row.joint:
             by_joint.setdefault(row.joint, row)
     names, posed = joint_names(artifact), frozenset(_pose_keys(artifact))
+    framework = artifact.config.framework if names is None and artifact.config is not None else None
+    # A pattern that writes its joints out is these, `joint[1-7]`; another one may be any number.
+    written = frozenset(
+        name for pattern in by_joint if framework is not None for name in written_out(framework, pattern)
+    )
     needed = robot.needed
     best: Rows = ()
     spelling: Mapping[str, str] = {}
-    mounted = _mounted_as(robot, posed if names is None else names)
+    mounted = _mounted_as(robot, posed | written if names is None else names)
     before = (*((prefix,) for prefix in robot.prefixes), *([mounted] if mounted else ()))
     # Some files leave the ending out.
     for (part, spelt), prefixes, ending in product((("", ""), *robot.spelt.items()), before, ("", "_joint")):
@@ -343,8 +348,7 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
             for prefix in prefixes
             for joint in robot.joints
         }
-        if names is None and artifact.config is not None:
-            framework = artifact.config.framework
+        if framework is not None:
             met = [(row, matching(framework, pattern, tuple(known))) for pattern, row in by_joint.items()]
         else:
             met = [
@@ -360,13 +364,16 @@ def _rows(case: Case, index: int, artifact: Artifact, robot: KnownRobot) -> tupl
         count = len(_joints_of(pairs) & needed)
         of_own = len(pairs) / max(len(names or by_joint), 1)
         arm = [name for name, joint in known.items() if joint in needed]
-        counted = names is None or _counts_alike(arm, names)
+        counted = _counts_alike(arm, written if names is None else names)
         # What is mounted on a robot all of whose joints are there, a hand or a base, may have any number of its own.
         own = of_own >= OWN_SHARE or (
             count == len(needed)
             and (
                 names is not None
-                or ((posed.issuperset(arm) or _loads(artifact, robot)) and _counts_alike(arm, posed))
+                or (
+                    ((posed | written).issuperset(arm) or _loads(artifact, robot))
+                    and _counts_alike(arm, posed)
+                )
             )
         )
         whole = count >= KNOWN_SHARE * len(needed) and own

@@ -22,6 +22,7 @@ DIAGNOSTICS = {
     "AUD023": "lost-drive",
     "CFG001": "unknown-without-running",
     "CFG003": "no-number-in-a-configuration",
+    "CFG004": "refused-by-the-framework",
     "DEPLOY001": "list-length",
     "DEPLOY002": "list-without-names",
     "DEPLOY003": "no-number",

@@ -13,11 +13,13 @@ from actspec.patterns.pattern import (
     MAX_PATTERN,
     MAX_REPEAT,
     MAX_STEPS,
+    NoExpression,
     Pattern,
     PatternError,
     compile_pattern,
     covering_pattern,
     match_names,
+    written_out,
 )
 from actspec.patterns.selection import (
     Matches,
@@ -35,6 +37,7 @@ __all__ = [
     "MAX_REPEAT",
     "MAX_STEPS",
     "Matches",
+    "NoExpression",
     "Pattern",
     "PatternError",
     "PatternProblem",
@@ -46,4 +49,5 @@ __all__ = [
     "recased",
     "resolve_patterns",
     "suggest_pattern",
+    "written_out",
 ]

@@ -21,6 +21,10 @@ MAX_STEPS = 50_000_000
 """Most steps of `re` for one pattern over all names. Chosen: 0.2 s, at up to 4 ns a step as measured."""
 MAX_REPEAT = 1000
 """Largest stated number of repetitions. Chosen: above the longest name, so none is needed."""
+MAX_WRITTEN = 256
+"""Most names that a pattern writes out. Chosen: above the joints of any robot, so that more are any name."""
+MAX_CLASS = 8
+"""Most characters of a class that writes them out. Chosen: `[1-8]` are eight joints, `[1-9]` is any digit."""
 KEPT = 4096
 """Patterns, and bounds of their work, that are kept: rules ask for the same ones again and again. Chosen."""
 _SIMPLER = "write a simpler pattern: one `.*` per gap, no repeat inside a repeat; or list the joints by name"
@@ -38,6 +42,10 @@ class PatternError(ValueError):
         super().__init__(message)
         self.message = message
         self.help = help
+
+
+class NoExpression(PatternError):
+    """A text that is no regular expression: whoever matches with `re` refuses it, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +101,7 @@ def compile_pattern(text: str) -> Pattern:
     except re.error as err:
         at = "" if err.pos is None else f" at character {err.pos + 1}"
         message = f"{quoted(text)} is not a regular expression: {err.msg}{at}"
-        raise PatternError(message, _glob_help(text)) from err
+        raise NoExpression(message, _glob_help(text)) from err
     except Warning as err:
         raise PatternError(
             f"{quoted(text)} is read differently by different Python versions: {err}",
@@ -118,6 +126,54 @@ def match_names(pattern: str, names: Sequence[str]) -> tuple[str, ...]:
         PatternError: the pattern is refused, or could take too long on these names.
     """
     return compile_pattern(pattern).match(names)
+
+
+@lru_cache(maxsize=KEPT)
+def written_out(pattern: str) -> tuple[str, ...]:
+    """The names that a pattern writes out, `joint1` to `joint7` of `joint[1-7]`; none where it matches any number.
+
+    Raises:
+        PatternError: the pattern is refused.
+    """
+    found = compile_pattern(pattern)
+    return () if found.compiled.flags & re.IGNORECASE else tuple(dict.fromkeys(_written(found.tree) or ()))
+
+
+def _written(tree: Any) -> list[str] | None:
+    """Every text that a parse tree matches; None where they are many, or depend on more than the text."""
+    found = [""]
+    for op, value in tree:
+        name = str(op)
+        parts: list[str] | None = None
+        if name == "LITERAL":
+            parts = [chr(value)]
+        elif name == "IN":
+            parts = _in_class(value)
+        elif name == "SUBPATTERN" and not value[1] and not value[2]:
+            parts = _written(value[3])
+        elif name == "BRANCH":
+            each = [_written(branch) for branch in value[1]]
+            parts = None if None in each else [text for texts in each for text in texts or ()]
+        elif name in ("MAX_REPEAT", "MIN_REPEAT") and value[1] == 1:
+            body = _written(value[2])
+            parts = body if body is None or value[0] == 1 else ["", *body]
+        if parts is None or len(found) * len(parts) > MAX_WRITTEN:
+            return None
+        found = [before + part for before in found for part in parts]
+    return found
+
+
+def _in_class(items: Any) -> list[str] | None:
+    """The characters of a class; None where it has more than it writes out."""
+    found: list[str] = []
+    for op, value in items:
+        if str(op) == "LITERAL":
+            found.append(chr(value))
+        elif str(op) == "RANGE" and value[1] - value[0] < MAX_CLASS:
+            found += map(chr, range(value[0], value[1] + 1))
+        else:
+            return None
+    return found if len(found) <= MAX_CLASS else None
 
 
 def covering_pattern(pattern_list: Sequence[str], wanted: set[str], names: Sequence[str]) -> bool:

@@ -447,6 +447,7 @@ STEP_OF_WHAT = "DEPLOY005"
 NOT_TAKEN = frozenset(
     {
         "CFG003",
+        "CFG004",
         "DEPLOY001",
         "DEPLOY003",
         "DEPLOY004",

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import yaml
 
-from actspec.diagnostics import Collector, Span, many
+from actspec.diagnostics import Collector, Span, listed, many
 from actspec.readings.artifact import (
     ActionTerm,
     ActuatorGroup,
@@ -160,13 +160,22 @@ def _term(
     others = {motor: one for motor, one in shared.items() if one.value != pose[motor].value}
     # The action begins at the default pose, as both lists of the file say of other joints.
     added = any(one.value and motor not in others for motor, one in shared.items())
+    # A left and a right joint that have the same two numbers are one slip.
+    slips: dict[tuple[object, object], list[str]] = {}
     for motor, one in others.items() if added else ():
+        slips.setdefault((pose.pop(motor).value, one.value), []).append(motor)
+    for (posed, begun), same in slips.items():
+        joints = [str(motors.index(int(motor)) + 1) for motor in same]
+        which = " and ".join(joints) if len(joints) < 3 else listed(joints, 4)
+        whose = (
+            f"joint {which} of the policy has" if len(joints) == 1 else f"joints {which} of the policy have"
+        )
         message = (
-            f"joint {motors.index(int(motor)) + 1} of the policy has {pose.pop(motor).value:g} rad here, and an "
-            f"offset of {one.value:g} rad in {name}, which has the default positions of the others"
+            f"{whose} {posed:g} rad here, and an offset of {begun:g} rad in {name}, which has the default positions of "
+            "the others"
         )
         help = "write the same number in both"
-        out.warning(TWO_POSES, message, where="default_joint_pos", span=one.span, help=help)
+        out.warning(TWO_POSES, message, where="default_joint_pos", span=others[same[0]].span, help=help)
     return ActionTerm(
         name,
         name,

@@ -7,7 +7,7 @@ import itertools
 import math
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -18,6 +18,7 @@ from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.deploy import MOST_JOINTS, NAMES
 from actspec.readings.deploy_motors import SDK_NAMES
+from actspec.readings.dict_keys import POSE, meets
 from actspec.readings.joint_names import joint_names, matching
 from actspec.readings.joint_texts import (
     NAME_KEYS,
@@ -165,7 +166,10 @@ def _number(node: yaml.Node) -> float | None:
 
 
 def fitting(lists: Sequence[JointList], configs: Sequence[RobotConfig]) -> JointList | None:
-    """The list on which most patterns of configurations match a joint; of several, the longest; None where none does.
+    """The list on which most patterns of configurations match a joint; None where none does.
+
+    Of several it is the one on which most keys of poses, gains and limits do: `.*_joint` fits every robot. Of those it
+    is one without a joint that the pose has no key for, if there is one, and then the longest.
 
     A robot file's joints may differ from those of the USD by their ending alone. They are called as the patterns have
     it where none selects one of them otherwise, or every pattern then does. Listed names may share what is before
@@ -177,9 +181,21 @@ def fitting(lists: Sequence[JointList], configs: Sequence[RobotConfig]) -> Joint
     """
     patterns = [(c.framework, p) for c in configs for group in c.groups for p in group.joints or ()]
 
-    def worth(one: JointList) -> tuple[int, int]:
+    keys = [
+        (config.framework, name, str(key))
+        for config in configs
+        for each in (config.settings, *(group.settings for group in config.groups))
+        for name, setting in each.items()
+        if isinstance(setting.value, Mapping)
+        for key in setting.value
+    ]
+
+    def worth(one: JointList) -> tuple[int, int, bool, int]:
         names = names_of(one.joints)
-        return sum(bool(matching(style, pattern, names)) for style, pattern in patterns), len(names)
+        met = sum(bool(matching(style, pattern, names)) for style, pattern in patterns)
+        of_keys = [{name for name in names if meets(*key, name)} for key in keys]
+        posed = set().union(*(own for key, own in zip(keys, of_keys, strict=True) if key[1] == POSE))
+        return met, sum(map(bool, of_keys)), len(posed) == len(names), len(names)
 
     best = max((max(_bare(one), one, key=worth) for one in lists), key=worth)
     # What somebody listed are the names themselves: only a file of another format may have others.

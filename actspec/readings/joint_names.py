@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Sequence
 
 from actspec.patterns import PatternError, match_names
+from actspec.patterns import written_out as names_in
 from actspec.readings.artifact import Artifact, Framework, RobotConfig
 from actspec.readings.body import SHARE
 
@@ -80,15 +81,24 @@ def are_renamed(one: frozenset[str], other: frozenset[str]) -> bool:
 
 
 def fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:
-    """Whether that share of a configuration's joint patterns, or more, match a joint; of a list without names, all."""
+    """Whether that share of a configuration's joint patterns, or more, match a joint; of a list without names, all.
+
+    The same share of its joints must be there, as far as patterns write out those that are not: a gripper is not the
+    robot of an arm, `arm_joint[1-7]`, that has it.
+    """
     if config is None or not config.groups:
         return False
     count = config.settings.get("joint_count")
     if count is not None and count.value != len(set(joints)):
         return False
     patterns = _patterns(config)
-    met = sum(bool(matching(config.framework, pattern, joints)) for pattern in patterns)
-    return bool(patterns) and met >= share * len(patterns)
+    lost = [pattern for pattern in patterns if not matching(config.framework, pattern, joints)]
+    met = len(patterns) - len(lost)
+    if not patterns or met < share * len(patterns):
+        return False
+    own = len(selected(config, joints)) if lost else 0
+    left_out = sum(len(written_out(config.framework, pattern)) or 1 for pattern in lost)
+    return own >= share * (own + left_out)
 
 
 def has_joints(artifact: Artifact, joints: Collection[str]) -> bool:
@@ -127,5 +137,17 @@ def matching(framework: Framework, pattern: str, joints: Sequence[str]) -> tuple
         return tuple(joint for joint in joints if pattern in (joint, ".*"))
     try:
         return match_names(pattern, joints)
+    except PatternError:
+        return ()
+
+
+def written_out(framework: Framework, pattern: str) -> tuple[str, ...]:
+    """The joints that a configuration's key writes out by its framework's rule; none where it selects any number."""
+    if framework is Framework.LEGGED_GYM:
+        return ()
+    if framework is Framework.DEPLOY:
+        return () if pattern == ".*" else (pattern,)
+    try:
+        return names_in(pattern)
     except PatternError:
         return ()

@@ -825,6 +825,40 @@ def test_an_arm_beside_what_is_mounted_on_it(
     assert [(one.severity, one.finding.value) for one in found] == [(Severity.WARNING, 300.0)] * said
 
 
+@pytest.mark.parametrize(
+    ("name", "arm", "hand", "value"),
+    [
+        pytest.param("FRANKA", ["panda_joint[1-7]"], ["panda_finger_joint.*"], 7200.0, id="a Panda"),
+        pytest.param("FRANKA", ["panda_joint[1-4]", "panda_joint[5-7]"], [".*_x", ".*_y", ".*_z"], 7200.0),
+        pytest.param("FRANKA", ["panda_joint[1-6]"], ["f1"], None, id="six of seven"),
+        pytest.param("FRANKA", ["panda_joint[1-8]"], [], None, id="a Panda has no joint8"),
+        pytest.param("FRANKA", ["panda_joint[1-7]"], [f"f{n}" for n in range(9)], 7200.0, id="all seven"),
+        pytest.param("IIWA", ["iiwa7_joint_[1-7]"], ["index_.*", "thumb_.*"], 7200.0, id="behind a prefix"),
+        pytest.param("KINOVA_GEN3", ["joint_[1-7]"], ["finger_joint", ".*_knuckle_joint"], 7200.0),
+        pytest.param("XARM6", ["joint[1-7]"], [], None, id="one joint more than an xArm6 has"),
+    ],
+)
+def test_an_arm_of_one_pattern_beside_a_hand(
+    name: str,
+    arm: list[str],
+    hand: list[str],
+    value: float | None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A pattern that writes its joints out names each of them. 7200 N*m is beyond any arm's."""
+    monkeypatch.chdir(tmp_path)
+    group = "ImplicitActuatorCfg(joint_names_expr={!r}, effort_limit_sim={}, stiffness=800.0, damping=40.0)"
+    Path("arms.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        "from isaaclab.assets import ArticulationCfg\n"
+        f"{name}_CFG = ArticulationCfg(actuators={{'arm': {group.format(arm, 7200.0)}, "
+        f"'hand': {group.format(hand, 5.0)}}})\n"
+    )
+    found = audit(["arms.py"], Settings(select=("KNW101",))).findings
+    assert {one.finding.value for one in found} == ({value} if value else set())
+
+
 def test_one_figure_in_two_configurations_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One to mend: 60 N*m is 2.14 times the 28 of a UR5e's wrists, at `.*` and at `wrist_.*`."""
     group = "ImplicitActuatorCfg(joint_names_expr=[{}], effort_limit=60.0, stiffness=800.0, damping=40.0)"

@@ -590,6 +590,39 @@ def test_a_folder(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
         assert said in (folder / "leg.yaml").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize(
+    ("pose", "gain", "file"),
+    [
+        pytest.param("", "40.0", "long.yaml", id="the longest, where nothing tells"),
+        pytest.param('".*_knee": 0.1', "40.0", "short.yaml", id="one list has a knee"),
+        pytest.param('".*_elbow": 0.1', "40.0", "long.yaml", id="one has elbows, and a waist"),
+        pytest.param("", '{".*_hip": 40.0, ".*_knee": 50.0}', "short.yaml", id="gains of a knee"),
+        pytest.param('"left_.*": 0.1', "40.0", "long.yaml", id="of both, and neither all"),
+        pytest.param('"left_.*|right_.*": 0.1', "40.0", "short.yaml", id="a waist has no key"),
+    ],
+)
+def test_a_folder_of_robots_that_one_pattern_fits(
+    folder: Path, pose: str, gain: str, file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`.*` fits both; what keys of pose and gains are for tells which list is the robot's."""
+    cfg = CFG.replace('".*_hip", ".*_knee"]', '".*"]').replace('{".*_hip": 40.0, ".*_knee": 50.0}', gain)
+    cfg = cfg.replace(
+        "    actuators",
+        f"    init_state=ArticulationCfg.InitialStateCfg(joint_pos={{{pose}}}),\n    actuators",
+    )
+    (folder / "leg_cfg.py").write_text(cfg, encoding="utf-8")
+    (folder / "lists").mkdir()
+    for name, joints in {
+        "short": NAMES,
+        "long": ["left_hip", "right_hip", "left_elbow", "right_elbow", "waist"],
+    }.items():
+        gains = [1.0] * len(joints)
+        text = f"joint_names: {json.dumps(joints)}\nkp: {gains}\nkd: {gains}\n"
+        (folder / "lists" / f"{name}.yaml").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "lists", "-o", "leg.yaml"]) == 0
+    assert f"joints are from {Path('lists') / file} (--joints)" in capsys.readouterr().out
+
+
 WITH_ENDING = URDF.replace("_hip'", "_hip_joint'").replace("_knee'", "_knee_joint'")
 
 

@@ -103,6 +103,28 @@ def test_an_action_that_is_not_added_to_the_pose() -> None:
 
 
 @pytest.mark.parametrize(
+    ("pose", "said"),
+    [
+        ("0.1, 0.1, -0.2", ["joints 1 and 2 of the policy have 0.1 rad here, and an offset of 0.4 rad"]),
+        (
+            "0.1, 0.2, -0.2",
+            [
+                "joint 1 of the policy has 0.1 rad here, and an offset of 0.4 rad",
+                "joint 2 of the policy has 0.2 rad here, and an offset of 0.4 rad",
+            ],
+        ),
+    ],
+)
+def test_joints_with_the_same_two_positions_are_one_slip(pose: str, said: list[str]) -> None:
+    """A left and a right one are written together; others have slips of their own."""
+    text = DEPLOY.replace("offset: [0.3, 0.1", "offset: [0.4, 0.4").replace(
+        "pos: [0.3, 0.1, -0.2", f"pos: [{pose}"
+    )
+    found = [note.message.partition(" in Joint")[0] for note in config_of(NAMES + text).notes]
+    assert found == said
+
+
+@pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         (

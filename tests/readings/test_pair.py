@@ -152,6 +152,19 @@ def test_a_cfg_with_hands_belongs_to_the_model_without() -> None:
     assert _together(robot, config("unitree.py", "H1_CFG", hands)) == [(0,), (1,)]
 
 
+def test_a_gripper_is_not_the_robot_of_the_arm_that_has_it() -> None:
+    """Three of four patterns match, and two of nine joints; of a dog with that arm twelve of twenty."""
+    arm, hand = "panda_joint[1-7]", ["finger_joint", "l_knuckle", ".*_knuckle"]
+    gripper = model("robotiq.xml", "robotiq", ["finger_joint", "l_knuckle"])
+    assert _together(gripper, config("f.py", "ROBOTIQ_CFG", [arm, *hand])) == [(0,), (1,)]
+    # One that writes no joints out may be of one.
+    assert _together(gripper, config("f.py", "ROBOTIQ_CFG", ["panda_joint.*", *hand])) == [(0, 1)]
+    dog = model("dog.xml", "dog", DOG)
+    assert _together(dog, config("d.py", "DOG_CFG", [".*_hip_joint", ".*_(thigh|calf)_joint", arm, "x"])) == [
+        (0, 1)
+    ]
+
+
 def test_a_folder_does_not_contradict_the_file_beside_it() -> None:
     """A file called `robot.xml` goes by its folder; beside it stands a model with a name, which is in it too."""
     assert _together(model("work/dog.xml", "dog", DOG), model("work/robot.urdf", "", DOG)) == [(0, 1)]

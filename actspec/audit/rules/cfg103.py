@@ -3,8 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.configs import CLASSES, FRAMEWORKS, NO_STOCK_CLASSES, stock_groups
-from actspec.diagnostics import listed, nearest, shortened
+from actspec.audit.rules.configs import CLASSES, FRAMEWORKS, NO_STOCK_CLASSES, misspelt, stock_groups
+from actspec.diagnostics import listed, shortened
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.simulators import before, release
 from actspec.simulators.classes import COMMON, StockClass
@@ -28,13 +28,15 @@ class UnknownField(RuleInParts):
     def _unknown(
         self, case: Case, config: RobotConfig, group: ActuatorGroup, stock: StockClass
     ) -> Iterator[Finding]:
+        meant = misspelt(config.framework, group)
         for name, setting in group.settings.items():
-            if name not in stock.fields:
+            if name in meant:
+                near = meant[name]
                 yield Finding(
                     self.code,
                     f"{group.cls} has no field {shortened(name)!r}",
                     setting.span,
-                    help=_nearest(name, stock.fields),
+                    help=f"did you mean {near!r}?" if near else f"it has {listed(sorted(stock.fields), 30)}",
                     about=name,
                 )
             elif _later(case, config, group, name):
@@ -70,8 +72,3 @@ def _later(case: Case, config: RobotConfig, group: ActuatorGroup, name: str) -> 
     if config.framework is not Framework.MJLAB or named is None or "base_cfg" in group.settings:
         return False
     return name in COMMON and before(release(named), COMMON_FIELDS)
-
-
-def _nearest(name: str, fields: frozenset[str]) -> str:
-    near = nearest(name, sorted(fields))
-    return f"did you mean {near!r}?" if near else f"it has {listed(sorted(fields), 30)}"

@@ -14,6 +14,7 @@ from actspec.audit.rules.configs import (
     Group,
     groups_of,
     major_version,
+    misspelt,
     stock_groups,
 )
 from actspec.audit.rules.joints import partner_rows
@@ -53,7 +54,8 @@ class RequiredFieldMissing(RuleInParts):
     def _required(self, config: RobotConfig, group: ActuatorGroup, stock: StockClass) -> Iterator[Finding]:
         known = any(note.where in (group.name, f"actuators.{group.name}") for note in config.notes)
         alone = len(config.groups) == 1 and group.name == config.name
-        missing = sorted(stock.required - set(group.settings))
+        # A field that is misspelt is CFG103's.
+        missing = sorted(stock.required - {*group.settings, *misspelt(config.framework, group).values()})
         if missing and not known and not alone:
             yield Finding(
                 self.code,
@@ -65,7 +67,7 @@ class RequiredFieldMissing(RuleInParts):
 
     def _effort(self, case: Case, group: Group) -> Iterator[Finding]:
         """An explicit drive without an effort limit of its own."""
-        if group.written("effort_limit", "actuator_effort_limit") is not None:
+        if _is_there(group, "effort_limit", "actuator_effort_limit"):
             return
         isaac = group.framework is Framework.ISAACLAB
         then = _isaac_default(case.versions.isaaclab, group) if isaac else "mjlab then takes none"
@@ -90,9 +92,9 @@ class RequiredFieldMissing(RuleInParts):
     def _line(self, group: Group) -> Iterator[Finding]:
         """Half a torque-speed line."""
         missing = []
-        if group.written("velocity_limit", "actuator_velocity_limit") is None:
+        if not _is_there(group, "velocity_limit", "actuator_velocity_limit"):
             missing.append("velocity_limit")
-        if group.written("saturation_effort") is None:
+        if not _is_there(group, "saturation_effort"):
             missing.append("saturation_effort")
         for joint in group.joints if missing else ():
             yield Finding(
@@ -105,6 +107,12 @@ class RequiredFieldMissing(RuleInParts):
                 "standstill",
                 about=" ".join(missing),
             )
+
+
+def _is_there(group: Group, *names: str) -> bool:
+    """Whether one of the settings is written, under its name or a misspelt one, which is CFG103's."""
+    meant = misspelt(group.framework, group.cfg).values()
+    return group.written(*names) is not None or any(name in meant for name in names)
 
 
 def _takes_none(config: RobotConfig, missing: list[str]) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from os.path import basename, splitext
 
 from actspec.audit.case import Case
+from actspec.diagnostics import nearest
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.called import agreement
 from actspec.readings.joint_names import matching
@@ -171,6 +172,15 @@ def stock_groups(case: Case) -> Iterator[tuple[int, RobotConfig, ActuatorGroup, 
             stock = CLASSES.get(config.framework, {}).get(group.cls)
             if stock is not None and not group.bases and not group.own:
                 yield index, config, group, stock
+
+
+def misspelt(framework: Framework, group: ActuatorGroup) -> dict[str, str | None]:
+    """Fields of a group that its stock class does not have, each with the one that is meant, if one is near."""
+    stock = CLASSES.get(framework, {}).get(group.cls)
+    if stock is None or group.bases or group.own:
+        return {}
+    known = sorted(stock.fields)
+    return {name: nearest(name, known) for name in group.settings if name not in stock.fields}
 
 
 LAGS = {

@@ -69,7 +69,7 @@ class RangeInDegrees(RuleInParts):
                     and least <= largest(command) <= self.option(case, "most")
                 ):
                     yield self._of_degrees(row, command, joint, artifact)
-        # One range that is radians by its servo tells that all of the file are, endless joints' too.
+        # One range that is radians by its servo tells that all of the file are, endless joints' too; ±90 is none's.
         radians = Counter(row.artifact for row in found if not _turns(row))
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
         of_parts: dict[tuple[int, str], list[LedgerRow]] = {}
@@ -87,7 +87,7 @@ class RangeInDegrees(RuleInParts):
                 continue
             assert row.command_range is not None and row.position_range is not None
             is_part = _is_part(case.artifacts[row.artifact], row.place("position_range"))
-            if _turns(row) and row.artifact not in radians:
+            if _turns(row) and (row.artifact not in radians or _is_whole_degrees(row.command_range)):
                 found_here = self._of_control(row, row.command_range, row.position_range, fixes.get(row.span))
                 # Included by a file in radians, both would be the same few turns.
                 few = is_part and largest(row.command_range) < least
@@ -192,7 +192,7 @@ class RangeInDegrees(RuleInParts):
     ) -> Iterator[Finding]:
         """A control range of whole degrees that is another than the joint's."""
         share = (command[1] - command[0]) / ((joint[1] - joint[0]) * DEGREES)
-        near = 1.0 / _NEAR <= share <= _NEAR and all(end % 5.0 == 0.0 for end in command)
+        near = 1.0 / _NEAR <= share <= _NEAR and all(end % _WHOLE == 0.0 for end in command)
         if not near and any(end % 90.0 for end in command):
             return
         low, high = (shown(row, "default_position", end) for end in command)
@@ -209,9 +209,7 @@ class RangeInDegrees(RuleInParts):
             f"write {_written(command, 1.0 / DEGREES)}",
             confidence=Confidence.MEDIUM,
         )
-        # A round figure may be there to hold nothing.
-        placeholder = all(end == 0.0 or is_power_of_ten(abs(end)) for end in command)
-        noted = placeholder or _is_part(artifact, row.place("position_range"))
+        noted = _is_placeholder(command) or _is_part(artifact, row.place("position_range"))
         yield _of_a_part(found) if noted else found
 
     def _of_turns(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
@@ -316,6 +314,9 @@ _NEAR = 2.5
 half or a whole turn is written for a hinge that turns half of it."""
 
 
+_WHOLE = 5.0
+"""What ends of a range in degrees are mostly a multiple of [degrees]. Chosen."""
+
 _ROUNDED = 0.02
 """Difference up to which a position is a number of half turns [rad]. Chosen: strangers write 31.4 for 10 pi."""
 
@@ -380,6 +381,20 @@ def _scaled(case: Case) -> set[Span]:
 def _turns(row: LedgerRow) -> bool:
     """Whether a control range that is 57.3 times the joint's is the one that cannot be in radians."""
     return row.command_range is not None and largest(row.command_range) > _TURN
+
+
+def _is_whole_degrees(command: tuple[float, float]) -> bool:
+    """Whether a control range is what people write in degrees: up to half a turn, and none that is to hold nothing."""
+    return (
+        largest(command) <= 180.0
+        and all(end % _WHOLE == 0.0 for end in command)
+        and not _is_placeholder(command)
+    )
+
+
+def _is_placeholder(ends: tuple[float, float]) -> bool:
+    """Whether a range is of round figures, which may be there to hold nothing."""
+    return all(end == 0.0 or is_power_of_ten(abs(end)) for end in ends)
 
 
 def read_as_degrees(case: Case) -> frozenset[int]:

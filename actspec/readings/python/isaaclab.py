@@ -153,7 +153,7 @@ def _robot(draft: Draft, name: str, value: Value) -> None:
     if not isinstance(value.data, Obj):
         return
     draft.set("soft_joint_pos_limit_factor", fields.get("soft_joint_pos_limit_factor"))
-    draft.set("default_position", fields_of(fields.get("init_state")).get("joint_pos"))
+    draft.pose(fields_of(fields.get("init_state")).get("joint_pos"))
     spawn = fields_of(fields.get("spawn"))
     draft.set("model", spawn.get("usd_path", spawn.get("asset_path")), "usd_path")
     # Of unitree_rl_lab: the robot's own order; https://github.com/unitreerobotics/unitree_rl_lab.
@@ -164,6 +164,15 @@ def _robot(draft: Draft, name: str, value: Value) -> None:
 
 def _groups(draft: Draft, actuators: Value) -> None:
     data = actuators.data
+    if isinstance(data, Seq) and len(data.items) == 1 and isinstance(data.items[0].data, Table):
+        # Read all the same: what is wrong with its figures would come to light one run later.
+        draft.refused(
+            "actuators",
+            f"it is a {data.kind} with one dict, of which Isaac Lab cannot make the robot",
+            actuators.span,
+            "take the comma behind the dict away" if data.kind == "tuple" else "write the dict alone",
+        )
+        data = data.items[0].data
     if not isinstance(data, Table):
         draft.note("actuators", reason_of(data) or "no dict of groups", actuators.span)
         return

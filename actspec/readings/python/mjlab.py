@@ -158,10 +158,19 @@ def _articulation(draft: Draft, value: Value, names: Mapping[int, str]) -> None:
     actuators = fields.get("actuators")
     if actuators is None:
         return
-    if not isinstance(actuators.data, Seq):
+    several = actuators.data.items if isinstance(actuators.data, Seq) else ()
+    if is_group(actuators):
+        # Read all the same: what is wrong with its figures would come to light one run later.
+        draft.refused(
+            "actuators",
+            "it is one actuator cfg and no tuple of them, of which mjlab cannot make the robot",
+            value.span,
+            "add a comma behind it: `(cfg,)`",
+        )
+        several = [actuators]
+    elif not isinstance(actuators.data, Seq):
         draft.note("actuators", reason_of(actuators.data) or "no sequence of cfgs", actuators.span)
-        return
-    for index, one in enumerate(actuators.data.items):
+    for index, one in enumerate(several):
         place = f"actuators[{index}]"
         if isinstance(one.data, Obj):
             _group(draft, names.get(id(one.data), place), one)
@@ -188,7 +197,7 @@ def _group(draft: Draft, name: str, value: Value) -> None:
 
 def _entity(draft: Draft, entity: Value | None, call: Call) -> None:
     fields = fields_of(entity)
-    draft.set("default_position", fields_of(fields.get("init_state")).get("joint_pos"))
+    draft.pose(fields_of(fields.get("init_state")).get("joint_pos"))
     maker = fields.get("spec_fn")
     if maker is not None and isinstance(maker.data, Func):
         draft.edited = frozenset(_called_and_set(maker.data, set()))

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Collector, Span, shortened
-from actspec.patterns import PatternError, compile_pattern
+from actspec.patterns import NoExpression, PatternError, compile_pattern
 from actspec.readings.artifact import (
     ActionTerm,
     ActuatorGroup,
@@ -46,6 +46,9 @@ NOTHING = "CFG002"
 
 NO_NUMBER = "CFG003"
 """Code of text, or a list, where the framework takes a number or numbers by joint."""
+
+REFUSED = "CFG004"
+"""Code of what the framework refuses whatever the robot is: a pattern that is none, groups that are in no dict."""
 
 _OF_ROBOT = frozenset({"physics_dt", "decimation", "soft_joint_pos_limit_factor"})
 """Settings of a whole robot that are numbers, and of no joint."""
@@ -209,6 +212,10 @@ class Draft:
             UNFOLDED, f"not known without running it: {shortened(reason, 200)}", where=where, span=span
         )
 
+    def refused(self, where: str, message: str, span: Span, help: str | None) -> None:
+        """Say what the framework raises an error for, whatever the robot is."""
+        self.notes.warning(REFUSED, message, where=where, span=span, help=help)
+
     def left_out(self, where: str, span: Span) -> None:
         """Say that a scene has another robot."""
         self.notes.info(UNFOLDED, "another robot of the scene: it is left out here", where=where, span=span)
@@ -222,6 +229,12 @@ class Draft:
             elif name in _OF_ROBOT | IN_FIGURES and not isinstance(found.value, tuple):
                 found = self.figure(name, found)
             self.settings[name] = found
+
+    def pose(self, value: Value | None) -> None:
+        """Take a default pose by pattern; None: it is not written."""
+        self.set("default_position", value)
+        if value is not None:
+            self.patterns("default_position", self.settings["default_position"])
 
     def figure(self, where: str, one: Setting, *, certain: bool = True) -> Setting:
         """A setting that the framework takes as a number, or as numbers by joint: unknown, and said, where it is none.
@@ -282,8 +295,10 @@ class Draft:
             elif key in IN_FIGURES:
                 settings[key] = self.figure(f"{name}.{key}", one, certain=not bases and unread is None)
             if isinstance(one.value, Mapping):
-                self._patterns(f"{name}.{key}", one.value, one.span)
-        self._patterns(f"{name}.joints", patterns or (), obj.span)
+                # What a class of somebody's own does with its dicts is not known.
+                self.patterns(f"{name}.{key}", one, certain=not bases and unread is None)
+        if joints is not None:
+            self.patterns(f"{name}.joints", setting(joints))
         own = tuple(
             key for key in _declared(obj.cls) if key in settings and key not in OF_ALL_CLASSES | _NAMES
         )
@@ -291,14 +306,25 @@ class Draft:
             ActuatorGroup(name, obj.cls.name, obj.span, patterns, settings, bases, unread=unread, own=own)
         )
 
-    def _patterns(self, where: str, patterns: Iterable[object], span: Span) -> None:
-        """Say which patterns are not matched, and so select nothing."""
-        for pattern in patterns:
+    def patterns(self, where: str, given: Setting, *, certain: bool = True) -> None:
+        """Say which patterns are not matched, and so select nothing, and which the framework refuses.
+
+        Args:
+            where: What is said of: `legs.joints`.
+            given: A pattern, several, or values by pattern.
+            certain: Whether it is the framework that matches them.
+        """
+        several = given.value if isinstance(given.value, tuple | Mapping) else (given.value,)
+        for pattern in several:
+            if not isinstance(pattern, str):
+                continue
             try:
-                if isinstance(pattern, str):
-                    compile_pattern(pattern)
+                compile_pattern(pattern)
+            except NoExpression as err:
+                if certain:
+                    self.refused(where, str(err), given.place(pattern), err.help)
             except PatternError as err:
-                self.notes.info(UNFOLDED, f"not matched: {err}", where=where, span=span)
+                self.notes.info(UNFOLDED, f"not matched: {err}", where=where, span=given.place(pattern))
 
     def events(self, value: Value | None, known_functions: Events) -> None:
         """Take the ranges of event terms, an object or a dict.
