@@ -20,7 +20,7 @@ ORDER = (
     *("LIM107", "GEA102"),
     *("VER106", "DMP105", "DMP101", "DMP103"),
     *("FRC101", "SRC105"),
-    *("LIM111", "SRC103", "SRC104", "SRC106"),
+    *("ORD104", "LIM111", "SRC103", "SRC104", "SRC106"),
     *("SPC101", "LIM108"),
 )
 """Rules about a figure, the nearest to its cause first: a file of another variant departs from the spec wherever
@@ -30,15 +30,16 @@ radians, or another unit, are why a joint diverges, is out of its range, or diff
 gain is off, a file that contradicts itself which side is wrong, a limit that nobody stated why files differ, two
 files that differ why one is not the published one, which tells why a torque-speed line begins below its limit; a
 servo that lost its gains, or damping that is counted twice, in two files or in one, why a joint is slow; friction
-that no motor overcomes why another file has less; a position that the joint cannot take why two files differ. Chosen:
-from the findings of docs/survey.md that were true and told a second time."""
+that no motor overcomes why another file has less; a key that is misspelt why a joint starts at 0, and a position that
+the joint cannot take why two files differ. Chosen: from the findings of docs/survey.md that were true and told a
+second time."""
 
 _ALONE_BY = {
     "SPC101": frozenset({"SPC107"}),
     "LIM108": frozenset({"SPC107"}),
     "SRC103": frozenset({"SGN101", "ORD102", "ORD103", "UNT103", "UNT107", "SYM101"}),
     "SRC104": frozenset({"SGN101", "ORD103", "UNT105", "SYM101", "KNW103"}),
-    "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "SYM101", "LIM111"}),
+    "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "SYM101", "ORD104", "LIM111"}),
 }
 """What alone explains that gains, armatures or poses differ, or that a file departs from the spec: others that have the
 figure say nothing of the other file."""
