@@ -5,6 +5,7 @@ Rules look at nothing but the files. What two of them say of one figure is broug
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -15,7 +16,7 @@ from actspec.fields import LIMITS
 
 ORDER = (
     "SPC107",
-    *("SGN101", "ORD103", "ORD102", "UNT103", "UNT104", "UNT105", "UNT107"),
+    *("SGN101", "SGN102", "ORD103", "ORD102", "UNT103", "UNT104", "UNT105", "UNT107"),
     *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101", "KNW103"),
     *("LIM107", "GEA102"),
     *("VER106", "DMP105", "DMP101", "DMP103"),
@@ -37,8 +38,8 @@ second time."""
 _ALONE_BY = {
     "SPC101": frozenset({"SPC107"}),
     "LIM108": frozenset({"SPC107"}),
-    "SRC103": frozenset({"SGN101", "ORD102", "ORD103", "UNT103", "UNT107", "SYM101"}),
-    "SRC104": frozenset({"SGN101", "ORD103", "UNT105", "SYM101", "KNW103"}),
+    "SRC103": frozenset({"SGN101", "SGN102", "ORD102", "ORD103", "UNT103", "UNT107", "SYM101"}),
+    "SRC104": frozenset({"SGN101", "ORD103", "UNT105", "SYM101", "KNW103", "GEA102"}),
     "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "SYM101", "ORD104", "LIM111"}),
 }
 """What alone explains that gains, armatures or poses differ, or that a file departs from the spec: others that have the
@@ -46,6 +47,11 @@ figure say nothing of the other file."""
 
 _GEAR, _SIDES, _FRICTION, _LOST_GAINS, _PUBLISHED = "GEA101", "SYM101", "FRC101", "VER106", "KNW101"
 _DEGREES, _UNIT, _GAINS, _NO_JOINT = "UNT103", "UNT105", "SRC103", "UNT107"
+
+_SQUARED = "GEA102"
+
+_SAME = 0.05
+"""Relative difference up to which two armatures are one. Chosen: SRC104's `tolerance`."""
 
 _OF_ONE_FILE = frozenset({_GEAR, _SIDES, _DEGREES, "UNT104", _UNIT, "UNT106", "LIM101"})
 """Rules whose finding is in the file that is wrong, and which explain nothing of a file beside it alone."""
@@ -168,6 +174,15 @@ class _Findings:
         if one.code == _LOST_GAINS:
             # The damping is too much for the gain that is left.
             return one.joint == other.joint and other.code == "DMP101"
+        if one.code == _SQUARED and other.code == "SRC104":
+            # The other file has what the gear asks for.
+            named = one.expected is not None and other.expected is not None
+            return (
+                named
+                and one.joint == other.joint
+                and one.span == other.span
+                and math.isclose(one.expected or 0.0, other.expected or 0.0, rel_tol=_SAME)
+            )
         if one.code == _DEGREES and one.span not in (other.span, *other.related):
             # The figure in the other file is the right one.
             return False
@@ -194,7 +209,8 @@ class _Findings:
             # Two files that differ from each other say nothing of a third; one that differs from two, of either.
             mine, its = _files(one), _files(other)
             return one.joint == other.joint and (mine <= its or its <= mine)
-        return one.joint == other.joint
+        # Of two sides that differ the one whose figure is wrong may be either.
+        return one.joint == other.joint or (other.code == _SIDES and one.span in other.related)
 
 
 def _leaves_unpublished(one: Finding, other: Finding) -> bool:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 from os.path import basename
@@ -51,17 +52,35 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
                     continue
                 there = case.artifacts[one if departing == other else other].path
                 found.setdefault((joint.span, joint.name, meant.name), {})[there] = meant.span
+        words = {key: _other_word(key[1], key[2]) for key in found}
+        many = Counter((key[0].path, pair) for key, pair in words.items() if pair is not None)
         for (place, called, name), others in found.items():
             files = listed(dict.fromkeys(map(basename, others)))
+            pair = words[place, called, name]
+            if pair is not None and many[place.path, pair] > 1:
+                # One word for another in several names is said once.
+                here, there = map(shortened, pair)
+                message = f"{here} in the name of this joint is {there} in {files}"
+                help = f"write {there} for {here} in these names here, or {here} for {there} there"
+            else:
+                message = f"this joint is called {shortened(name)} in {files}"
+                help = f"call it {shortened(name)} here, or {shortened(called)} there"
             yield Finding(
                 self.code,
-                f"this joint is called {shortened(name)} in {files}, and nothing of it is compared with it there",
+                f"{message}, and nothing of it is compared with it there",
                 place,
                 called,
-                help=f"call it {shortened(name)} here, or {shortened(called)} there",
+                help=help,
                 related=tuple(dict.fromkeys(others.values())),
                 about=f"{called} {name}",
             )
+
+
+def _other_word(one: str, other: str) -> tuple[str, str] | None:
+    """The word that one name has in the place of another name's; None where they differ in more."""
+    mine, its = (re.findall(r"[^\W_]+|[\W_]+", name) for name in (one, other))
+    apart = [pair for pair in zip(mine, its, strict=False) if pair[0] != pair[1]]
+    return apart[0] if len(mine) == len(its) and len(apart) == 1 else None
 
 
 def _models(case: Case, robot: Robot) -> list[int]:
