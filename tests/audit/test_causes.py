@@ -133,6 +133,20 @@ def test_a_gear_that_was_not_squared_explains_the_file_where_it_was() -> None:
         assert [cause for *_, cause in _after(gear, one)] == ["", ""]
 
 
+def test_a_limit_that_is_stated_twice_explains_that_another_file_has_the_first() -> None:
+    twice = _of("LIM106", value=140.0, expected=14.0)
+    other = _of("SRC101", held="b.urdf", value=140.0, expected=14.0)
+    assert _after(twice, (other, ERROR)) == [("LIM106", "error", ""), ("SRC101", "info", "LIM106")]
+    for one in (replace(other, expected=30.0), _of("KNW101", value=140.0, expected=14.0)):
+        assert [cause for *_, cause in _after(twice, one)] == ["", ""]
+
+
+@pytest.mark.parametrize(("code", "field"), [("LIM106", "effort_limit"), ("ORD104", "default_position")])
+def test_what_the_simulator_refuses_is_told_whatever_else_is_wrong(code: str, field: str) -> None:
+    one = _of("UNT103" if code == "ORD104" else "SYM101", fields=(field,))
+    assert _after(one, (_of(code, fields=(field,)), ERROR))[1] == (code, "error", "")
+
+
 def test_a_wrong_sign_of_a_gain_explains_that_the_sides_differ(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
