@@ -5,6 +5,7 @@ Rules look at nothing but the files. What two of them say of one figure is broug
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -15,36 +16,45 @@ from actspec.fields import LIMITS
 
 ORDER = (
     "SPC107",
-    *("SGN101", "ORD103", "ORD102", "UNT103", "UNT104", "UNT105", "UNT107"),
-    *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "UNT106", "SRC101", "SRC102", "KNW101", "KNW103"),
+    *("SGN101", "SGN102", "ORD103", "ORD102", "UNT103", "UNT104", "UNT105", "UNT107"),
+    *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "LIM106"),
+    *("UNT106", "SRC101", "SRC102", "KNW101", "KNW103"),
     *("LIM107", "GEA102"),
     *("VER106", "DMP105", "DMP101", "DMP103"),
     *("FRC101", "SRC105"),
-    *("LIM111", "SRC103", "SRC104", "SRC106"),
+    *("ORD104", "LIM111", "SRC103", "SRC104", "SRC106"),
     *("SPC101", "LIM108"),
 )
 """Rules about a figure, the nearest to its cause first: a file of another variant departs from the spec wherever
 variants differ; a wrong sign is wrong whatever others have; of two groups
 that have a joint one gives it the wrong figures, and a list in another order gives many; degrees in the place of
 radians, or another unit, are why a joint diverges, is out of its range, or differs; a gear says by what a limit or a
-gain is off, a file that contradicts itself which side is wrong, a limit that nobody stated why files differ, two
-files that differ why one is not the published one, which tells why a torque-speed line begins below its limit; a
-servo that lost its gains, or damping that is counted twice, in two files or in one, why a joint is slow; friction
-that no motor overcomes why another file has less; a position that the joint cannot take why two files differ. Chosen:
-from the findings of docs/survey.md that were true and told a second time."""
+gain is off, a file that contradicts itself which side is wrong, a limit that nobody stated, or is stated twice, why
+files differ, two files that differ why one is not the published one, which tells why a torque-speed line begins below
+its limit; a servo that lost its gains, or damping that is counted twice, in two files or in one, why a joint is slow;
+friction that no motor overcomes why another file has less; a key that is misspelt why a joint starts at 0, and a
+position that the joint cannot take why two files differ. Chosen: from the findings of docs/survey.md that were true and
+told a second time."""
 
 _ALONE_BY = {
+    **dict.fromkeys(("SGN102", "ORD104", "LIM106"), frozenset[str]()),
     "SPC101": frozenset({"SPC107"}),
     "LIM108": frozenset({"SPC107"}),
-    "SRC103": frozenset({"SGN101", "ORD102", "ORD103", "UNT103", "UNT107", "SYM101"}),
-    "SRC104": frozenset({"SGN101", "ORD103", "UNT105", "SYM101", "KNW103"}),
-    "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "SYM101", "LIM111"}),
+    "SRC103": frozenset({"SGN101", "SGN102", "ORD102", "ORD103", "UNT103", "UNT107", "SYM101"}),
+    "SRC104": frozenset({"SGN101", "ORD103", "UNT105", "SYM101", "KNW103", "GEA102"}),
+    "SRC106": frozenset({"ORD102", "ORD103", "UNT103", "SYM101", "ORD104", "LIM111"}),
 }
 """What alone explains that gains, armatures or poses differ, or that a file departs from the spec: others that have the
-figure say nothing of the other file."""
+figure say nothing of the other file, nor of what the simulator makes of a sign, a key or two limits."""
 
 _GEAR, _SIDES, _FRICTION, _LOST_GAINS, _PUBLISHED = "GEA101", "SYM101", "FRC101", "VER106", "KNW101"
-_DEGREES, _UNIT, _GAINS, _NO_JOINT = "UNT103", "UNT105", "SRC103", "UNT107"
+_DEGREES, _UNIT, _GAINS, _NO_JOINT, _TWO_LIMITS = "UNT103", "UNT105", "SRC103", "UNT107", "LIM106"
+
+_WITH_THE_RIGHT_ONE = {"GEA102": frozenset({"SRC104"}), "LIM106": frozenset({"SRC101", "SRC102"})}
+"""Rules that name the figure which should stand there, and what they explain if another file has that one."""
+
+_SAME = 0.05
+"""Relative difference up to which two of these figures are one. Chosen: SRC104's `tolerance`."""
 
 _OF_ONE_FILE = frozenset({_GEAR, _SIDES, _DEGREES, "UNT104", _UNIT, "UNT106", "LIM101"})
 """Rules whose finding is in the file that is wrong, and which explain nothing of a file beside it alone."""
@@ -167,6 +177,14 @@ class _Findings:
         if one.code == _LOST_GAINS:
             # The damping is too much for the gain that is left.
             return one.joint == other.joint and other.code == "DMP101"
+        if other.code in _WITH_THE_RIGHT_ONE.get(one.code, ()) or one.code == _TWO_LIMITS:
+            right = one.expected, other.expected
+            return (
+                other.code in _WITH_THE_RIGHT_ONE[one.code]
+                and (one.joint, one.span) == (other.joint, other.span)
+                and None not in right
+                and math.isclose(*(figure or 0.0 for figure in right), rel_tol=_SAME)
+            )
         if one.code == _DEGREES and one.span not in (other.span, *other.related):
             # The figure in the other file is the right one.
             return False
@@ -193,7 +211,8 @@ class _Findings:
             # Two files that differ from each other say nothing of a third; one that differs from two, of either.
             mine, its = _files(one), _files(other)
             return one.joint == other.joint and (mine <= its or its <= mine)
-        return one.joint == other.joint
+        # Of two sides that differ the one whose figure is wrong may be either.
+        return one.joint == other.joint or (other.code == _SIDES and one.span in other.related)
 
 
 def _leaves_unpublished(one: Finding, other: Finding) -> bool:

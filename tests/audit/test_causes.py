@@ -123,6 +123,46 @@ def test_a_gear_explains_what_it_multiplies() -> None:
     assert _after(geared, replace(ringing, joint="hip"))[1][2] == ""
 
 
+def test_a_gear_that_was_not_squared_explains_the_file_where_it_was() -> None:
+    gear = _of("GEA102", fields=("armature",), value=0.01425, expected=0.021375)
+    other = _of("SRC104", fields=("armature",), held="b.urdf", value=0.01425, expected=0.0214)
+    assert _after(gear, other) == [("GEA102", "warning", ""), ("SRC104", "info", "GEA102")]
+    # What the other file has is another figure, or that file's gear is the one that is told.
+    apart = [replace(other, expected=0.05), replace(other, span=Span("a.xml", 2, 1))]
+    for one in apart:
+        assert [cause for *_, cause in _after(gear, one)] == ["", ""]
+
+
+def test_a_limit_that_is_stated_twice_explains_that_another_file_has_the_first() -> None:
+    twice = _of("LIM106", value=140.0, expected=14.0)
+    other = _of("SRC101", held="b.urdf", value=140.0, expected=14.0)
+    assert _after(twice, (other, ERROR)) == [("LIM106", "error", ""), ("SRC101", "info", "LIM106")]
+    for one in (replace(other, expected=30.0), _of("KNW101", value=140.0, expected=14.0)):
+        assert [cause for *_, cause in _after(twice, one)] == ["", ""]
+
+
+@pytest.mark.parametrize(("code", "field"), [("LIM106", "effort_limit"), ("ORD104", "default_position")])
+def test_what_the_simulator_refuses_is_told_whatever_else_is_wrong(code: str, field: str) -> None:
+    one = _of("UNT103" if code == "ORD104" else "SYM101", fields=(field,))
+    assert _after(one, (_of(code, fields=(field,)), ERROR))[1] == (code, "error", "")
+
+
+def test_a_wrong_sign_of_a_gain_explains_that_the_sides_differ(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """MuJoCo makes another kv than 3 of it, which the other side has."""
+    monkeypatch.chdir(tmp_path)
+    body = '<body pos="{1} 0 0"><joint name="{0}_hip"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>'
+    servo = '<general joint="{0}_hip" biastype="affine" gainprm="120" biasprm="0 -120 {1}"/>'
+    Path("a.xml").write_text(
+        f'<mujoco model="a"><worldbody>{body.format("L", 1)}{body.format("R", -1)}</worldbody>'
+        f"<actuator>{servo.format('L', 3)}{servo.format('R', -3)}</actuator></mujoco>"
+    )
+    found = audit(["a.xml"], Settings(select=("SGN102", "SYM101"))).findings
+    told = {(item.finding.code, item.cause.code if item.cause else "") for item in found}
+    assert told == {("SGN102", ""), ("SYM101", "SGN102")}
+
+
 def test_damping_that_is_counted_twice_is_told_once() -> None:
     """In a model's joint: beside the kd of a configuration, beside the model's own drive, and the joint is slow."""
     damping = {"fields": ("joint_damping",)}

@@ -201,6 +201,21 @@ def test_a_pose_in_another_order_is_told_as_that(
         )
 
 
+def test_a_misspelt_key_of_a_pose_is_told_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not as a difference from the deploy file, nor as a position that the range of -2 to 1 rad has."""
+    pose = POSE.replace("_knee_", "_kene_")
+    deploy = _deploy(more="default_angles: [0.4, -0.8, 0.4, -0.8]\n")
+    told = _told(tmp_path, monkeypatch, _urdf=_urdf(), _py=_config(pose=pose), _yaml=deploy)
+    assert [one[:3] for one in told] == [
+        ("ORD104", ".py:6", "left_knee_pitch"),
+        ("ORD104", ".py:6", "right_knee_pitch"),
+    ]
+    assert {one[3] for one in told} == {
+        "the key '.*_kene_pitch' of joint_pos matches no joint of strutter.urdf, and none is for this one: the cfg "
+        "raises a ValueError"
+    }
+
+
 def _mjcf(*motors: str) -> str:
     leg = (
         '<body><joint name="{0}_thigh_joint"/><geom size="0.1"/><body pos="0 0 -1"><joint name="{0}_calf_joint"/>'

@@ -72,15 +72,17 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
         # Back-EMF beside friction is what a motor has; DMP104 knows when they are one.
         own = parts.kd - sum(row.back_emf or 0.0 for row in rows)
         large = share >= self.option(case, "large") and own > 0.0
-        intent = next((other for other in others if other.kd and same(other.kd, parts.kd)), None)
+        # One that states another damping of the joint beside it means both, and SRC105 tells of them.
+        alone = (other for other in others if not (other.joint_damping and "joint_damping" in other.stated))
+        intent = next((other for other in alone if other.kd and same(other.kd, parts.kd)), None)
         sure = same(share, 1.0) or intent is not None
         field = "joint_damping" if parts.joint > 0.0 else "actuator_damping"
         limited = row.effort_limit is not None and row.effort_limit < math.inf
         inside, outside = (" inside the torque limit", " outside it") if limited else ("", "")
         ratio = ""
         if large and row.damping_ratio is not None and row.damping_ratio > 0.0:
-            alone = row.damping_ratio * parts.kd / parts.total
-            ratio = f", a damping ratio of {row.damping_ratio:.2g} instead of {alone:.2g}"
+            without = row.damping_ratio * parts.kd / parts.total
+            ratio = f", a damping ratio of {row.damping_ratio:.2g} instead of {without:.2g}"
         known = "" if intent is None else f"; {basename(intent.file)} has the drive's gain alone"
         if row.control == "velocity" and large:
             return self._lagging(row, parts, field)

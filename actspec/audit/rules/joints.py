@@ -22,6 +22,10 @@ from actspec.units import format_quantity
 
 SPEEDS = ("velocity_limit", "no_load_speed")
 
+SLOW = 5.0
+"""Least acceleration that a joint's whole torque gives its own armature [rad/s^2]. Chosen: UNT105's `least`; legs have
+hundreds."""
+
 _DIGIT = 5.0
 """From this ratio on a speed has a digit more. Chosen: between the ten of a slip, beside sources that round (140 and
 14.375), and a maker's figure beside a program's (2.7: Unitree's H2, an ankle of 100.7 in its URDF, 37 in training)."""

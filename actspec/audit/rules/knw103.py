@@ -6,13 +6,17 @@ from typing import ClassVar
 
 from actspec.audit.known import KnownJoint, Likeness, likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import SPEEDS, finite, is_exporters, shown, top_speed, unit
-from actspec.fields import PLACEHOLDER, is_power_of_ten
+from actspec.audit.rules.joints import SPEEDS, driving_limit, finite, is_exporters, shown, top_speed, unit
+from actspec.fields import PLACEHOLDER, is_placeholder, is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import DEGREES, RPM
 from actspec.readings.ledger import LedgerRow
 from actspec.units import format_number
+
+_OTHER_MOTORS = 0.5
+"""Share of the least published torque below which, at every joint, a robot of a known one's name and joints is another
+machine. Chosen: whoever drives a robot gently keeps half."""
 
 _ROTOR = 0.1
 """Relative difference up to which an armature is the published one without its gear. Chosen: a stage's own inertia is
@@ -29,11 +33,12 @@ class FarFromPublished(RuleOver[Likeness]):
     needs = "no robot among the files whose armatures or speeds are published"
 
     def subjects(self, case: Case) -> Iterable[Likeness]:
-        """Artifacts that are known robots; a program's own list states neither for a simulator."""
+        """Artifacts that are known robots, with their motors; a program's own list states neither for a simulator."""
         return [
             known
             for known in case.once(likenesses)
             if case.artifacts[known.index].kind is not FileKind.DEPLOY
+            and not _has_other_motors(case, known)
             and any(
                 one.top_speed or one.armature or known.robot.armatures
                 for variant in known.robot.variants.values()
@@ -119,6 +124,23 @@ class FarFromPublished(RuleOver[Likeness]):
             help=f"{_meant(mine, row, field, limit)}{text}: {best.source_of('speed')}",
             fields=(field,),
         )
+
+
+def _has_other_motors(case: Case, subject: Likeness) -> bool:
+    """Whether no file of the robot has half of the torque that is published of any joint: `go2_mini` is no Go2.
+
+    Placeholders, zeros and what an exporter writes tell of no motor.
+    """
+    files = case.robot_of(subject.index).artifacts
+    shares = [
+        limit / min(subject.robot.efforts(name))
+        for known in case.once(likenesses)
+        if known.index in files and known.robot.name == subject.robot.name
+        for row, names in known.read("effort_limit", "stall_torque")
+        if not is_exporters(row) and (limit := finite(driving_limit(row)[1])) and not is_placeholder(limit)
+        for name in names
+    ]
+    return bool(shares) and max(shares) < _OTHER_MOTORS
 
 
 def _with_speed(subject: Likeness, names: tuple[str, ...]) -> list[KnownJoint]:

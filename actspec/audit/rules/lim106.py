@@ -45,6 +45,7 @@ class TwoLimits(RuleInParts):
             return
         if one.value == two.value:
             return
+        units = {row.joint: unit(row, first) for row in group.rows}
         for joint in group.joints:
             yield Finding(
                 self.code,
@@ -52,9 +53,13 @@ class TwoLimits(RuleInParts):
                 "ValueError when it builds this implicit group",
                 two.span,
                 joint,
+                group.number(two, joint),
+                units.get(joint),
+                group.number(one, joint),
                 help=f"leave {first} out: the solver's limit is the one that an implicit drive has",
                 related=(one.span,),
                 severity=Severity.ERROR,
+                fields=(first,),
                 about=f"{first} {_text(one)} {second} {_text(two)}",
             )
 

@@ -1,17 +1,18 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS, is_as_written, posed
-from actspec.audit.rules.misnamed import beside_patterns, drivers_beside, misnamed
+from actspec.audit.rules.misnamed import beside_patterns, drivers_beside, is_misspelt, misnamed
 from actspec.diagnostics import Span, listed, nearest, shortened
 from actspec.patterns import match_names, recased
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.dict_keys import PLAIN, dead_keys, may_match, meant_for, selects_nothing
+from actspec.readings.dict_keys import PLAIN, POSE, dead_keys, may_match, meant_for, meets, selects_nothing
 from actspec.readings.joint_names import joint_names, matching
 
 _SURE = (Severity.ERROR, Confidence.HIGH)
@@ -51,11 +52,13 @@ class PatternMatchesNothing(RuleOver[_Subject]):
         """Match every pattern that has joints to be held against, and every key that has patterns."""
         index, config, model = subject
         yield from self._names(case, index)
-        if config.framework not in FRAMEWORKS:
-            return
         members = (case.artifacts[other] for other in case.robot_of(index).artifacts)
         # A pattern that one variant of the robot has a joint for is right.
         names = tuple(dict.fromkeys(name for member in members for name in joint_names(member) or ()))
+        if model is not None and config.framework in _STARTS and is_as_written(config):
+            yield from self._pose(case, config, model, names)
+        if config.framework not in FRAMEWORKS:
+            return
         meant = {group.span: _meant(config, group, names) for group in config.groups} if model else {}
         for group in config.groups:
             told = meant.get(group.span, {}).values()
@@ -147,6 +150,44 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                     about=f"{key} {name} {group.name}",
                 )
 
+    def _pose(
+        self, case: Case, config: RobotConfig, model: Artifact, names: Sequence[str]
+    ) -> Iterator[Finding]:
+        """Keys of a default position that are for no joint, beside joints that no key is for and that they mean.
+
+        Any other key may be of a part that the model lacks.
+        """
+        setting = config.settings.get(POSE)
+        keys = _keys(setting) if setting is not None and setting.unknown is None else []
+        missing = [key for key in keys if not any(meets(config.framework, POSE, key, name) for name in names)]
+        if setting is None or len(keys) - len(missing) < self.option(case, "share") * len(keys):
+            return
+        free = [name for name in names if not any(meets(config.framework, POSE, key, name) for key in keys)]
+        noun, then = _STARTS[config.framework]
+        for key in missing:
+            found: dict[tuple[str, ...], str] = {}
+            for meant in _respelt(config.framework, key, names):
+                joints = tuple(name for name in names if meets(config.framework, POSE, meant, name))
+                if joints and set(joints) <= set(free):
+                    found.setdefault(joints, meant)
+            if len(found) != 1:
+                continue
+            ((joints, meant),) = found.items()
+            for joint in joints:
+                yield Finding(
+                    self.code,
+                    f"the key '{shortened(key)}' of {noun} matches no joint of {basename(model.path)}, and none is "
+                    f"for this one: {then}",
+                    setting.place(key),
+                    joint,
+                    help=f"did you mean '{shortened(meant)}'?",
+                    severity=Severity.WARNING,
+                    confidence=Confidence.MEDIUM,
+                    noted_in_folders=True,
+                    fields=(POSE,),
+                    about=f"{key} {noun}",
+                )
+
     def _cased(
         self, cased: Mapping[str, str], of: str, noun: str, where: str, spans: Sequence[Span], who: str
     ) -> Finding:
@@ -228,6 +269,46 @@ class PatternMatchesNothing(RuleOver[_Subject]):
                 confidence=confidence,
                 about=f"{pattern} {group.name}",
             )
+
+
+_STARTS = {
+    Framework.ISAACLAB: ("joint_pos", "the cfg raises a ValueError"),
+    Framework.MJLAB: ("joint_pos", "mjlab starts it at 0"),
+    Framework.LEGGED_GYM: ("default_joint_angles", "legged_gym raises a KeyError"),
+}
+"""What a framework calls default positions, and what it does with a joint that no key is for, or with such a key."""
+
+_LETTERS = re.compile(r"[^\W\d_]{3,}")
+"""Words of a key that a slip may have changed: sides are shorter."""
+
+
+def _respelt(framework: Framework, key: str, names: Sequence[str]) -> Iterator[str]:
+    """What a key may have been: with one word of the joints in the place of one that is nearly it, with other capital
+    letters, or, where keys are patterns, with a dot that was left out, or with what may stand before and after it.
+    """
+    words = dict.fromkeys(word for name in names for word in _LETTERS.findall(name))
+    for found in _LETTERS.finditer(key):
+        for word in words if found[0] not in words else ():
+            if _is_swapped(found[0], word) or is_misspelt(found[0], word):
+                yield f"{key[: found.start()]}{word}{key[found.end() :]}"
+    if (cased := recased(key, names)) is not None:
+        yield cased
+    if framework is not Framework.LEGGED_GYM:
+        for at in range(1, len(key)):
+            if key[at - 1].isalnum():
+                yield f"{key[:at]}.{key[at:]}"
+        yield f".*{key}"
+
+
+def _is_swapped(one: str, other: str) -> bool:
+    """Whether two neighbouring letters of one word are the other way round in another: `hef` and `hfe`."""
+    at = [index for index, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]]
+    return (
+        len(one) == len(other)
+        and len(at) == 2
+        and at[1] == at[0] + 1
+        and (one[at[0]], one[at[1]]) == (other[at[1]], other[at[0]])
+    )
 
 
 def _joint_meant(pattern: str, names: Sequence[str]) -> str | None:

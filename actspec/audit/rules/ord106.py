@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 from os.path import basename
@@ -10,6 +12,7 @@ from actspec.audit.rules.misnamed import is_misspelt, misnamed, selects
 from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed, shortened
 from actspec.readings.artifact import Artifact, Robot
+from actspec.readings.called import stem_of, telling
 from actspec.readings.joint_names import joint_names
 from actspec.robot.view import JointView
 
@@ -40,6 +43,8 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
         found: dict[tuple[Span, str, str], dict[str, Span]] = {}
         for one, other in combinations(_models(case, robot), 2):
             for mine, its in _pairs(case.artifacts[one], case.artifacts[other]):
+                if not is_misspelt(mine.name, its.name) and _are_variants(case, robot, one, other, mine, its):
+                    continue
                 sides = [(other, its, mine), (one, mine, its)]
                 # The name that most files have is right, and of two the one that has its like on the other side.
                 departing, joint, meant = min(sides, key=lambda side: _having(case, robot, side[1].name))
@@ -47,17 +52,35 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
                     continue
                 there = case.artifacts[one if departing == other else other].path
                 found.setdefault((joint.span, joint.name, meant.name), {})[there] = meant.span
+        words = {key: _other_word(key[1], key[2]) for key in found}
+        many = Counter((key[0].path, pair) for key, pair in words.items() if pair is not None)
         for (place, called, name), others in found.items():
             files = listed(dict.fromkeys(map(basename, others)))
+            pair = words[place, called, name]
+            if pair is not None and many[place.path, pair] > 1:
+                # One word for another in several names is said once.
+                here, there = map(shortened, pair)
+                message = f"{here} in the name of this joint is {there} in {files}"
+                help = f"write {there} for {here} in these names here, or {here} for {there} there"
+            else:
+                message = f"this joint is called {shortened(name)} in {files}"
+                help = f"call it {shortened(name)} here, or {shortened(called)} there"
             yield Finding(
                 self.code,
-                f"this joint is called {shortened(name)} in {files}, and nothing of it is compared with it there",
+                f"{message}, and nothing of it is compared with it there",
                 place,
                 called,
-                help=f"call it {shortened(name)} here, or {shortened(called)} there",
+                help=help,
                 related=tuple(dict.fromkeys(others.values())),
                 about=f"{called} {name}",
             )
+
+
+def _other_word(one: str, other: str) -> tuple[str, str] | None:
+    """The word that one name has in the place of another name's; None where they differ in more."""
+    mine, its = (re.findall(r"[^\W_]+|[\W_]+", name) for name in (one, other))
+    apart = [pair for pair in zip(mine, its, strict=False) if pair[0] != pair[1]]
+    return apart[0] if len(mine) == len(its) and len(apart) == 1 else None
 
 
 def _models(case: Case, robot: Robot) -> list[int]:
@@ -111,9 +134,41 @@ def _turn_alike(one: JointView, other: JointView) -> bool:
     return all(math.isclose(a, b, abs_tol=_ALIKE) for a, b in zip(one.range, other.range, strict=True))
 
 
-def _having(case: Case, robot: Robot, name: str) -> tuple[int, bool]:
-    """How many files of a robot have a joint's name, or select it, and whether it has its like on the other side."""
+def _are_variants(case: Case, robot: Robot, one: int, other: int, mine: JointView, its: JointView) -> bool:
+    """Whether two models are of variants that carry another device in one place, by what files and joints are called.
+
+    A joint with the word of its file alone is that variant's (`lidar_pan` of `dingo_lidar.urdf`); and a rename that
+    was forgotten in one of two files leaves no two of one kind, each under a name of its own.
+    """
+    files = [case.artifacts[index].path for index in (one, other)]
+    stems = [stem_of(file) for file in files]
+    words = [_words(stem) for stem in stems]
+    if (words[0] - words[1]) & _words(mine.name) or (words[1] - words[0]) & _words(its.name):
+        return True
+    told = [telling(stem) for stem in stems]
+    if not (told[0] - told[1] and told[1] - told[0]):
+        return False
+    kinds = [
+        {
+            case.artifacts[index].kind
+            for index in _models(case, robot)
+            if stem_of(case.artifacts[index].path) == stem
+        }
+        for stem in stems
+    ]
+    return bool(kinds[0] & kinds[1])
+
+
+def _words(name: str) -> frozenset[str]:
+    return frozenset(re.findall(r"[^\W_]+", name.lower()))
+
+
+def _having(case: Case, robot: Robot, name: str) -> tuple[int, bool, int]:
+    """How many files of a robot have a joint's name, or select it, and whether it has its like on the other side.
+
+    Of names that are even in both the one of a later file departs, in every two of the files alike.
+    """
     members = [case.artifacts[index] for index in robot.artifacts]
     names = [joint_names(one) or () for one in members]
-    count = sum(name in own or selects(one, name) for one, own in zip(members, names, strict=True))
-    return count, any(other_side(name, own) is not None for own in names)
+    having = [name in own or selects(one, name) for one, own in zip(members, names, strict=True)]
+    return sum(having), any(other_side(name, own) is not None for own in names), -having.index(True)

@@ -69,6 +69,7 @@ class NotTheServoMeant(RuleInParts):
                 -ratio,
                 f"write -{format_number(ratio, 3)} for a velocity gain; for a damping ratio write the kv that it "
                 "gives, because its meaning depends on MuJoCo's version",
+                fields=("kd",),
                 # Below that it may be a damping ratio, as MuJoCo takes it.
                 fix=_bias_fix(found, ratio) if absurd else None,
                 severity=Severity.ERROR if absurd else None,

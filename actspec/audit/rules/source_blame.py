@@ -9,7 +9,9 @@ from dataclasses import dataclass, replace
 from actspec.audit.case import Case
 from actspec.audit.causes import PUBLISHED
 from actspec.audit.known import KnownRobot, likenesses, same
+from actspec.audit.rules.joints import SLOW, limiting_row, partner_rows, top_speed
 from actspec.diagnostics import Span
+from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.compare import Figure, times
 from actspec.readings.ledger import LedgerRow
@@ -19,6 +21,9 @@ SAME = 0.01
 
 GRAVE = 2.0
 """From here a limit that differs is an error. Chosen: revisions and safety margins of one motor stay below."""
+
+_FAST = 1e6
+"""Largest acceleration that a motor gives its rotor [rad/s^2]. Chosen: those without iron and gear reach a tenth."""
 
 POSE = 0.01
 """Chosen: rad or m up to which two default positions are one, half a degree."""
@@ -154,27 +159,66 @@ def by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
     return replace(wrong, published=robot if right.is_one_motor else "")
 
 
-def by_range(case: Case, found: Disagreement) -> Disagreement | None:
-    """Turned where only the other file's default position is one that the joint cannot take; None: that tells nobody.
+def by_sense(case: Case, found: Disagreement) -> Disagreement | None:
+    """Turned where only the other file's figure is one that the joint cannot have; None: that tells nobody.
 
     Only in files that are named: what is found in folders is as it was judged (docs/survey.md).
     """
-    if found.field != "default_position" or is_met(case, found):
+    is_absurd = _ABSURD.get(found.field)
+    if is_absurd is None or is_met(case, found):
         return None
-    joint = found.rows[0].joint
-    ranges = {
-        row.position_range
-        for index in case.robot_of(found.rows[0].artifact).artifacts
-        for row in case.joints.get((index, joint), ())
-        if row.position_range is not None
-    }
     mine, theirs = (
-        bool(ranges) and all(not low - POSE <= (side.value or 0.0) <= high + POSE for low, high in ranges)
-        for side in (found.mine, found.theirs)
+        is_absurd(case, rows[0], side.value or 0.0)
+        for rows, side in ((found.rows, found.mine), (found.others, found.theirs))
     )
     if mine == theirs:
         return None
     return found if mine else found.turned
+
+
+def _is_out_of_range(case: Case, row: LedgerRow, position: float) -> bool:
+    ranges = {
+        one.position_range
+        for index in case.robot_of(row.artifact).artifacts
+        for one in case.joints.get((index, row.joint), ())
+        if one.position_range is not None
+    }
+    return bool(ranges) and all(not low - POSE <= position <= high + POSE for low, high in ranges)
+
+
+def _is_no_rotor(case: Case, row: LedgerRow, armature: float) -> bool:
+    """Whether a hinge's armature is so large that its torque turns nothing, or so small that no motor has it."""
+    limit = _limit(case, row)
+    if limit is None or armature <= 0.0 or row.kind is JointKind.SLIDE:
+        return False
+    return not SLOW <= limit / armature <= _FAST
+
+
+def _stops(case: Case, row: LedgerRow, damping: float) -> bool:
+    """Whether the damping alone takes the joint's whole torque or force before its top speed."""
+    limit = _limit(case, row)
+    speeds = [speed for one in (row, *partner_rows(case, row)) if (speed := top_speed(one)) is not None]
+    return limit is not None and bool(speeds) and damping * min(speeds) >= limit
+
+
+def _holds(case: Case, row: LedgerRow, friction: float) -> bool:
+    """Whether dry friction takes the joint's whole torque or force."""
+    limit = _limit(case, row)
+    return limit is not None and friction >= limit
+
+
+def _limit(case: Case, row: LedgerRow) -> float | None:
+    limiting = limiting_row(case, row)
+    return None if limiting is None else limiting.effort_limit
+
+
+_ABSURD: Mapping[str, Callable[[Case, LedgerRow, float], bool]] = {
+    "default_position": _is_out_of_range,
+    "armature": _is_no_rotor,
+    "joint_damping": _stops,
+    "frictionloss": _holds,
+}
+"""Figures of which one that the joint cannot have tells who is wrong."""
 
 
 def by_kinds(

@@ -15,7 +15,7 @@ from actspec.audit.rules.source_blame import (
     SAME,
     Disagreement,
     by_kinds,
-    by_range,
+    by_sense,
     by_what_is_published,
     is_met,
     is_of_spec,
@@ -86,7 +86,7 @@ def disagreements(
             if not (wrong.published or wrong.beyond_published):
                 # What other runs recorded says nothing of this one.
                 as_is = wrong if found.others[0].artifact in case.runs_of(found.rows[0].artifact) else None
-                wrong = by_range(case, wrong) or as_is or by_kinds(case, wrong, kinds)
+                wrong = by_sense(case, wrong) or as_is or by_kinds(case, wrong, kinds)
             wrong = replace(wrong, also=tuple(_beside_others(case, wrong, stated, kinds)))
             # Several files may be right beside one that is not.
             at = (wrong.rows[0].artifact, wrong.rows[0].joint)

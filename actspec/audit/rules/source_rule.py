@@ -150,12 +150,14 @@ def is_of_one_training(case: Case, found: Disagreement) -> bool:
 
 
 def are_exchanged(found: Disagreement) -> bool:
-    """Whether each gain of a joint is the other one of the other file."""
+    """Whether each gain of a joint is the other one of the other file; one of them may be 0, as a wheel's kp is."""
     kp, kd, its_kp, its_kd = (
         figure(rows, name).value for rows in (found.rows, found.others) for name in ("kp", "kd")
     )
     crossed = (kp, its_kd), (kd, its_kp)
-    return all(a and b and a > 0.0 and math.isclose(a, b, rel_tol=SAME) for a, b in crossed)
+    return bool(kp or kd) and all(
+        a is not None and b is not None and a >= 0.0 and math.isclose(a, b, rel_tol=SAME) for a, b in crossed
+    )
 
 
 def _are_a_digit_off(pairs: Sequence[Sequence[tuple[float, float]]]) -> bool:

@@ -34,13 +34,22 @@ class Gain(SourceRule):
             if other is None or not are_exchanged(one):
                 found.append(self.finding(case, one))
             elif one.field == "kp":
-                same = one.rows[0].artifact == other.rows[0].artifact
-                found.append(self._exchanged(case, one, other if same else other.turned))
+                if one.rows[0].artifact == other.rows[0].artifact:
+                    pair = one, other
+                elif one.ratio is None:
+                    # A kp of 0 is a wheel's: the file whose kd departs has the odd gains.
+                    pair = one.turned, other
+                else:
+                    pair = one, other.turned
+                found.append(self._exchanged(case, *pair))
         return found
 
     def _exchanged(self, case: Case, kp: Disagreement, kd: Disagreement) -> Finding:
         """The finding at the file with the odd gains, where they tell which it is."""
-        times = [gain.value / by.value for gain, by in ((kd.mine, kp.mine), (kd.theirs, kp.theirs))]  # type: ignore[operator]
+        times = [
+            gain.value / by.value if gain.value and by.value else 0.0
+            for gain, by in ((kd.mine, kp.mine), (kd.theirs, kp.theirs))
+        ]
         if times[1] >= _CREEPS:
             kp, kd, times = kp.turned, kd.turned, times[::-1]
         here, there = (

@@ -62,6 +62,10 @@ _SIDED = 2
 _ABSURD = 10.0
 """From here one of two limits is no motor's. Chosen: gears and motors of one joint differ by less."""
 
+_MEANING = {FileKind.URDF, FileKind.MJCF, FileKind.CFG}
+"""Kinds of files that give each side its own figure alike where somebody means it. Chosen: a model is often made of the
+other, and a compile writes an MJCF, a configuration and a deploy file of one spec."""
+
 _ROUGH = 0.1
 """Share of a dry friction up to which two figures of it are one. Chosen: identification tells it no better."""
 
@@ -163,7 +167,11 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         names = {name for name, _, _ in differing}
         # Where joints of both sides have 0 as well, it stands for a limit that nobody looked up.
         empty = dead and left[0].artifact in case.once(_without_limits)
-        quiet = identified or unfelt or empty or (not kinds and _is_chosen(case, left[0], right[0], names))
+        meant = not kinds and (
+            _is_chosen(case, left[0], right[0], names)
+            or _is_meant(case, left[0], right[0], differing, relative)
+        )
+        quiet = identified or unfelt or empty or meant
         return Finding(
             self.code,
             f"left and right differ: {', '.join(texts)}",
@@ -262,6 +270,37 @@ def _is_chosen(case: Case, left: LedgerRow, right: LedgerRow, fields: Set[str]) 
     """
     is_config = case.artifacts[left.artifact].kind is FileKind.CFG
     return is_config and left.actuator != right.actuator and {"kp", "kd"} <= fields
+
+
+def _is_meant(
+    case: Case,
+    left: LedgerRow,
+    right: LedgerRow,
+    differing: Sequence[tuple[str, float, float]],
+    relative: float,
+) -> bool:
+    """Whether both models and a configuration give each side its own figure, the same in all: another gear or tool.
+
+    A digit too many, or 0, is meant by nobody, however often it was copied.
+    """
+    if left.artifact != right.artifact:
+        return False
+    kinds: set[FileKind] = set()
+    for field, *figures in differing:
+        if min(map(abs, figures)) * _ABSURD <= max(map(abs, figures)):
+            return False
+        for index in case.robot_of(left.artifact).artifacts:
+            rows = [case.joints.get((index, row.joint), ()) for row in (left, right)]
+            if not all(own and field in own[0].stated for own in rows):
+                continue
+            theirs = [getattr(own[0], field) for own in rows]
+            if not all(
+                its is not None and math.isclose(its, figure, rel_tol=relative)
+                for its, figure in zip(theirs, figures, strict=True)
+            ):
+                return False
+            kinds.add(case.artifacts[index].kind)
+    return kinds >= _MEANING
 
 
 def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: float, other: float) -> bool:

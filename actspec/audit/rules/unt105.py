@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.joints import joint_pairs, shared_joints, shown, unit
+from actspec.audit.rules.joints import SLOW, joint_pairs, shared_joints, shown, unit
 from actspec.audit.rules.sym101 import doubted_limits
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
@@ -19,7 +19,7 @@ class MilliOrGram(RuleInParts):
     noted_in_folders = True
     paired = True
     needs = "no file states friction, damping or armature to compare"
-    options: ClassVar[dict[str, float]] = {"least": 5.0}
+    options: ClassVar[dict[str, float]] = {"least": SLOW}
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         comparable = (
@@ -33,12 +33,8 @@ class MilliOrGram(RuleInParts):
             armature, effort = row.armature, row.effort_limit
             if armature is None or armature <= 0.0 or effort is None or "armature" not in row.stated:
                 continue
-            slow = effort > 0.0 and effort / armature < self.option(case, "least")
-            yield (
-                self._beside_effort(case, row, armature, effort)
-                if slow and row.kind is not JointKind.SLIDE
-                else ()
-            )
+            slow = outweighs(row, self.option(case, "least"))
+            yield self._beside_effort(case, row, armature, effort) if slow else ()
 
     def _between_files(self, case: Case) -> Iterator[Finding]:
         for pair in joint_pairs(case, _figures, lambda *rows: next(_off(*rows), None) is not None):
@@ -74,6 +70,18 @@ class MilliOrGram(RuleInParts):
             # It is the limit that is wrong then, which SYM101 tells.
             severity=Severity.INFO if (row.artifact, row.joint) in case.once(doubted_limits) else None,
         )
+
+
+def outweighs(row: LedgerRow, least: float = SLOW) -> bool:
+    """Whether the armature that a row states leaves a hinge's whole torque less than an acceleration.
+
+    Args:
+        row: Of one joint.
+        least: The acceleration [rad/s^2].
+    """
+    armature, effort = row.armature or 0.0, row.effort_limit or 0.0
+    stated = "armature" in row.stated and armature > 0.0 and effort > 0.0
+    return stated and effort / armature < least and row.kind is not JointKind.SLIDE
 
 
 _THOUSANDS: dict[str, dict[float, str]] = {

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, finite, limiting_row, unit
+from actspec.audit.rules.unt105 import outweighs
 from actspec.diagnostics import Span
 from actspec.fields import is_placeholder, is_power_of_ten
 from actspec.ir import JointKind
@@ -74,7 +75,8 @@ class GainsOfNoJoint(RuleOver[_Subject]):
         )
         field, message, help = gain_words(gains, {}) or (None, "", None)
         frequency = row.natural_frequency
-        if field is None and hinge and frequency:
+        # Of an armature that no torque turns UNT105 tells.
+        if field is None and hinge and frequency and not outweighs(row):
             # With that of the links, which nobody states.
             inertia = row.kp / frequency**2
             if words := frequency_words(gains, inertia):
