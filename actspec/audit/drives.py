@@ -66,35 +66,46 @@ class Lost:
     Attributes:
         file: The file as the baseline has it.
         joints: In the file's order.
-        span: Where the first stands.
+        span: Where the first stands; the file of those that are gone.
         all: Whether no joint of the file is driven any more.
+        gone: Whether they are no joints of the file any more.
     """
 
     file: str
     joints: tuple[str, ...]
     span: Span
     all: bool
+    gone: bool = False
 
     def told(self, baseline: str) -> Diagnostic:
         """What is said of them."""
-        names = "any of its joints" if self.all else listed(self.joints)
+        several, written = bool(self.joints[1:]), "when the baseline was written"
+        if self.gone:
+            said = f"{listed(self.joints)} {'are no joints' if several else 'is no joint'} of it any more, and an "
+            said += f"actuator drove {'each' if several else 'it'} {written}"
+            back = "joint"
+        else:
+            names = "any of its joints" if self.all else listed(self.joints)
+            said = f"no actuator drives {names} any more, as one did {written}: the joint"
+            said += f"{'s swing' if several else ' swings'} freely"
+            back = "actuator"
         return Diagnostic(
             LOST_DRIVE,
             Severity.WARNING,
-            f"no actuator drives {names} any more, as one did when the baseline was written: the joint"
-            f"{'s swing' if self.joints[1:] else ' swings'} freely",
+            said,
             "",
             Span(self.span.path) if self.all else self.span,
-            f"put the actuator{'s' * bool(self.joints[1:])} back; if it is meant, write the baseline again with "
+            f"put the {back}{'s' * several} back; if it is meant, write the baseline again with "
             f"--write-baseline {baseline}",
         )
 
 
 def lost_drives(case: Case, before: Mapping[str, frozenset[str]], folder: str) -> Iterator[Lost]:
-    """Joints that are still there and that nothing drives any more.
+    """Joints that nothing drives any more, and those that are gone and in whose place no others are: what is renamed is
+    driven by its new name.
 
-    Not of a model without any actuator that a configuration of mjlab loads, which was stripped for that: Isaac Lab and
-    legged_gym load other files.
+    None that are there of a model without any actuator that a configuration of mjlab loads, which was stripped for
+    that: Isaac Lab and legged_gym load other files. A model without any joint is told as a file (AUD021).
 
     Args:
         case: What was read.
@@ -104,11 +115,16 @@ def lost_drives(case: Case, before: Mapping[str, frozenset[str]], folder: str) -
     for index, artifact in case.of_kind(FileKind.MJCF):
         robot, name = artifact.robot, _name(case, index, folder)
         now = None if robot is None else _driven(robot)
-        if robot is None or now is None:
+        if robot is None or now is None or not robot.joints:
             continue
-        joints = [one for one in robot.joints if one.name in before.get(name, frozenset()) - now]
+        lost = before.get(name, frozenset()) - now
+        joints = [one for one in robot.joints if one.name in lost]
         if joints and (robot.actuators or not _is_loaded_by_mjlab(case, index)):
             yield Lost(name, tuple(one.name for one in joints), joints[0].span, not robot.actuators)
+        there = {one.name for one in robot.joints}
+        gone = lost - there
+        if len(gone) > len((now if robot.actuators else there) - before.get(name, frozenset())):
+            yield Lost(name, tuple(sorted(gone)), Span(case.artifacts[index].path), False, True)
 
 
 def _is_loaded_by_mjlab(case: Case, index: int) -> bool:

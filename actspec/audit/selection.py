@@ -32,6 +32,7 @@ DIAGNOSTICS = {
     "DEPLOY007": "two-default-positions",
     "DEPLOY008": "no-motor-of-its-own",
     "DEPLOY009": "gains-of-standing-up",
+    "DEPLOY010": "action-of-other-joints",
 }
 """What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
 

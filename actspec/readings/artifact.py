@@ -260,12 +260,16 @@ class Motors:
         groups: A motor each, in the order of the numbers, called by its number.
         actions: Terms whose joints are such numbers.
         span: Where the policy's joints have their numbers.
+        order: The motor of each joint of the policy; None: it has none of its own.
+        selected: An action to the patterns of its `joint_names`, at the place of the `joint_ids` that are beside them.
     """
 
     count: int
     groups: tuple[ActuatorGroup, ...]
     actions: tuple[ActionTerm, ...]
     span: Span
+    order: tuple[str | None, ...] = ()
+    selected: Mapping[str, Setting] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -454,6 +458,7 @@ NOT_TAKEN = frozenset(
         "DEPLOY006",
         "DEPLOY007",
         "DEPLOY008",
+        "DEPLOY010",
         "ROBOT009",
         "ROBOT123",
         "ROBOT124",

@@ -1,7 +1,7 @@
 """Deploy YAML: the gains, limits and pose that run on the robot, with the joints' names or without.
 
-Two shapes are known: lists beside a list of joint names, and mappings from joint (or a part of its
-name) to a number. Lists without names are only used where every entry is the same, because which
+Three shapes are known: lists beside a list of joint names, mappings from joint (or a part of its name) to a number, and
+below `joints` the figures of each joint. Lists without names are only used where every entry is the same, because which
 joint an entry belongs to is then no question; the order of a nameless list is never guessed. It is of a robot with so
 many joints.
 
@@ -31,7 +31,7 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
-from actspec.readings.deploy_keys import STANDING, STANDING_UP, joint_lists, own_gains, standing_up
+from actspec.readings.deploy_keys import STANDING, STANDING_UP, by_figure, joint_lists, own_gains, standing_up
 from actspec.readings.deploy_missing import (
     MISSPELT,
     NO_GAINS,
@@ -195,6 +195,9 @@ def _without_gains(file: ModelFile, root: yaml.Node | None, reader: _Reader) -> 
     )
 
 
+_CALLED = re.compile(r"\w[\w.-]{0,63}")
+
+
 class _Reader:
     """Walks one file within its limits."""
 
@@ -214,6 +217,7 @@ class _Reader:
 
     def whole(self, root: yaml.Node, name: str) -> tuple[RobotConfig, ...]:
         """Every block that has gains, with what no figure is made from."""
+        name = self._called(root) or name
         found = tuple(self.configs(root, (), name, 0))
         if not found and not self.no_numbers:
             self.steps = 0
@@ -229,6 +233,12 @@ class _Reader:
             rest = {"the rest of the file": Setting(None, err.span(self.path), str(err))}
             return (replace(found[0], others=rest), *found[1:])
 
+    def _called(self, root: yaml.Node) -> str:
+        """What the file calls its robot (`robot: go2`); empty where that is no name."""
+        node = self.mapping(root).get("robot") if isinstance(root, yaml.MappingNode) else None
+        word = str(node.value) if isinstance(node, yaml.ScalarNode) and node.tag.endswith(":str") else ""
+        return word if _CALLED.fullmatch(word) else ""
+
     def configs(
         self, node: yaml.Node, above: tuple[_Block, ...], name: str, depth: int
     ) -> Iterator[RobotConfig]:
@@ -237,7 +247,7 @@ class _Reader:
         Args:
             node: Where to look.
             above: The blocks that it is in, outermost first.
-            name: What a robot in it is called: the file's stem, or its key at the top.
+            name: What a robot in it is called: what the file says, its stem, or its key at the top.
             depth: How deep it is.
         """
         self._step(node)
@@ -249,6 +259,8 @@ class _Reader:
         if not isinstance(node, yaml.MappingNode):
             return
         block = self.mapping(node)
+        # Figures joint by joint are read as mappings from joint to each, which are known.
+        block = {**by_figure(block.get("joints"), (PER_JOINT["kp"], PER_JOINT["kd"])), **block}
         if self._has_gains(block):
             config = self._config(node, block, above, name)
             if config.groups or any(note.code not in _NOT_OF_LISTS for note in config.notes):

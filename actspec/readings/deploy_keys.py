@@ -4,7 +4,7 @@ and those of standing up."""
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import yaml
@@ -70,6 +70,52 @@ def gain_of(key: str) -> tuple[str, str] | None:
 def is_of_another(name: str) -> bool:
     """Whether the numbers of a key are no gains of joints' positions, by its words."""
     return not _OTHER.isdisjoint(name.lower().split("_"))
+
+
+def by_figure(node: yaml.Node | None, gains: Iterable[Collection[str]]) -> dict[str, yaml.Node]:
+    """Figures that stand joint by joint, each as one mapping of joints to it: `joints: {hip: {kp: 20, kd: 1}}`, or
+    `joints: [{name: hip, kp: 20, kd: 1}]`.
+
+    Args:
+        node: What stands below `joints`.
+        gains: All keys of kp, and of kd.
+
+    Returns: Empty where it has no several joints, each once, of which most have both.
+    """
+    items = [*_pairs(node), *_named(node)]
+    pairs = [(joint, below) for joint, below in items if isinstance(below, yaml.MappingNode)]
+    own = [{str(key.value) for key, _ in _pairs(below)} for _, below in pairs]
+    having = sum(all(not keys.isdisjoint(each) for each in gains) for keys in own)
+    if having < 2 or 2 * having <= len(items) or len({joint.value for joint, _ in pairs}) < len(pairs):
+        return {}
+    found: dict[str, list[tuple[yaml.Node, yaml.Node]]] = {}
+    for joint, below in pairs:
+        for key, figure in _pairs(below):
+            if figure is joint:
+                continue
+            found.setdefault(str(key.value), []).append((joint, figure))
+    assert node is not None
+    return {
+        key: yaml.MappingNode(node.tag, of_joints, node.start_mark, node.end_mark)
+        for key, of_joints in found.items()
+    }
+
+
+def _pairs(node: yaml.Node | None) -> list[tuple[yaml.ScalarNode, yaml.Node]]:
+    pairs = node.value if isinstance(node, yaml.MappingNode) else []
+    return [(key, value) for key, value in pairs if isinstance(key, yaml.ScalarNode)]
+
+
+def _named(node: yaml.Node | None) -> list[tuple[yaml.ScalarNode, yaml.Node]]:
+    """The mappings of a list that say whose they are, by `name` or `joint`."""
+    items = node.value if isinstance(node, yaml.SequenceNode) else []
+    found = []
+    for item in items:
+        own = {str(key.value): value for key, value in _pairs(item)}
+        name = next((own[key] for key in ("name", "joint") if key in own), None)
+        if isinstance(name, yaml.ScalarNode):
+            found.append((name, item))
+    return found
 
 
 def own_gains(

@@ -97,11 +97,16 @@ def motors_of(
         figures[field] = _by_motor(found[1], motors, setting)
     actions = nearest(scopes, ("actions",))
     terms = []
+    selected: dict[str, Setting] = {}
     if actions is not None and isinstance(actions[1], yaml.MappingNode):
         for name, node in mapping(actions[1]).items():
             if name in _TERMS and isinstance(node, yaml.MappingNode):
                 pose = figures.get("default_position", {}) if _TERMS[name] == "position" else {}
-                terms.append(_term(name, mapping(node), span(node), numbers, pose, setting, span, out))
+                term = mapping(node)
+                terms.append(_term(name, term, span(node), numbers, pose, setting, span, out))
+                patterns = _texts(term.get("joint_names"))
+                if patterns and _numbers(term.get("joint_ids"), setting):
+                    selected[name] = Setting(patterns, span(term["joint_ids"]))
     groups = []
     # The gains are by motor, whichever joint has it.
     for motor in map(str, range(count) if odd else sorted(written)):
@@ -109,7 +114,8 @@ def motors_of(
         if own_figures:
             at = next(iter(own_figures.values())).span
             groups.append(ActuatorGroup(motor, "deploy", at, (motor,), own_figures))
-    return Motors(count, tuple(groups), tuple(terms), span(ids[1]))
+    order = tuple(None if number is None else str(number) for number in numbers)
+    return Motors(count, tuple(groups), tuple(terms), span(ids[1]), order, selected)
 
 
 def _without_a_motor(numbers: Sequence[int], count: int) -> dict[int, str] | None:
@@ -227,7 +233,12 @@ def _of_all(
 def sdk_names(scopes: Sequence[Mapping[str, yaml.Node]]) -> tuple[str, ...]:
     """The names of the motors where the file has them, empty ones for gaps; () where it has none."""
     found = nearest(scopes, SDK_NAMES)
-    items = found[1].value if found is not None and isinstance(found[1], yaml.SequenceNode) else []
+    return () if found is None else _texts(found[1])
+
+
+def _texts(node: yaml.Node | None) -> tuple[str, ...]:
+    """The texts of a list, empty ones for gaps; none of anything else."""
+    items = node.value if isinstance(node, yaml.SequenceNode) else []
     if not all(isinstance(item, yaml.ScalarNode) for item in items):
         return ()
     return tuple("" if item.tag.endswith(":null") else str(item.value) for item in items)

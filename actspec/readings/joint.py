@@ -218,6 +218,9 @@ class DriveReading:
             if force is not None and control is not None and control < force:
                 # Of two clamps the one that binds.
                 found["effort_limit"] = self.view.places.get(self._clamp[0], self.view.span)
+        if self.view.line is not None:
+            place = self.place("nominal", "motorconst", "resistance")
+            found |= {"stall_torque": place, "no_load_speed": place}
         return found | {figure: self._place_of_gain(figure) for figure in ("kp", "kd") if figure in found}
 
     @property

@@ -61,23 +61,31 @@ def differ_by_one(one: frozenset[str], other: frozenset[str]) -> bool:
     return least > 2 and len(one & other) >= least - 1
 
 
-def are_renamed(one: frozenset[str], other: frozenset[str]) -> bool:
-    """Whether one word for another makes the joints of one artifact those of the other, of which half are called alike:
-    `l_knee` and `r_knee` are `l_calf` and `r_calf`, as macros and search-and-replace have it.
+def renaming(one: frozenset[str], other: frozenset[str]) -> dict[str, str]:
+    """Joints of one artifact to those of the other where one word for another makes them these, and half are called
+    alike: `l_knee` and `r_knee` are `l_calf` and `r_calf`, as macros and search-and-replace have it. Empty: none does.
     """
     mine, its = one - other, other - one
     if not mine or len(mine) != len(its) or len(one & other) < len(mine):
-        return False
+        return {}
+    # What is one of two alike in the names of one side is the only one on the other: `right_arm_j1`, `right_arm/j1`.
+    return _replaced(mine, its) or {name: called for called, name in _replaced(its, mine).items()}
+
+
+def _replaced(mine: frozenset[str], its: frozenset[str]) -> dict[str, str]:
+    """Names to others where one word, wherever it stands, for another makes them these."""
     first = _PART.findall(min(mine))
     for name in its:
         apart = [pair for pair in zip(first, _PART.findall(name), strict=False) if pair[0] != pair[1]]
         if len(apart) == 1:
             word, instead = apart[0]
-            if {
-                "".join(instead if part == word else part for part in _PART.findall(each)) for each in mine
-            } == its:
-                return True
-    return False
+            found = {
+                each: "".join(instead if part == word else part for part in _PART.findall(each))
+                for each in mine
+            }
+            if set(found.values()) == its:
+                return found
+    return {}
 
 
 def fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Diagnostic, Severity, Span, listed
+from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import FileReading, Framework, Motors, RobotConfig, Setting
 from actspec.readings.called import distinctive, names_agree
 
 NAMELESS = "DEPLOY002"
 """Code of a list whose joints nobody names."""
+
+ELSEWHERE = "DEPLOY010"
+"""Code of an action whose numbers are those of other joints than its names."""
 
 
 def called(
@@ -60,13 +64,44 @@ def called(
         groups=tuple(groups),
         actions=tuple(actions),
         settings=settings,
-        notes=tuple(note for note in config.notes if note.code != NAMELESS),
+        notes=(*(note for note in config.notes if note.code != NAMELESS), *_elsewhere(motors, own)),
         nameless={},
         nameless_lists={},
         motors=None,
         by_motor=True,
         entries={where: one for where, one in config.entries.items() if one.span not in taken},
     )
+
+
+def _elsewhere(motors: Motors, own: Mapping[str, str]) -> Iterator[Diagnostic]:
+    """What is said of actions whose `joint_ids` are of joints that their `joint_names` do not select.
+
+    Args:
+        motors: Of the file.
+        own: The name of each motor.
+    """
+    # A joint's number is its place in the policy's order.
+    order = [own.get(motor or "", "") for motor in motors.order]
+    for term in motors.actions:
+        patterns = motors.selected.get(term.name)
+        if patterns is None or not isinstance(patterns.value, tuple):
+            continue
+        try:
+            meant = {joint for text in patterns.value for joint in match_names(str(text), order) if joint}
+        except PatternError:
+            continue
+        strange = [own[motor] for motor in term.joints or () if motor in own and own[motor] not in meant]
+        if meant and strange:
+            numbers = listed(str(number) for number, joint in enumerate(order) if joint in meant)
+            yield Diagnostic(
+                ELSEWHERE,
+                Severity.WARNING,
+                f"these are the numbers of {listed(strange)}, which its joint_names do not select: the action goes "
+                "there",
+                f"{term.name}.joint_ids",
+                patterns.span,
+                f"the numbers of what joint_names select are {numbers}",
+            )
 
 
 def names_wanted(motors: Motors | None, count: int | None = None) -> str:
@@ -117,7 +152,8 @@ def with_names(readings: Sequence[FileReading]) -> list[FileReading]:
                 if len(chosen) == 1:
                     artifact = replace(artifact, config=called(config, next(iter(chosen))))
             artifacts.append(artifact)
-        left = {note for one in artifacts if one.config is not None for note in one.config.notes}
+        left = dict.fromkeys(note for one in artifacts if one.config is not None for note in one.config.notes)
         said = tuple(item for item in reading.diagnostics if item.code != NAMELESS or item in left)
+        said += tuple(note for note in left if note.code == ELSEWHERE and note not in said)
         found.append(replace(reading, artifacts=tuple(artifacts), diagnostics=said))
     return found

@@ -27,11 +27,11 @@ from actspec.readings.called import (
     told_apart,
 )
 from actspec.readings.joint_names import (
-    are_renamed,
     differ_by_one,
     fits,
     has_joints,
     joint_names,
+    renaming,
     says_something,
     selected,
     share_joints,
@@ -99,7 +99,7 @@ def pair(
             words[one] & words[other]
         )
         named = called and {one, other} <= set(by_hand)
-        return share_joints(mine, its) or (named and (differ_by_one(mine, its) or are_renamed(mine, its)))
+        return share_joints(mine, its) or (named and (differ_by_one(mine, its) or bool(renaming(mine, its))))
 
     held = next((names[i] for i, a in enumerate(artifacts) if a.spec is not None and a.path == spec), None)
     bound = {

@@ -398,13 +398,38 @@ def test_a_joint_that_is_not_there_any_more(folder: Path) -> None:
     Path("leg.xml").write_text(_leg(*MOTORS.values()))
     known = audit(["leg.xml"], Settings())
     write_baseline(known.findings, "base.json", driven=driven(known.case, ""))
-    Path("leg.xml").write_text(_leg(MOTORS["hip"], MOTORS["toe"]).replace('"knee"', '"shank"'))
-    told = [one.message for one in audit(["leg.xml"], Settings(baseline="base.json")).problems]
+    # Renamed, it is driven by its new name.
+    renamed = _leg(*MOTORS.values()).replace('"knee"', '"shank"')
+    Path("leg.xml").write_text(renamed)
+    report = audit(["leg.xml"], Settings(baseline="base.json"))
+    told = [one.message for one in report.problems]
     assert told and all(
         message.endswith(
             " is in the baseline and is no longer found in leg.xml (knee): knee is no joint of it any more"
         )
         for message in told
+    )
+    for now, names in (
+        (_leg(MOTORS["hip"], MOTORS["toe"], joints="hip toe"), "knee is no joint of it any more, and"),
+        (
+            _leg(MOTORS["hip"], MOTORS["toe"]).replace('"knee"', '"shank"'),
+            "knee is no joint of it any more, and",
+        ),
+        (renamed.replace('"toe"', '"foot"').replace(MOTORS["hip"], ""), "hip any more, as"),
+    ):
+        Path("leg.xml").write_text(now)
+        report = audit(["leg.xml"], Settings(baseline="base.json"))
+        (lost,) = (one for one in report.problems if one.code == "AUD023")
+        assert names in lost.message and report.fails(Severity.WARNING)
+        assert not any("(knee)" in one.message for one in report.problems if "is no joint" in lost.message)
+    Path("leg.xml").write_text(_leg(MOTORS["hip"], joints="hip").replace("toe", "hip"))
+    (lost,) = (
+        one for one in audit(["leg.xml"], Settings(baseline="base.json")).problems if one.code == "AUD023"
+    )
+    assert str(lost) == (
+        "leg.xml: AUD023 [warning]: knee, toe are no joints of it any more, and an actuator drove each when the "
+        "baseline was written\n  help: put the joints back; if it is meant, write the baseline again with "
+        "--write-baseline base.json"
     )
 
 
@@ -442,7 +467,10 @@ def test_a_model_without_any_actuator(folder: Path) -> None:
     assert audit(["leg.xml", "sub/leg_cfg.py"], Settings(baseline="base.json")).problems == (told,)
     Path("leg_cfg.py").write_text(isaaclab)
     # Joints that are called otherwise now, and a file that was not audited, say nothing.
-    Path("leg.xml").write_text(_leg(MOTORS["hip"], joints="hip shank toe").replace("toe", "foot"))
+    renamed = (
+        _leg(*MOTORS.values()).replace('joint="toe"', 'joint="foot"').replace('name="toe"', 'name="foot"')
+    )
+    Path("leg.xml").write_text(renamed)
     assert not audit(["leg.xml"], Settings(baseline="base.json")).problems
     Path("leg.xml").unlink()
     assert not audit(["a.xml"], Settings(baseline="base.json")).problems

@@ -331,3 +331,46 @@ def test_a_draw_of_the_exporter_is_no_other_pose(run: Path) -> None:
     assert told("run") == []
     (run / "deploy.yaml").write_text(DEPLOY.replace("[0.3,", "[0.312,"))
     assert told("run") == [("SRC106", "foot", 0.312, 0.3)]
+
+
+VELOCITY = "  JointVelocityAction:\n    joint_names: [foo.*]\n    scale: [5.0]\n    offset: [0.0]\n    joint_ids: [@]\n"
+"""The foot is joint 0 of the policy, motor 3."""
+
+
+@pytest.mark.parametrize(
+    ("ids", "names", "said"),
+    [
+        ("0", NAMES, ()),
+        # The map has motor 0, the hip, for joint 1 of the policy.
+        (
+            "1",
+            NAMES,
+            (
+                "JointVelocityAction.joint_ids: these are the numbers of hip, which its joint_names do not select: the "
+                "action goes there",
+            ),
+        ),
+        # Nothing names a joint so: the names are of another robot.
+        ("1", NAMES.replace("foot", "sole"), ()),
+        ("1", "", ()),
+    ],
+)
+def test_an_action_whose_numbers_are_of_other_joints(ids: str, names: str, said: tuple[str, ...]) -> None:
+    reading = read_deploy("deploy.yaml", (names + DEPLOY + VELOCITY.replace("@", ids)).encode())
+    told = [item for item in reading.diagnostics if item.code == "DEPLOY010"]
+    assert tuple(f"{item.where}: {item.message}" for item in told) == said
+    for item in told:
+        assert (item.span and item.span.line) == 18
+        assert item.help == "the numbers of what joint_names select are 0"
+
+
+def test_an_action_of_other_joints_by_the_names_of_a_run(tmp_path: Path) -> None:
+    """It is told where the run beside the file names the motors, once, and fails the run."""
+    (tmp_path / "deploy.yaml").write_text(DEPLOY + VELOCITY.replace("@", "2"))
+    (tmp_path / "env.yaml").write_text(RUN)
+    report = audit([str(tmp_path / "deploy.yaml"), str(tmp_path / "env.yaml")], Settings())
+    told = [one.finding for one in report.findings if one.finding.code == "AUD022"]
+    assert [one.message for one in told] == [
+        "JointVelocityAction.joint_ids: these are the numbers of knee, which its joint_names do not select: the action "
+        "goes there (DEPLOY010)"
+    ]

@@ -28,6 +28,7 @@ from actspec.audit.rules.limits_of_files import (
     limited_by_own,
     mimics,
     round_for_all,
+    taken_by_gym,
 )
 from actspec.audit.rules.src101 import placeholders_beside_limits
 from actspec.audit.rules.unt101 import ranges_in_doubt
@@ -146,6 +147,10 @@ class NoEffectiveLimit(RuleInParts):
             undriven = is_called_undriven(row) or _is_passive(case, row)
             limits = {field: getattr(row, field) for field in LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
+            gym = None if idle or undriven or _is_overruled(case, row) else taken_by_gym(case, row)
+            if gym is not None:
+                yield (self._taken_by_gym(row, *gym),)
+                continue
             unused = row.artifact in case.once(furniture)
             if urdf and not idle and limits == dict.fromkeys(LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
@@ -416,6 +421,10 @@ class NoEffectiveLimit(RuleInParts):
             help=f"state the motor's {FIELDS[field].noun}",
             fields=(field,),
         )
+
+    def _taken_by_gym(self, row: LedgerRow, config: LedgerRow, other: LedgerRow) -> Finding:
+        message = f"the URDF's effort is 0, and {os.path.basename(config.file)} takes it for the joint's torque limit: "
+        return _beside(self._zero(row, "effort_limit", f"{message}Isaac Gym gives it no torque"), other)
 
     def _one_way(self, case: Case, row: LedgerRow, view: ActuatorView | None) -> Iterator[Finding]:
         """Of the only servo of a hinge, without a spring against it, that gives no torque in one direction."""

@@ -6,11 +6,13 @@ import math
 import re
 
 from actspec.audit.case import MODELS, Case
-from actspec.audit.rules.joints import is_called_undriven
+from actspec.audit.rules.configs import names_model
+from actspec.audit.rules.joints import is_called_undriven, partner_rows
 from actspec.diagnostics import Span
-from actspec.fields import GRAVITY, LONGEST_LEVER
+from actspec.fields import GRAVITY, LONGEST_LEVER, PLACEHOLDER
 from actspec.ir import JointKind
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.ledger import LedgerRow
 
 LIMITS = ("effort_limit", "velocity_limit")
 """Fields of a joint's limits."""
@@ -29,6 +31,28 @@ def limited_by_own(case: Case) -> frozenset[Span]:
     configs = (artifact.config for _, artifact in case.of_kind(FileKind.CFG))
     groups = (group for config in configs if config is not None for group in config.groups)
     return frozenset(group.span for group in groups if any(map(_OF_LIMITS.search, group.own)))
+
+
+def taken_by_gym(case: Case, row: LedgerRow) -> tuple[LedgerRow, LedgerRow] | None:
+    """Who drives a joint with its URDF's effort of 0, and which other model limits it above that; None: nobody does.
+
+    legged_gym names the URDF, and has its effort as the torque limit of every joint. Where no other model has one, the
+    URDF may be for kinematics, and a configuration may have limits of its own that are not read.
+
+    Source: legged_gym, legged_robot.py: _process_dof_props reads props["effort"], and _compute_torques clips to it.
+    """
+    artifact = case.artifacts[row.artifact]
+    if artifact.kind is not FileKind.URDF or row.effort_limit != 0.0:
+        return None
+    for one in partner_rows(case, row, FileKind.CFG):
+        config = case.artifacts[one.artifact].config
+        loads = config is not None and config.framework is Framework.LEGGED_GYM and config.model is not None
+        if config is None or not loads or not one.kp or not names_model(case, config, artifact):
+            continue
+        for other in partner_rows(case, row, FileKind.MJCF):
+            if other.control != "none" and 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER:
+                return one, other
+    return None
 
 
 def few_zeros(case: Case) -> frozenset[int]:

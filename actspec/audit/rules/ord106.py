@@ -11,9 +11,10 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.misnamed import is_misspelt, misnamed, selects
 from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed, shortened
+from actspec.joints import JointKind
 from actspec.readings.artifact import Artifact, Robot
 from actspec.readings.called import stem_of, telling
-from actspec.readings.joint_names import joint_names
+from actspec.readings.joint_names import joint_names, renaming
 from actspec.robot.view import JointView
 
 _FEW = 2
@@ -54,6 +55,7 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
                 found.setdefault((joint.span, joint.name, meant.name), {})[there] = meant.span
         words = {key: _other_word(key[1], key[2]) for key in found}
         many = Counter((key[0].path, pair) for key, pair in words.items() if pair is not None)
+        yield from _limbs_told(case, robot)
         for (place, called, name), others in found.items():
             files = listed(dict.fromkeys(map(basename, others)))
             pair = words[place, called, name]
@@ -121,7 +123,57 @@ def _pairs(one: Artifact, other: Artifact) -> Iterator[tuple[JointView, JointVie
             yield mine, its
 
 
-def _places(artifact: Artifact, joint: JointView) -> tuple[object, ...]:
+def _limbs_told(case: Case, robot: Robot) -> Iterator[Finding]:
+    """One finding for each file in which joints that hang on each other are called otherwise."""
+    found: dict[tuple[Span, tuple[str, ...], tuple[str, ...]], dict[str, Span]] = {}
+    for one, other in combinations(_models(case, robot), 2):
+        limb = _limb(case.artifacts[one], case.artifacts[other])
+        if limb:
+            mine, its = zip(*limb, strict=True)
+            sides = [(other, its, mine), (one, mine, its)]
+            departing, joints, meant = min(sides, key=lambda side: _having(case, robot, side[1][0].name))
+            there = case.artifacts[one if departing == other else other].path
+            names = tuple(tuple(joint.name for joint in side) for side in (joints, meant))
+            found.setdefault((joints[0].span, *names), {})[there] = meant[0].span
+    for (place, called, wanted), others in found.items():
+        files = listed(dict.fromkeys(map(basename, others)))
+        yield Finding(
+            "ORD106",
+            f"this joint is called {shortened(wanted[0])} in {files}, {len(called) - 1} more likewise, and nothing of "
+            "them is compared with it there",
+            place,
+            called[0],
+            help=f"call it {shortened(wanted[0])} here, or {shortened(called[0])} there, and likewise "
+            f"{listed(called[1:])}",
+            related=tuple(dict.fromkeys(others.values())),
+            about=f"{called[0]} {wanted[0]}",
+        )
+
+
+def _limb(one: Artifact, other: Artifact) -> list[tuple[JointView, JointView]]:
+    """Joints that one word for another makes those of the other model, in the first one's order, where some hang on
+    each other; none where they hang or turn otherwise, or are those of the other side.
+    """
+    names = renaming(*(frozenset(joint_names(artifact) or ()) for artifact in (one, other)))
+    theirs = {joint.name: joint for joint in other.robot.scalar_joints} if other.robot else {}
+    pairs = [
+        (joint, theirs[names[joint.name]])
+        for joint in (one.robot.scalar_joints if one.robot else ())
+        if joint.name in names
+    ]
+
+    def hang_alike(mine: JointView, its: JointView) -> bool:
+        kind, parent, carried = _places(one, mine)
+        called = kind, names.get(parent, parent), frozenset(names.get(name, name) for name in carried)
+        return called == _places(other, its)
+
+    hang = any(mine.parent in names for mine, _ in pairs)
+    sides = any(other_side(mine.name, (its.name,)) for mine, its in pairs)
+    alike = all(hang_alike(mine, its) and _turn_alike(mine, its) for mine, its in pairs)
+    return pairs if hang and alike and not sides else []
+
+
+def _places(artifact: Artifact, joint: JointView) -> tuple[JointKind, str, frozenset[str]]:
     """What a joint is, and between which it is."""
     joints = artifact.robot.scalar_joints if artifact.robot is not None else ()
     parent = joint.parent if any(one.name == joint.parent for one in joints) else ""

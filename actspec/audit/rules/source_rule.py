@@ -267,6 +267,11 @@ def is_times(ratio: float | None) -> bool:
     return ratio is not None and ratio > 0.0 and max(ratio, 1.0 / ratio) >= GRAVE - 1e-9
 
 
+def is_a_digit_off(ratio: float | None) -> bool:
+    """Whether one figure has a digit more than the other, or several."""
+    return ratio is not None and ratio > 0.0 and max(ratio, 1.0 / ratio) >= _DIGIT - 1e-9
+
+
 def is_beyond_the_joint(case: Case, found: Disagreement) -> bool:
     """Whether an mjlab configuration states more than its MJCF gives the joint, which goes on to clamp what it gives.
 

@@ -13,6 +13,7 @@ from actspec.audit.rules.source_rule import (
     TIMES,
     SourceRule,
     are_alternatives,
+    is_a_digit_off,
     is_beyond_the_joint,
     is_no_limit,
     is_of_control,
@@ -42,11 +43,16 @@ class EffortLimit(SourceRule):
     code = "SRC101"
     name = "effort-limit-disagrees"
     noted_in_folders = True
-    groups = (("effort_limit",),)
+    groups = (("effort_limit",), ("stall_torque",))
     needs = "an effort limit of one joint"
 
     def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
-        """A placeholder; or a limit that two actuators of a joint have each, and another file has for the joint."""
+        """A placeholder; or a limit that two actuators of a joint have each, and another file has for the joint.
+
+        A torque at standstill that is no digit off: the effort limit cuts it, and many write that in its place.
+        """
+        if found.field == "stall_torque" and not is_a_digit_off(found.ratio):
+            return True
         each = any(
             len(side.rows) > 1 and same(side.mine.value, len(side.rows) * (side.theirs.value or 0.0))
             for side in (found, found.turned)
@@ -61,7 +67,7 @@ class EffortLimit(SourceRule):
         for item in disagreements:
             sides = {(side.rows[0].artifact, _is_slide(side.rows[0])): side for side in (item, item.turned)}
             one = [which for which in sides if which in case.once(_of_one_limit)]
-            if len(one) == 1 and not is_small(item):
+            if len(one) == 1 and not is_small(item) and item.field == "effort_limit":
                 uniform.setdefault(one[0], []).append((item, sides[one[0]]))
             else:
                 alone.append(item)
@@ -74,6 +80,9 @@ class EffortLimit(SourceRule):
                 nobodys.add(_limit_of(case, held[0][1]))
                 blamed |= {(side.rows[0].artifact, side.rows[0].joint) for _, side in held}
         for item in alone:
+            if item.field == "stall_torque":
+                found.append(self.finding(case, max((item, item.turned), key=_off_its_limit)))
+                continue
             # One limit in a variant of such a file is wrong there too, where the other file has one for its joints.
             if _limit_of(case, item) not in nobodys and _limit_of(case, item.turned) in nobodys:
                 item = item.turned
@@ -123,8 +132,10 @@ class EffortLimit(SourceRule):
 
     def grave(self, case: Case, found: Disagreement) -> Severity | None:
         """Twice or half the limit, or more, is an error; a warning where only a control's range makes one of them, in
-        models with the same joints.
+        models with the same joints, and of a torque at standstill.
         """
+        if found.field == "stall_torque":
+            return None
         if _limits_nothing(case, found) or not is_times_off(case, found):
             return None
         if not any(is_of_control(case, rows) for rows in (found.rows, found.others)):
@@ -136,6 +147,8 @@ class EffortLimit(SourceRule):
         """How much torque, or force of a slide."""
         assert found.ratio is not None
         effort = "force" if _is_slide(found.rows[0]) else "torque"
+        if found.field == "stall_torque":
+            return f"the torque-speed line falls from {format_number(found.ratio, 3)} times the {effort} here"
         if not _NONE_LEFT <= found.ratio < TIMES:
             return f"the joint has {format_number(found.ratio, 3)} times the {effort} here"
         share = abs(found.ratio - 1.0) * 100.0
@@ -251,6 +264,13 @@ def _is_published(known: Likeness) -> bool:
         for name in names
     ]
     return all(limit is not None and same(limit, effort) for limit, effort in limits)
+
+
+def _off_its_limit(found: Disagreement) -> float:
+    """How many times the torque at standstill is the effort limit, or that is it: motors stay near."""
+    stall, limit = found.mine.value, found.rows[0].effort_limit
+    ratio = stall / limit if stall and limit and 0.0 < limit < PLACEHOLDER else 1.0
+    return max(ratio, 1.0 / ratio)
 
 
 def _is_slide(row: LedgerRow) -> bool:

@@ -4,12 +4,14 @@ from collections.abc import Sequence
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
+from actspec.audit.known import same
 from actspec.audit.rules.joints import is_nobodys, leaves_speed_open
 from actspec.audit.rules.source_blame import Disagreement
 from actspec.audit.rules.source_rule import (
     TIMES,
     SourceRule,
     are_alternatives,
+    is_a_digit_off,
     is_no_limit,
     is_times,
     is_times_off,
@@ -53,8 +55,8 @@ class VelocityLimit(SourceRule):
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where a file holds the joint still, where speeds are less than twice each other (solvers and safety
-        settings stay below what a motor does), of a URDF's placeholder, and between two models of one kind, of which
-        nobody runs both."""
+        settings stay below what a motor does), of a URDF's placeholder, of a motor beside a lower limit, and between
+        two models of one kind, of which nobody runs both."""
         quiet = _least(found) <= _STILL or not is_times(found.ratio) or _is_quiet(case, found)
         return (Severity.INFO if quiet else self.severity), self.confidence
 
@@ -87,7 +89,23 @@ def _is_quiet(case: Case, found: Disagreement) -> bool:
     """Whether one of two models is used, or a URDF leaves the limit to others."""
     is_urdf = case.artifacts[found.rows[0].artifact].kind is FileKind.URDF
     left = is_urdf and leaves_speed_open(case, found.rows[0], found.ratio or 0.0)
-    return left or are_alternatives(case, found)
+    return left or are_alternatives(case, found) or _is_motor_above_a_limit(case, found)
+
+
+def _is_motor_above_a_limit(case: Case, found: Disagreement) -> bool:
+    """Whether an MJCF's motor turns faster by itself than a file lets the joint, by less than a digit, and no file says
+    that the motor does not.
+    """
+    for side in (found, found.turned):
+        motor, index = side.field == "no_load_speed", side.rows[0].artifact
+        of_model = motor and case.artifacts[index].kind is FileKind.MJCF
+        if of_model and side.other_field == "velocity_limit" and (side.ratio or 0.0) > 1.0:
+            others = set(case.robot_of(index).artifacts) - {index}
+            rows = [row for other in others for row in case.joints.get((other, side.rows[0].joint), ())]
+            speeds = [row.no_load_speed for row in rows if row.no_load_speed is not None]
+            alike = any(same(speed, side.theirs.value or 0.0) for speed in speeds)
+            return not alike and not is_a_digit_off(side.ratio)
+    return False
 
 
 def _is_line_beside_solver(case: Case, found: Disagreement) -> bool:
