@@ -43,7 +43,7 @@ from actspec.spec.plausible.table import (
     shown,
     tell,
 )
-from actspec.spec.plausible.witnesses import witnessed
+from actspec.spec.plausible.witnesses import left_out_reduction, witnessed
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
@@ -311,6 +311,7 @@ def _joint_doubts(
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
     yield from slow_found(joint, motor)
     yield from other_unit_found(joint, joints, written)
+    yield from left_out_reduction(joint, model, spans)
     yield from _friction(joint, joints, drives, spans, kept)
     inertia = list(armature_found(joint, motor, alone, written)) or list(odd_armature_found(joint, joints))
     # With a wrong inertia gains say nothing.

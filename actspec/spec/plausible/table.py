@@ -82,14 +82,16 @@ CHECKS = (
         "A gear ratio or a reduction below 1, or stages that make one: the output would turn faster than the rotor, "
         "or the joint than the output; one stage of several that does. Teeth that are no whole number; a planetary "
         "stage that nobody can make. A reduction, or a transmission of ratios, that is the motor's own gear again, as "
-        "many motors for one joint as there are joints. A gear that dry and viscous friction of its joints contradict.",
+        "many motors for one joint as there are joints. A gear that dry and viscous friction of its joints contradict. "
+        "A motor without a reduction whose joint has more torque, and in the robot's file as much squared more "
+        "armature.",
         "A warning; an error below 0.05, as no joint is geared up twenty times. Published: gears of 5 to 345, "
         "reductions to 2.2. One stage below 0.8 of several that reduce together, unless the robot's file has the "
         "torque. A planetary stage above 15: three planets touch each other from 14.9 on (published: 4.5). A reduction "
         "of 5 or more that is the motor's gear ratio to 1 %, and 3 motors or more per joint that are as many as the "
         "joints of the group or the robot, or more than 8 (published: 2), but for a torque that the file has. Where "
         "both frictions are too large by FRC101 and FRC106 (3 times the torque) and of the motor's figures the gear "
-        "alone explains it, with its point elsewhere.",
+        "alone explains it, with its point elsewhere. A torque from 1.2 times on whose square the armature is to 5 %.",
     ),
     Check(
         "SPEC183",

@@ -11,7 +11,7 @@ from actspec.diagnostics import Span
 from actspec.fields import BY_IR, FRICTION_SHARE, is_placeholder, is_power_of_ten
 from actspec.ir import JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import SourceMap
-from actspec.spec.models import SpecModel
+from actspec.spec.models import Actuators, SpecModel, Tunable
 from actspec.spec.plausible.drive import (
     GEARED,
     Drive,
@@ -33,6 +33,10 @@ SAME = 1.03
 """A slip explains a number if it comes to the file's by this factor: kgf*cm are rounded to two digits."""
 NEAR_FILE = 1.02
 """A smaller effort limit is a slip of that of the file if it comes to it by this factor."""
+LEAST_REDUCTION = 1.2
+"""From here on a joint is stronger than its motor by a reduction. Chosen: by less its limit may be by itself."""
+SQUARED = 0.05
+"""By this part the armature is the square of the torque. Chosen: either figure is rounded to two digits."""
 _LIMITS = ("effort_limit", "velocity_limit")
 _OF_FILE = (*_LIMITS, "kp", "kd", "armature", "friction_coulomb", "friction_viscous")
 
@@ -104,6 +108,44 @@ def file_doubts(joints: Sequence[JointActuator], model: SpecModel, spans: Source
                     help = f"are effort_limit and velocity_limit ({other.span}) exchanged? The file has "
                     help += f"{_shown(said)} and {format_quantity(stated.value, other.unit, 4)}"
                 yield Found(Doubt(code, message, where, stated.span, help), joint.joint, size)
+
+
+def left_out_reduction(joint: JointActuator, model: SpecModel, spans: SourceMap) -> Iterator[Found]:
+    """A joint that is so many times as strong as its motor, by limit, and by armature in the robot's file as many times
+    squared as heavy: both are of one reduction, which the spec leaves out.
+    """
+    group, limit, armature = model.actuators.get(joint.group), joint.effort_limit, joint.armature
+    if group is None or joint.motor is None or group.motor is None or any(map(_is_between, _layers(group))):
+        return
+    own, torque = armature.value, joint.peak_torque.value
+    heavier, stronger = in_file(*armature.lost), in_file(limit, *limit.lost)
+    if not own or not torque or heavier is None or not heavier.value or armature.origin is Origin.AUTHORED:
+        return
+    square = heavier.value / own
+    for force in filter(None, (stronger, limit)):
+        times = (force.value or 0.0) / torque
+        if times > LEAST_REDUCTION and math.isclose(times**2, square, rel_tol=SQUARED):
+            where = ("actuators", joint.group, "motor")
+            what = "the robot's file" if force is stronger else "the spec"
+            message = (
+                f"{what} has an effort limit of {_shown(force)}, {times:.3g} times the motor's "
+                f"{_shown(joint.peak_torque)}, and the robot's file an armature of {_shown(heavier)}, {square:.3g} "
+                f"times the motor's {_shown(armature)}: as behind a reduction of {times:.3g}"
+            )
+            help = f"did you leave out `reduction: {times:.3g}`?"
+            yield Found(
+                Doubt("SPEC182", message, ".".join(where), spans.value(where), help), joint.joint, times
+            )
+            return
+
+
+def _layers(group: Actuators) -> tuple[Tunable, ...]:
+    return (group, *group.overrides.values())
+
+
+def _is_between(fields: Tunable) -> bool:
+    """Whether something stands between a motor and its joints."""
+    return any((fields.reduction, fields.transmission, fields.motors_per_joint))
 
 
 def _is_exchanged(joint: JointActuator) -> bool:
