@@ -128,7 +128,7 @@ def _limbs_told(case: Case, robot: Robot) -> Iterator[Finding]:
     found: dict[tuple[Span, tuple[str, ...], tuple[str, ...]], dict[str, Span]] = {}
     for one, other in combinations(_models(case, robot), 2):
         limb = _limb(case.artifacts[one], case.artifacts[other])
-        if limb:
+        if limb and not _are_variants(case, robot, one, other, *limb[0]):
             mine, its = zip(*limb, strict=True)
             sides = [(other, its, mine), (one, mine, its)]
             departing, joints, meant = min(sides, key=lambda side: _having(case, robot, side[1][0].name))

@@ -154,9 +154,10 @@ def by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
         return found
     wrong, right = (found.turned, own) if here else (found, other)
     larger = (wrong.mine.value or 0.0) > (wrong.theirs.value or 0.0)
-    if right.is_top and not larger:
-        return found
-    return replace(wrong, published=robot if right.is_one_motor else "")
+    if right.is_one_motor and (larger or not right.is_top):
+        return replace(wrong, published=robot)
+    # A limit or speed may be that of a variant that is not known; an armature that is published is no departure.
+    return wrong if found.field == "armature" else found
 
 
 def by_sense(case: Case, found: Disagreement) -> Disagreement | None:
