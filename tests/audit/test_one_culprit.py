@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from itertools import permutations
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from actspec.audit.engine import audit
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
 
+KNOWN = Path(__file__).parents[2] / "robots" / "known.json"
 LEGS = ("FL", "FR", "RL", "RR")
 
 
@@ -118,6 +120,39 @@ def test_armature_that_is_published(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     config = _CFG.replace("friction=0.0", "friction=0.0, armature=0.01")
     files = {"go2.xml": _model(45.43, 0.03), "go2_cfg.py": config}
     assert _told(files, tmp_path, monkeypatch) == {frozenset({("SRC104", "warning", "go2.xml")})}
+
+
+def test_armature_that_is_published_of_one_variant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A 4010 at a G1's wrist has 0.00425 kg*m^2, a 5010 another; 0.003 is of neither, so the model departs."""
+    motors = next(iter(json.loads(KNOWN.read_text())["unitree_g1"]["variants"].values()))
+    joints = [joint for motor in motors for joint in motor["joints"]]
+    wrists = ("_wrist_pitch_joint", "_wrist_yaw_joint")
+    body = "".join(
+        f'<body><joint name="{joint}" armature="{0.003 if joint.endswith(wrists) else 0.01}"/><geom size="0.1"/></body>'
+        for joint in joints
+    )
+    model = f'<mujoco model="g1"><worldbody><body><geom size="0.1"/>{body}</body></worldbody></mujoco>'
+    config = """
+from isaaclab.actuators import ImplicitActuatorCfg
+from isaaclab.assets import ArticulationCfg
+
+G1_CFG = ArticulationCfg(
+    actuators={
+        "wrists": ImplicitActuatorCfg(
+            joint_names_expr=[".*_wrist_pitch_joint", ".*_wrist_yaw_joint"],
+            effort_limit_sim=5.0, stiffness=16.8, damping=1.07, armature=0.00425,
+        ),
+        "rest": ImplicitActuatorCfg(
+            joint_names_expr=["(?!.*_wrist_(pitch|yaw)_joint).*"],
+            effort_limit_sim=25.0, stiffness=40.0, damping=2.0, armature=0.01,
+        ),
+    },
+)
+"""
+    told = _told({"g1.xml": model, "g1_cfg.py": config}, tmp_path, monkeypatch)
+    assert {
+        file for found in told for code, severity, file in found if (code, severity) == ("SRC104", "warning")
+    } == {"g1.xml"}
 
 
 def test_published_limit_lacks_no_gear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
