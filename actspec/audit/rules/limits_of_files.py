@@ -25,6 +25,12 @@ N*m on all joints of Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg; 20,000 
 _OF_LIMITS = re.compile("effort|torque|force|limit|^y1$", re.IGNORECASE)
 """Names of settings that may limit a torque."""
 
+_OWN_TORQUES = re.compile(
+    rb"^[ \t]*(?!soft_)(?:\w*(?:torque|effort)s?_limits?\w*|max_(?:torque|effort)s?)[ \t]*(?::[^=\n]*)?=[ \t]*(?!-)",
+    re.MULTILINE,
+)
+"""A torque limit of a fork's own in a legged_gym configuration; a share of one, or a negative reward, is none."""
+
 
 def limited_by_own(case: Case) -> frozenset[Span]:
     """Groups of a class of somebody's own with such settings of its own: what it clips at, nobody knows here."""
@@ -37,7 +43,7 @@ def taken_by_gym(case: Case, row: LedgerRow) -> tuple[LedgerRow, LedgerRow] | No
     """Who drives a joint with its URDF's effort of 0, and which other model limits it above that; None: nobody does.
 
     legged_gym names the URDF, and has its effort as the torque limit of every joint. Where no other model has one, the
-    URDF may be for kinematics, and a configuration may have limits of its own that are not read.
+    URDF may be for kinematics; a configuration with torque limits of its own may be of a fork that clips to these.
 
     Source: legged_gym, legged_robot.py: _process_dof_props reads props["effort"], and _compute_torques clips to it.
     """
@@ -49,10 +55,20 @@ def taken_by_gym(case: Case, row: LedgerRow) -> tuple[LedgerRow, LedgerRow] | No
         loads = config is not None and config.framework is Framework.LEGGED_GYM and config.model is not None
         if config is None or not loads or not one.kp or not names_model(case, config, artifact):
             continue
+        if one.file in case.once(_with_own_torques):
+            continue
         for other in partner_rows(case, row, FileKind.MJCF):
             if other.control != "none" and 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER:
                 return one, other
     return None
+
+
+def _with_own_torques(case: Case) -> frozenset[str]:
+    """Configurations that set torque limits."""
+    files = (file for file in case.files if file.kind is FileKind.CFG)
+    return frozenset(
+        file.path for file in files if any(_OWN_TORQUES.search(part.data) for part in file.files)
+    )
 
 
 def few_zeros(case: Case) -> frozenset[int]:

@@ -281,12 +281,13 @@ def _is_meant(
 ) -> bool:
     """Whether both models and a configuration give each side its own figure, the same in all: another gear or tool.
 
-    A digit too many, or 0, is meant by nobody, however often it was copied.
+    A digit too many, or 0, is meant by nobody, however often it was copied; nor is what one kind of file has alone.
     """
     if left.artifact != right.artifact:
         return False
-    kinds: set[FileKind] = set()
+    stating: list[set[FileKind]] = []
     for field, *figures in differing:
+        kinds: set[FileKind] = set()
         if min(map(abs, figures)) * _ABSURD <= max(map(abs, figures)):
             return False
         for index in case.robot_of(left.artifact).artifacts:
@@ -300,7 +301,8 @@ def _is_meant(
             ):
                 return False
             kinds.add(case.artifacts[index].kind)
-    return kinds >= _MEANING
+        stating.append(kinds)
+    return any(kinds >= _MEANING for kinds in stating) and all(len(kinds) > 1 for kinds in stating)
 
 
 def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: float, other: float) -> bool:
