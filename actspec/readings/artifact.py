@@ -415,9 +415,12 @@ class Artifact:
     def may_be_part(self) -> bool:
         """Whether a file that includes it can have the compiler that it lacks."""
         known = self.kind is FileKind.MJCF and self.robot is not None
-        # Options and contacts of bodies that another file has are part of it, whatever compiler they bring.
-        whole = self.states(b"<compiler") and self.states(b"<worldbody")
-        return known and (not whole or self._is_included)
+        if not known or not self.states(b"<compiler") or self._is_included:
+            return known
+        # Options and contacts of bodies that another file has are part of it, whatever compiler they bring; a misspelt
+        # world is none.
+        whole = any(map(self.states, (b"<worldbody", b"<actuator"))) or self.text_only is None
+        return not whole and "unrecognized element" not in (self.text_only or "")
 
     @property
     def _is_whole(self) -> bool:

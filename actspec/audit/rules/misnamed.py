@@ -235,3 +235,14 @@ def is_misspelt(one: str, other: str) -> bool:
         return False
     mine, its = differing[0]
     return max(len(mine), len(its)) >= 4 and mine[0] == its[0]
+
+
+def is_swapped(one: str, other: str) -> bool:
+    """Whether two neighbouring letters of one word are the other way round in another: `hef` and `hfe`."""
+    at = [index for index, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]]
+    return (
+        len(one) == len(other)
+        and len(at) == 2
+        and at[1] == at[0] + 1
+        and (one[at[0]], one[at[1]]) == (other[at[1]], other[at[0]])
+    )

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS, is_as_written, posed
-from actspec.audit.rules.misnamed import beside_patterns, drivers_beside, is_misspelt, misnamed
+from actspec.audit.rules.misnamed import beside_patterns, drivers_beside, is_misspelt, is_swapped, misnamed
 from actspec.diagnostics import Span, listed, nearest, shortened
 from actspec.patterns import match_names, recased
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
@@ -289,7 +289,7 @@ def _respelt(framework: Framework, key: str, names: Sequence[str]) -> Iterator[s
     words = dict.fromkeys(word for name in names for word in _LETTERS.findall(name))
     for found in _LETTERS.finditer(key):
         for word in words if found[0] not in words else ():
-            if _is_swapped(found[0], word) or is_misspelt(found[0], word):
+            if is_swapped(found[0], word) or is_misspelt(found[0], word):
                 yield f"{key[: found.start()]}{word}{key[found.end() :]}"
     if (cased := recased(key, names)) is not None:
         yield cased
@@ -298,17 +298,6 @@ def _respelt(framework: Framework, key: str, names: Sequence[str]) -> Iterator[s
             if key[at - 1].isalnum():
                 yield f"{key[:at]}.{key[at:]}"
         yield f".*{key}"
-
-
-def _is_swapped(one: str, other: str) -> bool:
-    """Whether two neighbouring letters of one word are the other way round in another: `hef` and `hfe`."""
-    at = [index for index, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]]
-    return (
-        len(one) == len(other)
-        and len(at) == 2
-        and at[1] == at[0] + 1
-        and (one[at[0]], one[at[1]]) == (other[at[1]], other[at[0]])
-    )
 
 
 def _joint_meant(pattern: str, names: Sequence[str]) -> str | None:

@@ -8,7 +8,7 @@ from itertools import combinations
 from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.misnamed import is_misspelt, misnamed, selects
+from actspec.audit.rules.misnamed import is_misspelt, is_swapped, misnamed, selects
 from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed, shortened
 from actspec.joints import JointKind
@@ -128,7 +128,7 @@ def _limbs_told(case: Case, robot: Robot) -> Iterator[Finding]:
     found: dict[tuple[Span, tuple[str, ...], tuple[str, ...]], dict[str, Span]] = {}
     for one, other in combinations(_models(case, robot), 2):
         limb = _limb(case.artifacts[one], case.artifacts[other])
-        if limb and not _are_variants(case, robot, one, other, *limb[0]):
+        if limb and (_is_a_slip(*limb[0]) or not _are_called_apart(case, one, other)):
             mine, its = zip(*limb, strict=True)
             sides = [(other, its, mine), (one, mine, its)]
             departing, joints, meant = min(sides, key=lambda side: _having(case, robot, side[1][0].name))
@@ -184,6 +184,18 @@ def _turn_alike(one: JointView, other: JointView) -> bool:
     if one.range is None or other.range is None:
         return False
     return all(math.isclose(a, b, abs_tol=_ALIKE) for a, b in zip(one.range, other.range, strict=True))
+
+
+def _is_a_slip(mine: JointView, its: JointView) -> bool:
+    """Whether one of two names is the other one misspelt: `rigth_arm_j1`."""
+    word = _other_word(mine.name, its.name)
+    return is_misspelt(mine.name, its.name) or (word is not None and is_swapped(*word))
+
+
+def _are_called_apart(case: Case, one: int, other: int) -> bool:
+    """Whether two files' names differ in a word, as a base robot's and a variant's: each may have a limb of its own."""
+    words = [telling(stem_of(case.artifacts[index].path)) for index in (one, other)]
+    return words[0] != words[1]
 
 
 def _are_variants(case: Case, robot: Robot, one: int, other: int, mine: JointView, its: JointView) -> bool:
