@@ -303,6 +303,7 @@ class RobotConfig:
         by_call: Whether it is what a function of the file makes without arguments, whose name it has.
         robot_missing: Where an environment leaves its robot to a class that is derived from it (`MISSING`); None: it
             does not.
+        by_name: Whether what runs it looks each joint up by its name, so that the order of its names tells nothing.
     """
 
     framework: Framework
@@ -326,6 +327,7 @@ class RobotConfig:
     robot_missing: Span | None = None
     stands_up: bool = False
     by_motor: bool = False
+    by_name: bool = False
 
     @property
     def unrolled(self) -> RobotConfig:

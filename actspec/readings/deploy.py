@@ -113,6 +113,10 @@ NAMES = (
 )
 """Keys of the list that names the joints."""
 
+_ROS_PARAMETERS = "ros__parameters"
+"""Key above the parameters of a ROS 2 node. Source: ros2_control, joint_trajectory_controller: `joints` are names of
+interfaces, each of which it claims by its name."""
+
 _COMMANDS = frozenset(("pos", "position", "vel", "velocity", "torque", "effort"))
 """Keys of a mapping that is by what is commanded, as `action_scale: {pos: 0.25}`, and not by joint."""
 
@@ -379,6 +383,7 @@ class _Reader:
             nameless_lists=lists,
             motors=motors,
             stands_up=stands_up,
+            by_name=any(_ROS_PARAMETERS in scope for scope in above),
         )
         return config if joints is not None else called(config, called_so)
 

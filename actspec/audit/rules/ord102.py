@@ -8,6 +8,7 @@ from os.path import basename
 from actspec.audit.finding import Skipped
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.ord101 import (
+    binding_order,
     differing_places,
     first_drives,
     kept_names,
@@ -135,7 +136,7 @@ class DeployOrder(RuleOver[_Subject]):
 
     def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, artifact in enumerate(case.artifacts):
-            order = stated_order(artifact)
+            order = binding_order(artifact)
             if order is None or artifact.config is None:
                 continue
             names, setting = order
