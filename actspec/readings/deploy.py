@@ -50,6 +50,7 @@ from actspec.readings.deploy_numbers import (
     is_meant_for_one,
     no_number,
 )
+from actspec.readings.deploy_orders import with_orders
 from actspec.readings.deploy_steps import nearest, steps_of
 from actspec.readings.leftover import Leftover, node_span
 from actspec.readings.motor_names import NAMELESS, called, names_wanted
@@ -231,6 +232,9 @@ class _Reader:
             return ()
         self.steps = 0
         try:
+            figures = {key for keys in self.keys.values() for key in keys}
+            found = with_orders(found, blocks_of(root, self.mapping), figures)
+            self.steps = 0
             return Leftover(found, self.path, number_of, self.mapping, LEAST_JOINTS).kept(root)
         except Unfit as err:
             # Too much to compare, and its gains are read all the same.
