@@ -5,6 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+# fmt: off
+LEG_WORDS = frozenset((
+    "hip", "thigh", "calf", "knee", "ankle", "leg", "foot", "shank", "shin", "toe", "toes", "abduct", "abduction",
+    "coxa", "femur", "tibia", "tarsus",
+))
+# fmt: on
+"""Words for parts of a leg in joints' names, in lower case."""
+
+ARM_WORDS = frozenset(["shoulder", "elbow", "wrist", "arm", "forearm", "clavicle", "humerus", "radius"])
+"""Words for parts of an arm, likewise; a hand is a device as often, and not here."""
+
 
 class JointKind(str, Enum):
     """Kind of a joint; only hinge and slide can have an actuator here."""

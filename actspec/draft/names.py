@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from types import MappingProxyType
 
+from actspec.joints import ARM_WORDS, LEG_WORDS
 from actspec.patterns import PatternError, covering_pattern, match_names
 
 MAX_WRITTEN = 200
@@ -85,13 +86,8 @@ _LEAST_OF_A_ROW = 6
 """Joints that differ in a number alone and are taken for an arm where no file says how they hang together. Chosen: arms
 have six or seven."""
 _BODY_PARTS = (
-    (
-        "legs",
-        _words(
-            "hip thigh calf knee ankle leg foot shank shin toe toes abduct abduction coxa femur tibia tarsus"
-        ),
-    ),
-    ("arms", _words("shoulder elbow wrist arm forearm clavicle humerus radius")),
+    ("legs", LEG_WORDS),
+    ("arms", ARM_WORDS),
     ("hands", _words("thumb index middle ring pinky little finger fingers hand palm")),
     (
         "torso",

@@ -303,6 +303,8 @@ class RobotConfig:
         by_call: Whether it is what a function of the file makes without arguments, whose name it has.
         robot_missing: Where an environment leaves its robot to a class that is derived from it (`MISSING`); None: it
             does not.
+        by_name: Whether what runs it looks each joint up by its name, so that the order of its names tells nothing.
+        reordered: Whether its file has its joints in another order, too, or their places there.
     """
 
     framework: Framework
@@ -326,6 +328,8 @@ class RobotConfig:
     robot_missing: Span | None = None
     stands_up: bool = False
     by_motor: bool = False
+    by_name: bool = False
+    reordered: bool = False
 
     @property
     def unrolled(self) -> RobotConfig:

@@ -50,6 +50,7 @@ from actspec.readings.deploy_numbers import (
     is_meant_for_one,
     no_number,
 )
+from actspec.readings.deploy_orders import with_orders
 from actspec.readings.deploy_steps import nearest, steps_of
 from actspec.readings.leftover import Leftover, node_span
 from actspec.readings.motor_names import NAMELESS, called, names_wanted
@@ -112,6 +113,10 @@ NAMES = (
     "joints",
 )
 """Keys of the list that names the joints."""
+
+_ROS_PARAMETERS = "ros__parameters"
+"""Key above the parameters of a ROS 2 node. Source: ros2_control, joint_trajectory_controller: `joints` are names of
+interfaces, each of which it claims by its name."""
 
 _COMMANDS = frozenset(("pos", "position", "vel", "velocity", "torque", "effort"))
 """Keys of a mapping that is by what is commanded, as `action_scale: {pos: 0.25}`, and not by joint."""
@@ -227,6 +232,9 @@ class _Reader:
             return ()
         self.steps = 0
         try:
+            figures = {key for keys in self.keys.values() for key in keys}
+            found = with_orders(found, blocks_of(root, self.mapping), figures)
+            self.steps = 0
             return Leftover(found, self.path, number_of, self.mapping, LEAST_JOINTS).kept(root)
         except Unfit as err:
             # Too much to compare, and its gains are read all the same.
@@ -379,6 +387,7 @@ class _Reader:
             nameless_lists=lists,
             motors=motors,
             stands_up=stands_up,
+            by_name=any(_ROS_PARAMETERS in scope for scope in above),
         )
         return config if joints is not None else called(config, called_so)
 

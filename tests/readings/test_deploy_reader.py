@@ -143,6 +143,35 @@ def test_lists_in_the_policys_order(tmp_path: Path) -> None:
         }
 
 
+@pytest.mark.parametrize(
+    ("line", "reordered"),
+    [
+        ("sdk: [ankle, hip, knee]", True),
+        ("sdk: [ankle, hip, knee, toe]", True),
+        ("sdk: [hip, knee, ankle]", False),
+        ("sdk: [toe, hip, knee]", False),
+        ("sdk: [2, 0, 1]", True),
+        ("sdk: [2, -1, 1]", True),
+        ("sdk: [1, 2, 3]", False),
+        ("sdk: [1, -1, 1]", False),
+        ("sdk: {hip: 3, ankle: 2, knee: 1}", True),
+        ("sdk: [{name: hip, id: 2}, {name: knee, id: 1}, {name: ankle, id: 0}]", True),
+        ("sdk: [{name: hip, kd: 2}, {name: knee, kd: 1}, {name: ankle, kd: 3}]", False),
+        ("sdk: {0: knee, 1: hip, 2: ankle}", True),
+        ("kd: [2, 1, 3]", False),
+        # The lists are in the policy's order by it, and nothing else is in another.
+        ("joint_mapping: [2, 0, 1]", False),
+        (f"sdk: [{'9' * 5000}, 1, 0]", False),
+    ],
+)
+def test_a_file_with_another_order_of_its_joints(tmp_path: Path, line: str, reordered: bool) -> None:
+    """Most of the names, or places of all, in a row that is not the list's."""
+    path = tmp_path / "deploy.yaml"
+    path.write_text(f"joint_names: [hip, knee, ankle]\nkp: [60, 25, 10]\n{line}\n", encoding="utf-8")
+    (artifact,) = read_file(str(path)).artifacts
+    assert artifact.config is not None and artifact.config.reordered is reordered
+
+
 RL_SAR = """
 dog:
   joint_names: [fl_hip, fl_knee, fr_hip, fr_knee]

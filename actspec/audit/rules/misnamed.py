@@ -10,8 +10,9 @@ from actspec.audit.case import Case
 from actspec.audit.rules.configs import FRAMEWORKS, is_whole_robot
 from actspec.audit.rules.joints import names_undriven
 from actspec.audit.rules.ord101 import scalar_joints, stated_order
-from actspec.audit.rules.sided import across, side_words
+from actspec.audit.rules.sided import WORD, across
 from actspec.diagnostics import Span, nearest
+from actspec.joints import ARM_WORDS, LEG_WORDS
 from actspec.patterns import is_slip
 from actspec.readings.artifact import Artifact, FileKind, Framework
 from actspec.readings.joint_names import matching
@@ -202,7 +203,9 @@ def _meant(lost: Sequence[str], free: Sequence[str]) -> dict[str, str]:
 def _of_its_side(lost: Sequence[str], free: Sequence[str], names: Sequence[str]) -> dict[str, str]:
     """The name that no joint has, to the joint of its side that a list leaves out: `right_foot` beside `left_ankle`.
 
-    There is one of each: a lost name that has no like on the other side, and a joint that has its like there.
+    There is one of each: a lost name that has no like on the other side, and a joint that has its like there. Only a
+    word for a part of a leg stands for another one, and likewise of an arm: a gripper, a tool or a camera is carried
+    on one side as often, in a file that leaves out the joint there.
 
     Args:
         lost: Names of the list that no joint has.
@@ -211,9 +214,12 @@ def _of_its_side(lost: Sequence[str], free: Sequence[str], names: Sequence[str])
     """
     odd = [name for name in lost if across(name) and not {*across(name)} & {*names}]
     left_out = [joint for joint in free if {*across(joint)} & ({*names} - {*lost})]
-    if len(odd) != 1 or len(left_out) != 1 or side_words(odd[0]) != side_words(left_out[0]):
+    if len(odd) != 1 or len(left_out) != 1:
         return {}
-    return {odd[0]: left_out[0]}
+    mine, its = ([word.lower() for word in WORD.findall(name)] for name in (odd[0], left_out[0]))
+    differing = [{*pair} for pair in zip(mine, its, strict=False) if pair[0] != pair[1]]
+    one_limb = len(differing) == 1 and any(differing[0] <= limb for limb in (LEG_WORDS, ARM_WORDS))
+    return {odd[0]: left_out[0]} if one_limb and len(mine) == len(its) else {}
 
 
 def _is_alike(one: str, other: str) -> bool:

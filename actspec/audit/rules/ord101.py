@@ -30,6 +30,12 @@ def stated_order(artifact: Artifact) -> tuple[tuple[str, ...], Setting] | None:
     return tuple(str(name) for name in setting.value), setting
 
 
+def binding_order(artifact: Artifact) -> tuple[tuple[str, ...], Setting] | None:
+    """An order of joints that a file states, and that what runs it goes by."""
+    by_name = artifact.config is not None and artifact.config.by_name
+    return None if by_name else stated_order(artifact)
+
+
 def kept_names(order: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
     """The names of one order that another has too, each once."""
     kept = set(names)
@@ -98,7 +104,7 @@ def _place(robot: RobotView, joint: str, place: int) -> str:
 def _other_order(case: Case, index: int, driven: Sequence[str]) -> tuple[str, Setting] | None:
     """A file of the robot with a joint order that is not the actuators'."""
     for other in case.robot_of(index).artifacts:
-        order = stated_order(case.artifacts[other])
+        order = binding_order(case.artifacts[other])
         if order is not None and differing_places(kept_names(order[0], driven), kept_names(driven, order[0])):
             return case.artifacts[other].path, order[1]
     return None

@@ -8,6 +8,7 @@ from os.path import basename
 from actspec.audit.finding import Skipped
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.ord101 import (
+    binding_order,
     differing_places,
     first_drives,
     kept_names,
@@ -135,7 +136,7 @@ class DeployOrder(RuleOver[_Subject]):
 
     def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, artifact in enumerate(case.artifacts):
-            order = stated_order(artifact)
+            order = binding_order(artifact)
             if order is None or artifact.config is None:
                 continue
             names, setting = order
@@ -160,6 +161,10 @@ class DeployOrder(RuleOver[_Subject]):
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Find out which order each is."""
+        config = subject.artifact.config
+        # A program with both orders in its file maps one to the other.
+        if config is not None and config.reordered:
+            return
         if any(order.is_of(subject.names) for order in subject.trained):
             return
         if subject.trained and subject.alone:

@@ -69,11 +69,6 @@ def _with_others(name: str, sides: Mapping[str, str]) -> tuple[str, ...]:
     )
 
 
-def side_words(name: str) -> list[str]:
-    """The words of a joint's name that tell its side, in lower case."""
-    return [word.lower() for word in WORD.findall(name) if word.lower() in SIDE_WORDS]
-
-
 def of_its_leg(name: str) -> str:
     """A joint's name without what tells its leg or wheel from the others: that of `FL_hip` and of `RR_hip`."""
     words = WORD.findall(name)
