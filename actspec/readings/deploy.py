@@ -535,7 +535,8 @@ class _Reader:
         block = self.mapping(node)
         if block.keys() <= _COMMANDS:
             return {}
-        sides = by_side([*block.items()], joints) if joints is not None else ""
+        of_gains = name in self.keys["kp"] or name in self.keys["kd"]
+        sides = by_side([*block.items()], joints) if joints is not None and of_gains else ""
         if sides:
             help = "write one list in the order of the joint names, or {JOINT: NUMBER, ...}"
             out.warning(NO_NUMBER, f"it has {sides}", where=name, span=self._span(node), help=help)

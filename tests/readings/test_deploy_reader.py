@@ -314,6 +314,32 @@ _SINGLE = (
 )
 
 
+def test_words_of_the_joints_names_are_of_joints(tmp_path: Path) -> None:
+    path = tmp_path / "deploy.yaml"
+    path.write_text(f"{_SIDES}kp: {{hips: [9, 9, 9], knees: [8, 8, 8]}}\n")
+    assert [one.message for one in read_file(str(path)).not_taken] == [
+        "it has lists below hips, knees: which joints they are of is not read"
+    ]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "default_pos: {stand: [0, 0, 0, 0, 0, 0], sit: [0, -1, 0, 0, -1, 0]}",
+        "default_joint_angles: {stand: {left_hip: 0, right_hip: 0}, sit: {left_hip: 1, right_hip: 1}}",
+        "torque_limits: {peak: [9, 9, 9, 9, 9, 9], continuous: [4, 4, 4, 4, 4, 4]}",
+        "action_scale: {position: [1, 1, 1, 1, 1, 1], wheel: [5, 5, 5, 5, 5, 5]}",
+        "default_pos: {left: [0, 0, 0], right: [0, 0, 0]}",
+    ],
+)
+def test_figures_below_words_that_are_no_gains(line: str, tmp_path: Path) -> None:
+    """Named poses, kinds of limits and of commands are sound, and nothing is said."""
+    path = tmp_path / "deploy.yaml"
+    path.write_text(f"{_SIDES}kp: [9, 8, 7, 9, 8, 7]\n{line}\n")
+    reading = read_file(str(path))
+    assert len(reading.artifacts) == 1 and not reading.not_taken
+
+
 @pytest.mark.parametrize(
     ("text", "reason", "at"),
     [
@@ -542,10 +568,18 @@ kd: [1, 2, 3, 1, 2, 3]
             "{left: {hip: 9, knee: 8}, right: [9, 8, 7]}",
             "lists and mappings below left, right: which joints they are of is not read",
         ),
+        (
+            "{FL_leg: [9, 8, 7], frontRight: [9, 8, 7]}",
+            "lists below FL_leg, frontRight: which joints they are of is not read",
+        ),
         # What is drawn, of which two or three numbers and a rule are written; a joint's own schedule.
         ("{low: [9, 8, 7], high: [10, 9, 8]}", ""),
         ("{left: {min: 7, max: 9}, right: {min: 7, max: 9}}", ""),
         ("{range: [0.5, 1.5], operation: scaling}", ""),
+        # Phases, poses and limits have figures of all joints, in their order.
+        ("{walk: [9, 8, 7, 9, 8, 7], stand: [80, 80, 80, 80, 80, 80]}", ""),
+        ("{stand_legs: [9, 8, 7, 9, 8, 7]}", ""),
+        ("{peak: [9, 8, 7, 9, 8, 7], continuous: [4, 4, 4, 4, 4, 4]}", ""),
         ("{left: [0.5, 1.5], right: [0.5, 1.5]}", ""),
         ("{left_hip: {early: 9, late: 8}, right_hip: {early: 9, late: 8}}", ""),
     ],
