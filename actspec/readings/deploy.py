@@ -349,6 +349,10 @@ class _Reader:
         for twice in self.refused[:1]:
             if any(one.entries == len(twice.value) for one in lists.values()):
                 name_twice(twice, self.path, out)
+        for key in STANDING if joints is not None else ():
+            if key in block:
+                # Compared with nothing, and the robot gets up by it all the same.
+                self._per_joint(key, block[key], joints, out)
         if self.named is not None:
             name_twice(self.named, self.path, out, "which of its figures count is not known")
         stands_up = standing_up(scopes, _GAIN_KEYS, self._span, out)

@@ -179,6 +179,33 @@ def test_the_policys_gains_are_not_those_of_standing_up(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize("policy", [True, False])
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("[80, 30, 80, 30]", "[80, 30, 80]", "DEPLOY001 fixed_kp: it has 3 values for 4 joint names"),
+        (
+            "[3, 3, 3, 3]",
+            "[3, abc, 3, 3]",
+            "DEPLOY003 fixed_kd: fl_knee has abc, which is no number as YAML reads it: it is not judged",
+        ),
+        ("[3, 3, 3, 3]", "3", ""),
+    ],
+)
+def test_gains_of_standing_up_that_are_none(
+    old: str, new: str, told: str, policy: bool, tmp_path: Path
+) -> None:
+    """They are told as any list is, beside the policy's gains or alone; nothing of them is a figure of a joint."""
+    lines = [line for line in RL_SAR.splitlines() if policy or "rl_k" not in line]
+    path = tmp_path / "base.yaml"
+    path.write_text("\n".join(lines).replace(old, new))
+    reading = read_file(str(path))
+    assert [f"{one.code} {one.where}: {one.message}" for one in reading.not_taken] == [told] * bool(told)
+    (artifact,) = reading.artifacts
+    assert artifact.config is not None and len(artifact.config.groups) == 4
+    assert all(("kp" in group.settings) == policy for group in artifact.config.groups)
+
+
 STANDING_CFG = """
 from isaaclab.actuators import ImplicitActuatorCfg
 from isaaclab.assets import ArticulationCfg
