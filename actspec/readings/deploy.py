@@ -211,6 +211,8 @@ class _Reader:
         self.steps = 0
         self.refused: list[yaml.SequenceNode] = []
         """Lists of joint names of the block at hand that have one twice, the nearest first."""
+        self.named: yaml.SequenceNode | None = None
+        """The names of joints whose figures stand with each in the block at hand, in a list."""
         self.no_numbers: list[Diagnostic] = []
         """What stands for figures, and is none, in blocks of which nothing is read."""
         self.own: set[frozenset[str]] | None = None
@@ -268,7 +270,9 @@ class _Reader:
             return
         block = self.mapping(node)
         # Figures joint by joint are read as mappings from joint to each, which are known.
-        block = {**by_figure(block.get("joints"), (PER_JOINT["kp"], PER_JOINT["kd"])), **block}
+        gains = PER_JOINT["kp"], PER_JOINT["kd"]
+        by_joint, self.named = by_figure(block.get("joints"), gains, self.mapping)
+        block = {**by_joint, **block}
         if self._has_gains(block):
             config = self._config(node, block, above, name)
             if config.groups or any(note.code not in _NOT_OF_LISTS for note in config.notes):
@@ -353,6 +357,12 @@ class _Reader:
         for twice in self.refused[:1]:
             if any(one.entries == len(twice.value) for one in lists.values()):
                 name_twice(twice, self.path, out)
+        for key in STANDING if joints is not None else ():
+            if key in block:
+                # Compared with nothing, and the robot gets up by it all the same.
+                self._per_joint(key, block[key], joints, out)
+        if self.named is not None:
+            name_twice(self.named, self.path, out, "which of its figures count is not known")
         stands_up = standing_up(scopes, _GAIN_KEYS, self._span, out)
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
@@ -544,7 +554,8 @@ class _Reader:
         block = self.mapping(node)
         if block.keys() <= _COMMANDS:
             return {}
-        sides = by_side([*block.items()], joints) if joints is not None else ""
+        of_gains = name in self.keys["kp"] or name in self.keys["kd"]
+        sides = by_side([*block.items()], joints) if joints is not None and of_gains else ""
         if sides:
             help = "write one list in the order of the joint names, or {JOINT: NUMBER, ...}"
             out.warning(NO_NUMBER, f"it has {sides}", where=name, span=self._span(node), help=help)

@@ -4,6 +4,7 @@ and those of standing up."""
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -72,50 +73,49 @@ def is_of_another(name: str) -> bool:
     return not _OTHER.isdisjoint(name.lower().split("_"))
 
 
-def by_figure(node: yaml.Node | None, gains: Iterable[Collection[str]]) -> dict[str, yaml.Node]:
+def by_figure(
+    node: yaml.Node | None,
+    gains: Iterable[Collection[str]],
+    mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]],
+) -> tuple[dict[str, yaml.Node], yaml.SequenceNode | None]:
     """Figures that stand joint by joint, each as one mapping of joints to it: `joints: {hip: {kp: 20, kd: 1}}`, or
-    `joints: [{name: hip, kp: 20, kd: 1}]`.
+    `joints: [{name: hip, kp: 20, kd: 1}]`; and the names that such a list has, whose joints with two places are left
+    out.
 
     Args:
         node: What stands below `joints`.
         gains: All keys of kp, and of kd.
+        mapping: A mapping's own and merged keys.
 
-    Returns: Empty where it has no several joints, each once, of which most have both.
+    Returns: Empty where it has no several joints of which most have both.
     """
-    items = [*_pairs(node), *_named(node)]
-    pairs = [(joint, below) for joint, below in items if isinstance(below, yaml.MappingNode)]
-    own = [{str(key.value) for key, _ in _pairs(below)} for _, below in pairs]
-    having = sum(all(not keys.isdisjoint(each) for each in gains) for keys in own)
-    if having < 2 or 2 * having <= len(items) or len({joint.value for joint, _ in pairs}) < len(pairs):
-        return {}
+    names: list[yaml.Node] = []
+    items: list[tuple[str, yaml.Node]] = []
+    if isinstance(node, yaml.MappingNode):
+        items = [*mapping(node).items()]
+    elif isinstance(node, yaml.SequenceNode):
+        for item in node.value:
+            own = mapping(item) if isinstance(item, yaml.MappingNode) else {}
+            name = next((own[key] for key in ("name", "joint") if key in own), None)
+            if isinstance(name, yaml.ScalarNode):
+                names.append(name)
+                items.append((str(name.value), item))
+    blocks = [(joint, mapping(below)) for joint, below in items if isinstance(below, yaml.MappingNode)]
+    having = {joint for joint, own in blocks if all(not own.keys().isdisjoint(each) for each in gains)}
+    count = Counter(joint for joint, _ in items)
+    if node is None or len(having) < 2 or 2 * len(having) <= len(count):
+        return {}, None
+    their = frozenset(names)
     found: dict[str, list[tuple[yaml.Node, yaml.Node]]] = {}
-    for joint, below in pairs:
-        for key, figure in _pairs(below):
-            if figure is joint:
-                continue
-            found.setdefault(str(key.value), []).append((joint, figure))
-    assert node is not None
-    return {
+    for joint, own in blocks:
+        for key, figure in own.items():
+            if count[joint] == 1 and figure not in their:
+                found.setdefault(key, []).append((yaml.ScalarNode("tag:yaml.org,2002:str", joint), figure))
+    whole: dict[str, yaml.Node] = {
         key: yaml.MappingNode(node.tag, of_joints, node.start_mark, node.end_mark)
         for key, of_joints in found.items()
     }
-
-
-def _pairs(node: yaml.Node | None) -> list[tuple[yaml.ScalarNode, yaml.Node]]:
-    pairs = node.value if isinstance(node, yaml.MappingNode) else []
-    return [(key, value) for key, value in pairs if isinstance(key, yaml.ScalarNode)]
-
-
-def _named(node: yaml.Node | None) -> list[tuple[yaml.ScalarNode, yaml.Node]]:
-    """The mappings of a list that say whose they are, by `name` or `joint`."""
-    items = node.value if isinstance(node, yaml.SequenceNode) else []
-    found = []
-    for item in items:
-        own = {str(key.value): value for key, value in _pairs(item)}
-        name = next((own[key] for key in ("name", "joint") if key in own), None)
-        if isinstance(name, yaml.ScalarNode):
-            found.append((name, item))
-    return found
+    return whole, yaml.SequenceNode(node.tag, names, node.start_mark, node.end_mark)
 
 
 def own_gains(

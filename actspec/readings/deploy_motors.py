@@ -30,6 +30,9 @@ LENGTH = "DEPLOY001"
 TWO_POSES = "DEPLOY007"
 """Code of a joint whose default position is two numbers."""
 
+ELSEWHERE = "DEPLOY010"
+"""Code of an action whose numbers are those of other joints than its names, or of none."""
+
 NO_MOTOR = "DEPLOY008"
 """Code of a joint of the policy that has another one's motor, or none."""
 
@@ -159,8 +162,14 @@ def _term(
 ) -> ActionTerm:
     """An action of the policy; of a joint whose default position is two numbers by a slip the pose loses it."""
     chosen = _numbers(term.get("joint_ids"), setting)
-    within = bool(chosen) and all(0 <= one < len(numbers) for one in chosen)
-    motors = [numbers[one] for one in chosen] if within else numbers
+    known = range(len(numbers))
+    strange = [each for each, one in enumerate(chosen) if one not in known]
+    if strange:
+        whose = "is no joint's number" if len(strange) == 1 else "are no joints' numbers"
+        message = f"{listed(str(chosen[each]) for each in strange)} {whose}: those of the policy are 0 to {known[-1]}"
+        at = span(term["joint_ids"].value[strange[0]])
+        out.warning(ELSEWHERE, message, where=f"{name}.joint_ids", span=at)
+    motors = [numbers[one] if one in known else None for one in chosen] or numbers
     scale, offset = (_by_motor(term.get(key), motors, setting) for key in ("scale", "offset"))
     shared = {motor: one for motor, one in offset.items() if motor in pose}
     others = {motor: one for motor, one in shared.items() if one.value != pose[motor].value}

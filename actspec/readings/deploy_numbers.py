@@ -25,6 +25,18 @@ LEAST_JOINTS = 3
 """Chosen: entries of a list without names from which on it is one of joints; two may be the ends of a range."""
 
 
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+
+# fmt: off
+_LIMBS = frozenset((
+    "left", "right", "front", "fore", "rear", "hind", "back", "middle", "l", "r", "fl", "fr", "rl", "rr", "hl", "hr",
+    "bl", "br", "ml", "mr", "lf", "rf", "lh", "rh", "lb", "rb", "lm", "rm", "leg", "arm", "hand", "finger", "head",
+    "neck", "torso", "waist", "wheel",
+))
+# fmt: on
+"""Words of a side, an end or a limb, in lower case. Chosen: as in joints' names, of one limb; `legs` is of several."""
+
+
 def is_meant_for_one(node: yaml.Node) -> bool:
     """Whether a value is a number, or was meant for one: text that begins with a figure, `.nan`, `.inf`."""
     if not isinstance(node, yaml.ScalarNode):
@@ -60,18 +72,24 @@ def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], path: str, out:
 
 
 def by_side(values: Sequence[tuple[str, yaml.Node]], joints: Collection[str] = ()) -> str:
-    """What a key has in place of figures of joints, with why that is not read: `kp: {left: [...], right: [...]}`.
+    """What a gain has in place of figures of joints, with why that is not read: `kp: {left: [...], right: [...]}`.
 
     Args:
         values: Of the key, by word.
         joints: Names of the file's list.
 
-    Returns: Empty where most of its values are no lists and mappings of numbers below words that are no joints.
+    Returns: Empty where most of its values are no lists and mappings of numbers below words of sides or limbs: a mode,
+        a pose or a kind of limit has figures of all joints.
     """
+    limbs = _LIMBS.union(*map(_words, joints))
     below = [
         (word, node)
         for word, node in values
-        if word not in joints and not is_of_another(word) and _are_numbers(node)
+        if word not in joints
+        and not is_of_another(word)
+        and (own := _words(word))
+        and own <= limbs
+        and _are_numbers(node)
     ]
     if 2 * len(below) <= len(values):
         return ""
@@ -80,6 +98,12 @@ def by_side(values: Sequence[tuple[str, yaml.Node]], joints: Collection[str] = (
     if len(below) == 1:
         return f"a {kinds[0]} below {words}: which joints it is of is not read"
     return f"{' and '.join(f'{kind}s' for kind in kinds)} below {words}: which joints they are of is not read"
+
+
+def _words(name: str) -> set[str]:
+    """The words of a name in lower case, without the s of several."""
+    words = (word.lower() for word in _WORD.findall(name))
+    return {word[:-1] if len(word) > 3 and word.endswith("s") else word for word in words}
 
 
 def _are_numbers(node: yaml.Node) -> bool:

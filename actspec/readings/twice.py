@@ -56,13 +56,17 @@ def _of_mapping(node: yaml.MappingNode, path: str, out: Collector) -> None:
         last[(key.tag, word)] = value
 
 
-def name_twice(names: yaml.SequenceNode, path: str, out: Collector) -> None:
+OF_LISTS = "which joint a value of the lists belongs to is not known"
+
+
+def name_twice(names: yaml.SequenceNode, path: str, out: Collector, why: str = OF_LISTS) -> None:
     """Report the first name that a list of joints has twice.
 
     Args:
         names: The list, of scalars.
         path: The file.
         out: Gets it.
+        why: What it leaves open.
     """
     first: dict[str, yaml.Node] = {}
     for item in names.value:
@@ -71,9 +75,9 @@ def name_twice(names: yaml.SequenceNode, path: str, out: Collector) -> None:
             place = node_span(path, before)
             message = (
                 f"the joint names have '{shortened(str(item.value))}' twice, first at {place.line}:{place.column}: "
-                "which joint a value of the lists belongs to is not known"
+                f"{why}"
             )
-            help = "name each joint once, in the order of the lists"
+            help = "name each joint once" + (", in the order of the lists" if why == OF_LISTS else "")
             out.warning(TWICE, message, span=node_span(path, item), help=help)
             return
 

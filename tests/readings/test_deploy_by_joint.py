@@ -34,7 +34,7 @@ def test_figures_joint_by_joint(text: str) -> None:
         # One joint may be any controller; words without gains are a list of something else.
         "joints:\n  hip: {kp: 20, kd: 1}\n",
         "joints:\n  hip: {kp: 20, kd: 1}\n  knee: {kp: 20}\n  foot: {kp: 20}\n  toe: {id: 3}\n",
-        # Which of the two counts is not guessed.
+        # One joint, of which nobody knows which figures count.
         "joints:\n  - {name: hip, kp: 20, kd: 1}\n  - {name: hip, kp: 40, kd: 2}\n",
         # Modes of a controller, not joints.
         "modes:\n  stand: {kp: 20, kd: 1}\n  walk: {kp: 40, kd: 2}\n",
@@ -42,6 +42,56 @@ def test_figures_joint_by_joint(text: str) -> None:
 )
 def test_what_is_no_figures_by_joint(text: str) -> None:
     assert read_deploy("walk.yaml", text.encode()).artifacts == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "said", "hip"),
+    [
+        # As PyYAML has it.
+        (
+            "joints:\n  hip: {kp: 20, kd: 1}\n  hip: {kp: 99, kd: 1}\n  knee: {kp: 40, kd: 2}\n",
+            "3:3 'hip' stands a second time, with another value than in line 2: PyYAML takes the last one, yaml-cpp "
+            "the first",
+            99.0,
+        ),
+        (
+            ENTRIES + "  - {name: hip, kp: 99, kd: 1}\n  - {name: foot, kp: 9, kd: 1}\n",
+            "4:12 the joint names have 'hip' twice, first at 2:12: which of its figures count is not known",
+            None,
+        ),
+    ],
+)
+def test_a_joint_twice(text: str, said: str, hip: float | None) -> None:
+    """It is told, and the others are read; in a list nobody's figures are taken."""
+    reading = read_deploy("walk.yaml", text.encode())
+    (told,) = reading.diagnostics
+    assert told.code == "DEPLOY004" and told.span is not None
+    assert f"{told.span.line}:{told.span.column} {told.message}" == said
+    (artifact,) = reading.artifacts
+    assert artifact.config is not None
+    kp = {group.name: group.settings["kp"].value for group in artifact.config.groups}
+    assert kp.get("hip") == hip and kp["knee"] == 40.0
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "all: &all {kp: 20, kd: 1}\njoints:\n  hip: *all\n  knee: {<<: *all, kp: 40}\n  foot: {<<: *all}\n",
+        "legs: &legs\n  hip: {kp: 20, kd: 1}\n  knee: {kp: 9, kd: 1}\n"
+        "joints:\n  <<: *legs\n  knee: {kp: 40, kd: 1}\n  foot: {kp: 20, kd: 1}\n",
+        "all: &all {kp: 20, kd: 1}\njoints:\n- {<<: *all, name: hip}\n- {<<: *all, name: knee, kp: 40}\n"
+        "- {name: foot, <<: *all}\n",
+    ],
+)
+def test_figures_that_are_merged(text: str) -> None:
+    """A key of one's own wins, as everywhere in the file."""
+    (artifact,) = read_deploy("walk.yaml", text.encode()).artifacts
+    assert artifact.config is not None
+    found = {
+        group.name: tuple(group.settings[name].value for name in ("kp", "kd"))
+        for group in artifact.config.groups
+    }
+    assert found == {"hip": (20.0, 1.0), "knee": (40.0, 1.0), "foot": (20.0, 1.0)}
 
 
 @pytest.mark.parametrize(

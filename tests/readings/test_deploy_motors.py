@@ -364,6 +364,31 @@ def test_an_action_whose_numbers_are_of_other_joints(ids: str, names: str, said:
         assert item.help == "the numbers of what joint_names select are 0"
 
 
+@pytest.mark.parametrize("names", ["", NAMES])
+@pytest.mark.parametrize(
+    ("ids", "column", "said"),
+    [
+        # The policy has joints 0 to 2.
+        ("0, 99", 20, "99 is no joint's number: those of the policy are 0 to 2"),
+        ("-2, 0, 3", 17, "-2, 3 are no joints' numbers: those of the policy are 0 to 2"),
+        ("-1", 17, "-1 is no joint's number: those of the policy are 0 to 2"),
+    ],
+)
+def test_an_action_with_a_number_of_no_joint(ids: str, column: int, said: str, names: str) -> None:
+    """The number is told, once, and none of the joints that the action is not for."""
+    text = VELOCITY.replace("@", ids).replace("[5.0]", str([5.0] * len(ids.split(","))))
+    reading = read_deploy("deploy.yaml", (names + DEPLOY + text).encode())
+    (told,) = [item for item in reading.diagnostics if item.code == "DEPLOY010"]
+    assert (told.where, told.message) == ("JointVelocityAction.joint_ids", said)
+    assert told.span is not None
+    assert (told.span.line, told.span.column) == (17 + bool(names), column)
+    (artifact,) = reading.artifacts
+    assert artifact.config is not None
+    if names:
+        scale = artifact.config.actions[1].scale
+        assert scale is not None and scale.value == ({"foot": 5.0} if "0" in ids else {})
+
+
 def test_an_action_of_other_joints_by_the_names_of_a_run(tmp_path: Path) -> None:
     """It is told where the run beside the file names the motors, once, and fails the run."""
     (tmp_path / "deploy.yaml").write_text(DEPLOY + VELOCITY.replace("@", "2"))

@@ -208,6 +208,33 @@ def test_the_policys_gains_are_not_those_of_standing_up(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize("policy", [True, False])
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("[80, 30, 80, 30]", "[80, 30, 80]", "DEPLOY001 fixed_kp: it has 3 values for 4 joint names"),
+        (
+            "[3, 3, 3, 3]",
+            "[3, abc, 3, 3]",
+            "DEPLOY003 fixed_kd: fl_knee has abc, which is no number as YAML reads it: it is not judged",
+        ),
+        ("[3, 3, 3, 3]", "3", ""),
+    ],
+)
+def test_gains_of_standing_up_that_are_none(
+    old: str, new: str, told: str, policy: bool, tmp_path: Path
+) -> None:
+    """They are told as any list is, beside the policy's gains or alone; nothing of them is a figure of a joint."""
+    lines = [line for line in RL_SAR.splitlines() if policy or "rl_k" not in line]
+    path = tmp_path / "base.yaml"
+    path.write_text("\n".join(lines).replace(old, new))
+    reading = read_file(str(path))
+    assert [f"{one.code} {one.where}: {one.message}" for one in reading.not_taken] == [told] * bool(told)
+    (artifact,) = reading.artifacts
+    assert artifact.config is not None and len(artifact.config.groups) == 4
+    assert all(("kp" in group.settings) == policy for group in artifact.config.groups)
+
+
 STANDING_CFG = """
 from isaaclab.actuators import ImplicitActuatorCfg
 from isaaclab.assets import ArticulationCfg
@@ -341,6 +368,32 @@ _SINGLE = (
     "its kp is one number, and no list of joint names stands beside kp and kd: write joint_names: [...] there, or kp: "
     "{JOINT: NUMBER, ...}"
 )
+
+
+def test_words_of_the_joints_names_are_of_joints(tmp_path: Path) -> None:
+    path = tmp_path / "deploy.yaml"
+    path.write_text(f"{_SIDES}kp: {{hips: [9, 9, 9], knees: [8, 8, 8]}}\n")
+    assert [one.message for one in read_file(str(path)).not_taken] == [
+        "it has lists below hips, knees: which joints they are of is not read"
+    ]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "default_pos: {stand: [0, 0, 0, 0, 0, 0], sit: [0, -1, 0, 0, -1, 0]}",
+        "default_joint_angles: {stand: {left_hip: 0, right_hip: 0}, sit: {left_hip: 1, right_hip: 1}}",
+        "torque_limits: {peak: [9, 9, 9, 9, 9, 9], continuous: [4, 4, 4, 4, 4, 4]}",
+        "action_scale: {position: [1, 1, 1, 1, 1, 1], wheel: [5, 5, 5, 5, 5, 5]}",
+        "default_pos: {left: [0, 0, 0], right: [0, 0, 0]}",
+    ],
+)
+def test_figures_below_words_that_are_no_gains(line: str, tmp_path: Path) -> None:
+    """Named poses, kinds of limits and of commands are sound, and nothing is said."""
+    path = tmp_path / "deploy.yaml"
+    path.write_text(f"{_SIDES}kp: [9, 8, 7, 9, 8, 7]\n{line}\n")
+    reading = read_file(str(path))
+    assert len(reading.artifacts) == 1 and not reading.not_taken
 
 
 @pytest.mark.parametrize(
@@ -571,10 +624,18 @@ kd: [1, 2, 3, 1, 2, 3]
             "{left: {hip: 9, knee: 8}, right: [9, 8, 7]}",
             "lists and mappings below left, right: which joints they are of is not read",
         ),
+        (
+            "{FL_leg: [9, 8, 7], frontRight: [9, 8, 7]}",
+            "lists below FL_leg, frontRight: which joints they are of is not read",
+        ),
         # What is drawn, of which two or three numbers and a rule are written; a joint's own schedule.
         ("{low: [9, 8, 7], high: [10, 9, 8]}", ""),
         ("{left: {min: 7, max: 9}, right: {min: 7, max: 9}}", ""),
         ("{range: [0.5, 1.5], operation: scaling}", ""),
+        # Phases, poses and limits have figures of all joints, in their order.
+        ("{walk: [9, 8, 7, 9, 8, 7], stand: [80, 80, 80, 80, 80, 80]}", ""),
+        ("{stand_legs: [9, 8, 7, 9, 8, 7]}", ""),
+        ("{peak: [9, 8, 7, 9, 8, 7], continuous: [4, 4, 4, 4, 4, 4]}", ""),
         ("{left: [0.5, 1.5], right: [0.5, 1.5]}", ""),
         ("{left_hip: {early: 9, late: 8}, right_hip: {early: 9, late: 8}}", ""),
     ],
