@@ -15,7 +15,14 @@ from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 
 from actspec.diagnostics import Span, shortened
-from actspec.patterns import PatternError, compile_pattern, match_names, recased, suggest_pattern
+from actspec.patterns import (
+    NoExpression,
+    PatternError,
+    compile_pattern,
+    match_names,
+    recased,
+    suggest_pattern,
+)
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.joint_names import matching
 
@@ -94,6 +101,17 @@ def value_of(
     if framework in (Framework.ISAACLAB, Framework.LEGGED_GYM) and len(numbers) == len(value):
         return Found(0.0, setting.span, stated=False)
     return None
+
+
+def is_no_expression(key: str) -> bool:
+    """Whether Isaac Lab and mjlab raise at a key, whatever the joints: a glob, a bracket that is left open."""
+    try:
+        compile_pattern(key)
+    except NoExpression:
+        return True
+    except PatternError:
+        return False
+    return False
 
 
 def dead_keys(framework: Framework, keys: Sequence[str], joints: Sequence[str]) -> list[str]:

@@ -9,7 +9,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import Group, groups_of, names_model
 from actspec.diagnostics import shortened
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.dict_keys import dead_keys, may_match, meant_for
+from actspec.readings.dict_keys import dead_keys, is_no_expression, may_match, meant_for
 from actspec.readings.joint_names import joint_names
 from actspec.readings.versions import is_native
 
@@ -71,8 +71,8 @@ class DictMissesJoint(RuleInParts):
                 continue
             setting, is_limit = group.cfg.settings[name], "limit" in name
             joints = [row.joint for row in group.rows]
-            if dead_keys(group.framework, keys, group.cfg.joints or ()):
-                # It raises, and gives nothing 0: ORD104.
+            if any(map(is_no_expression, keys)) or dead_keys(group.framework, keys, group.cfg.joints or ()):
+                # It raises, and gives nothing 0: CFG004, ORD104.
                 yield ()
                 continue
             dead = dead_keys(group.framework, keys, joints)
