@@ -169,7 +169,8 @@ def fitting(lists: Sequence[JointList], configs: Sequence[RobotConfig]) -> Joint
     """The list on which most patterns of configurations match a joint; None where none does.
 
     Of several it is the one on which most keys of poses, gains and limits do: `.*_joint` fits every robot. Of those it
-    is one without a joint that the pose has no key for, if there is one, and then the longest.
+    is one without a joint that the pose has no key for, if there is one that has half of the joints or more of any that
+    has all of its own, and then the longest.
 
     A robot file's joints may differ from those of the USD by their ending alone. They are called as the patterns have
     it where none selects one of them otherwise, or every pattern then does. Listed names may share what is before
@@ -190,12 +191,18 @@ def fitting(lists: Sequence[JointList], configs: Sequence[RobotConfig]) -> Joint
         for key in setting.value
     ]
 
+    every = [frozenset(names_of(one.joints)) for one in lists]
+
+    def is_a_part(names: frozenset[str]) -> bool:
+        return any(names < other and 2 * len(names) < len(other) for other in every)
+
     def worth(one: JointList) -> tuple[int, int, bool, int]:
         names = names_of(one.joints)
         met = sum(bool(matching(style, pattern, names)) for style, pattern in patterns)
         of_keys = [{name for name in names if meets(*key, name)} for key in keys]
         posed = set().union(*(own for key, own in zip(keys, of_keys, strict=True) if key[1] == POSE))
-        return met, sum(map(bool, of_keys)), len(posed) == len(names), len(names)
+        covered = len(posed) == len(names) and not is_a_part(frozenset(names))
+        return met, sum(map(bool, of_keys)), covered, len(names)
 
     best = max((max(_bare(one), one, key=worth) for one in lists), key=worth)
     # What somebody listed are the names themselves: only a file of another format may have others.

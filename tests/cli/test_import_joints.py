@@ -623,6 +623,26 @@ def test_a_folder_of_robots_that_one_pattern_fits(
     assert f"joints are from {Path('lists') / file} (--joints)" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(("count", "file"), [(2, "whole.yaml"), (3, "part.yaml")])
+def test_a_folder_with_a_part_of_the_robot(
+    folder: Path, count: int, file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of six joints two are a part of the robot, though the pose has a key for each of them; three may be a robot."""
+    part = NAMES[:count]
+    pose = json.dumps(dict.fromkeys(part, 0.1))
+    cfg = CFG.replace('".*_hip", ".*_knee"]', '".*"]').replace('{".*_hip": 40.0, ".*_knee": 50.0}', "40.0")
+    cfg = cfg.replace(
+        "    actuators", f"    init_state=ArticulationCfg.InitialStateCfg(joint_pos={pose}),\n    actuators"
+    )
+    (folder / "leg_cfg.py").write_text(cfg, encoding="utf-8")
+    (folder / "lists").mkdir()
+    for name, joints in {"part": part, "whole": [*NAMES, "grip", "tail"]}.items():
+        text = f"joint_names: {json.dumps(joints)}\nkp: {[1.0] * len(joints)}\nkd: {[1.0] * len(joints)}\n"
+        (folder / "lists" / f"{name}.yaml").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "lists", "-o", "leg.yaml"]) == 0
+    assert f"joints are from {Path('lists') / file} (--joints)" in capsys.readouterr().out
+
+
 WITH_ENDING = URDF.replace("_hip'", "_hip_joint'").replace("_knee'", "_knee_joint'")
 
 
