@@ -23,15 +23,13 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.deploy_numbers import no_number
 from actspec.readings.deploy_steps import nearest
+from actspec.readings.motor_names import ELSEWHERE
 
 LENGTH = "DEPLOY001"
 """Code of a list with more or fewer values than there are joints."""
 
 TWO_POSES = "DEPLOY007"
 """Code of a joint whose default position is two numbers."""
-
-ELSEWHERE = "DEPLOY010"
-"""Code of an action whose numbers are those of other joints than its names, or of none."""
 
 NO_MOTOR = "DEPLOY008"
 """Code of a joint of the policy that has another one's motor, or none."""

@@ -10,10 +10,12 @@ from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import FileReading, Framework, Motors, RobotConfig, Setting
 from actspec.readings.called import distinctive, names_agree
-from actspec.readings.deploy_motors import ELSEWHERE
 
 NAMELESS = "DEPLOY002"
 """Code of a list whose joints nobody names."""
+
+ELSEWHERE = "DEPLOY010"
+"""Code of an action whose numbers are those of other joints than its names, or of none."""
 
 
 def called(
