@@ -5,6 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+SIDES = (
+    ("left", "right"), ("l", "r"), ("fl", "fr"), ("rl", "rr"), ("hl", "hr"), ("bl", "br"), ("ml", "mr"),
+    ("lf", "rf"), ("lh", "rh"), ("lb", "rb"), ("lm", "rm"),
+)  # fmt: skip
+"""Words for the sides, in lower case. Chosen: from the joint names in the surveyed repositories."""
+
+SIDE_WORDS = frozenset(word for sides in SIDES for word in sides)
+
 # fmt: off
 LEG_WORDS = frozenset((
     "hip", "thigh", "calf", "knee", "ankle", "leg", "foot", "shank", "shin", "toe", "toes", "abduct", "abduction",

@@ -313,7 +313,7 @@ def _not_taken(
     Of a model it says of what is no figure of a drive too, which is left where some fields are asked for.
     """
     from actspec.readings.artifact import FileKind
-    from actspec.readings.deploy import PER_JOINT
+    from actspec.readings.deploy_keys import PER_JOINT
 
     own = {key: field for field, keys in PER_JOINT.items() for key in keys}
     others = {note for one in reading.artifacts if one.config is not None for note in one.config.notes}

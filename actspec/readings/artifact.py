@@ -303,6 +303,8 @@ class RobotConfig:
         by_call: Whether it is what a function of the file makes without arguments, whose name it has.
         robot_missing: Where an environment leaves its robot to a class that is derived from it (`MISSING`); None: it
             does not.
+        stands_up: Whether the only gains of a deploy file are of getting up and lying down.
+        by_motor: Whether its joints are called after their motors' numbers, which no policy's order is.
         by_name: Whether what runs it looks each joint up by its name, so that the order of its names tells nothing.
         reordered: Whether its file has its joints in another order, too, or their places there.
     """

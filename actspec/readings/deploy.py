@@ -31,7 +31,17 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
-from actspec.readings.deploy_keys import STANDING, STANDING_UP, by_figure, joint_lists, own_gains, standing_up
+from actspec.readings.deploy_keys import (
+    GAIN_KEYS,
+    NAMES,
+    PER_JOINT,
+    STANDING,
+    STANDING_UP,
+    by_figure,
+    joint_lists,
+    own_gains,
+    standing_up,
+)
 from actspec.readings.deploy_missing import (
     MISSPELT,
     NO_GAINS,
@@ -60,33 +70,6 @@ from actspec.robot.view import ModelFile
 
 MOST_JOINTS = 2000
 """Chosen: joints that one list names; every field's list is held against every name."""
-PER_JOINT = {
-    "kp": ("kp", "kps", "stiffness", "p_gains", "kp_gains", "joint_kp", "joint_stiffness", "rl_kp"),
-    "kd": ("kd", "kds", "damping", "d_gains", "kd_gains", "joint_kd", "joint_damping", "rl_kd"),
-    "effort_limit": (
-        "effort_limit",
-        "effort_limits",
-        "torque_limit",
-        "torque_limits",
-        "tau_limit",
-        "dof_effort_limit_list",
-    ),
-    "velocity_limit": ("velocity_limit", "velocity_limits", "dof_vel_limit_list"),
-    "armature": ("armature", "dof_armature_list"),
-    "frictionloss": ("friction_coulomb", "frictionloss", "dof_joint_friction_list"),
-    "joint_damping": ("friction_viscous",),
-    "default_position": (
-        "default_position",
-        "default_joint_pos",
-        "default_joint_angles",
-        "default_dof_pos",
-        "default_angles",
-        "default_pos",
-    ),
-    "action_scale": ("action_scale", "action_scales"),
-}
-"""Field to the keys that people use for it. Source: unitree_rl_gym, unitree_rl_lab, rl_sar, ASAP, OpenHomie deploy
-files, and what actspec writes."""
 
 OWN_FORMAT = "actspec-deploy/"
 """What `format` begins with in a file that actspec wrote, whose other lists are known too."""
@@ -103,17 +86,6 @@ OWN_LISTS = {
 }
 """Setting of a joint to the key of the list, and of the part of it."""
 
-NAMES = (
-    "joint_names",
-    "dof_names",
-    "joint_order",
-    "policy_joint_names",
-    "actuated_joint_names",
-    "joint_controller_names",
-    "joints",
-)
-"""Keys of the list that names the joints."""
-
 _ROS_PARAMETERS = "ros__parameters"
 """Key above the parameters of a ROS 2 node. Source: ros2_control, joint_trajectory_controller: `joints` are names of
 interfaces, each of which it claims by its name."""
@@ -128,11 +100,9 @@ _Block: TypeAlias = "dict[str, yaml.Node]"
 """A mapping of the file: key to value."""
 
 
-_GAIN_KEYS = (*PER_JOINT["kp"], *PER_JOINT["kd"])
-
 _GAINS = re.compile(
     rb"(?:^[^\w#\n]*|[{,][ \t]{0,9}[\"']?)(?:%s|(?:\w+_)?[kK][pPdD][sS]?(?:_\w+)?)[\"']?[ \t]*:"
-    % "|".join(_GAIN_KEYS).encode(),
+    % "|".join(GAIN_KEYS).encode(),
     re.MULTILINE,
 )
 
@@ -211,8 +181,6 @@ class _Reader:
         self.steps = 0
         self.refused: list[yaml.SequenceNode] = []
         """Lists of joint names of the block at hand that have one twice, the nearest first."""
-        self.named: yaml.SequenceNode | None = None
-        """The names of joints whose figures stand with each in the block at hand, in a list."""
         self.no_numbers: list[Diagnostic] = []
         """What stands for figures, and is none, in blocks of which nothing is read."""
         self.own: set[frozenset[str]] | None = None
@@ -270,11 +238,10 @@ class _Reader:
             return
         block = self.mapping(node)
         # Figures joint by joint are read as mappings from joint to each, which are known.
-        gains = PER_JOINT["kp"], PER_JOINT["kd"]
-        by_joint, self.named = by_figure(block.get("joints"), gains, self.mapping)
+        by_joint, named = by_figure(block.get("joints"), self.mapping)
         block = {**by_joint, **block}
         if self._has_gains(block):
-            config = self._config(node, block, above, name)
+            config = self._config(node, block, named, above, name)
             if config.groups or any(note.code not in _NOT_OF_LISTS for note in config.notes):
                 yield config
             else:
@@ -298,7 +265,7 @@ class _Reader:
             self.keys = {**PER_JOINT, "kp": (own[0].kp,), "kd": (own[0].kd,)}
             return True
         # A block with the gains of standing up has limits and a default pose that are the policy's, too.
-        if any(_is_per_joint(block.get(key)) for key in (*_GAIN_KEYS, *STANDING)):
+        if any(_is_per_joint(block.get(key)) for key in (*GAIN_KEYS, *STANDING)):
             return True
         gains = [nearest((block,), PER_JOINT[field]) for field in ("kp", "kd")]
         single = all(found is not None and is_meant_for_one(found[1]) for found in gains)
@@ -327,7 +294,14 @@ class _Reader:
                     found.setdefault(str(key.value), value)
         return found
 
-    def _config(self, node: yaml.Node, block: _Block, above: tuple[_Block, ...], name: str) -> RobotConfig:
+    def _config(
+        self,
+        node: yaml.Node,
+        block: _Block,
+        named: yaml.SequenceNode | None,
+        above: tuple[_Block, ...],
+        name: str,
+    ) -> RobotConfig:
         out = Collector()
         self.refused = []
         scopes = (block, *reversed(above))
@@ -361,9 +335,9 @@ class _Reader:
             if key in block:
                 # Compared with nothing, and the robot gets up by it all the same.
                 self._per_joint(key, block[key], joints, out)
-        if self.named is not None:
-            name_twice(self.named, self.path, out, "which of its figures count is not known")
-        stands_up = standing_up(scopes, _GAIN_KEYS, self._span, out)
+        if named is not None:
+            name_twice(named, self.path, out, "which of its figures count is not known")
+        stands_up = standing_up(scopes, self._span, out)
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))

@@ -1,17 +1,59 @@
-"""Gains of a deploy file that no key of `PER_JOINT` has: an author's own, `kp_walk` beside `kd_walk`, `motor_kp`, `Kp`;
-and those of standing up."""
+"""Keys of a deploy file: those of figures by joint and of names, an author's own for gains (`kp_walk` beside `kd_walk`,
+`motor_kp`, `Kp`), and those of standing up."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import yaml
 
 from actspec.diagnostics import Collector, Span
 from actspec.readings.deploy_steps import nearest
+
+PER_JOINT = {
+    "kp": ("kp", "kps", "stiffness", "p_gains", "kp_gains", "joint_kp", "joint_stiffness", "rl_kp"),
+    "kd": ("kd", "kds", "damping", "d_gains", "kd_gains", "joint_kd", "joint_damping", "rl_kd"),
+    "effort_limit": (
+        "effort_limit",
+        "effort_limits",
+        "torque_limit",
+        "torque_limits",
+        "tau_limit",
+        "dof_effort_limit_list",
+    ),
+    "velocity_limit": ("velocity_limit", "velocity_limits", "dof_vel_limit_list"),
+    "armature": ("armature", "dof_armature_list"),
+    "frictionloss": ("friction_coulomb", "frictionloss", "dof_joint_friction_list"),
+    "joint_damping": ("friction_viscous",),
+    "default_position": (
+        "default_position",
+        "default_joint_pos",
+        "default_joint_angles",
+        "default_dof_pos",
+        "default_angles",
+        "default_pos",
+    ),
+    "action_scale": ("action_scale", "action_scales"),
+}
+"""Field to the keys that people use for it. Source: unitree_rl_gym, unitree_rl_lab, rl_sar, ASAP, OpenHomie deploy
+files, and what actspec writes."""
+
+GAIN_KEYS = (*PER_JOINT["kp"], *PER_JOINT["kd"])
+"""Every known key of gains that joints run a policy with."""
+
+NAMES = (
+    "joint_names",
+    "dof_names",
+    "joint_order",
+    "policy_joint_names",
+    "actuated_joint_names",
+    "joint_controller_names",
+    "joints",
+)
+"""Keys of the list that names the joints."""
 
 STANDING_UP = "DEPLOY009"
 """Code of gains that are of standing up alone."""
@@ -75,7 +117,6 @@ def is_of_another(name: str) -> bool:
 
 def by_figure(
     node: yaml.Node | None,
-    gains: Iterable[Collection[str]],
     mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]],
 ) -> tuple[dict[str, yaml.Node], yaml.SequenceNode | None]:
     """Figures that stand joint by joint, each as one mapping of joints to it: `joints: {hip: {kp: 20, kd: 1}}`, or
@@ -84,7 +125,6 @@ def by_figure(
 
     Args:
         node: What stands below `joints`.
-        gains: All keys of kp, and of kd.
         mapping: A mapping's own and merged keys.
 
     Returns: Empty where it has no several joints of which most have both.
@@ -101,7 +141,11 @@ def by_figure(
                 names.append(name)
                 items.append((str(name.value), item))
     blocks = [(joint, mapping(below)) for joint, below in items if isinstance(below, yaml.MappingNode)]
-    having = {joint for joint, own in blocks if all(not own.keys().isdisjoint(each) for each in gains)}
+    having = {
+        joint
+        for joint, own in blocks
+        if all(not own.keys().isdisjoint(PER_JOINT[field]) for field in ("kp", "kd"))
+    }
     count = Counter(joint for joint, _ in items)
     if node is None or len(having) < 2 or 2 * len(having) <= len(count):
         return {}, None
@@ -171,7 +215,6 @@ def joint_lists(blocks: Iterator[Mapping[str, yaml.Node]]) -> set[frozenset[str]
 
 def standing_up(
     scopes: Sequence[Mapping[str, yaml.Node]],
-    gains: Sequence[str],
     span: Callable[[yaml.Node], Span],
     out: Collector,
 ) -> bool:
@@ -179,12 +222,11 @@ def standing_up(
 
     Args:
         scopes: Mappings in which they may stand, the nearest first.
-        gains: Every known key of gains that joints run a policy with.
         span: Place of a node.
         out: Is told.
     """
     found = nearest(scopes, STANDING)
-    if found is None or nearest(scopes, gains) is not None:
+    if found is None or nearest(scopes, GAIN_KEYS) is not None:
         return False
     out.info(
         STANDING_UP,

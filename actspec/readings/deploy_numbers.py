@@ -8,6 +8,7 @@ from collections.abc import Collection, Sequence
 import yaml
 
 from actspec.diagnostics import Collector, listed, shortened
+from actspec.joints import SIDE_WORDS
 from actspec.readings.deploy_keys import is_of_another
 from actspec.readings.leftover import node_span
 from actspec.readings.yaml_nodes import number_of
@@ -27,13 +28,10 @@ LEAST_JOINTS = 3
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 
-# fmt: off
-_LIMBS = frozenset((
-    "left", "right", "front", "fore", "rear", "hind", "back", "middle", "l", "r", "fl", "fr", "rl", "rr", "hl", "hr",
-    "bl", "br", "ml", "mr", "lf", "rf", "lh", "rh", "lb", "rb", "lm", "rm", "leg", "arm", "hand", "finger", "head",
-    "neck", "torso", "waist", "wheel",
-))
-# fmt: on
+_LIMBS = SIDE_WORDS.union(
+    ("front", "fore", "rear", "hind", "back", "middle"),
+    ("leg", "arm", "hand", "finger", "head", "neck", "torso", "waist", "wheel"),
+)
 """Words of a side, an end or a limb, in lower case. Chosen: as in joints' names, of one limb; `legs` is of several."""
 
 

@@ -16,7 +16,8 @@ import yaml
 from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.deploy import MOST_JOINTS, NAMES
+from actspec.readings.deploy import MOST_JOINTS
+from actspec.readings.deploy_keys import NAMES
 from actspec.readings.deploy_motors import SDK_NAMES
 from actspec.readings.dict_keys import POSE, meets
 from actspec.readings.joint_names import joint_names, matching

@@ -9,21 +9,12 @@ from dataclasses import replace
 from functools import lru_cache
 
 from actspec.audit.case import Case
+from actspec.joints import SIDE_WORDS, SIDES
 from actspec.readings.artifact import Artifact, Robot
 
-_SIDES = (
-    ("left", "right"), ("l", "r"), ("fl", "fr"), ("rl", "rr"), ("hl", "hr"), ("bl", "br"), ("ml", "mr"),
-    ("lf", "rf"), ("lh", "rh"), ("lb", "rb"), ("lm", "rm"),
-)  # fmt: skip
-"""Words for the sides, in lower case. Chosen: from the joint names in the surveyed repositories."""
-
-_RIGHT = {
-    form(left): form(right) for left, right in _SIDES for form in (str.lower, str.upper, str.capitalize)
-}
+_RIGHT = {form(left): form(right) for left, right in SIDES for form in (str.lower, str.upper, str.capitalize)}
 
 _LEFT = {right: left for left, right in _RIGHT.items()}
-
-SIDE_WORDS = frozenset(word for sides in _SIDES for word in sides)
 
 _ENDS = frozenset({"front", "fore", "rear", "back", "hind", "middle", "mid"})
 """Words for the ends of a robot on legs or wheels. Chosen: as above."""
