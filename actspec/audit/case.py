@@ -19,9 +19,8 @@ MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 """Files of a robot itself, to which the others give drives."""
 
 _WRITTEN: dict[FileKind | None, frozenset[str]] = {
-    FileKind.MJCF: frozenset({"effort_limit", "timestep"}),
     FileKind.URDF: frozenset({"urdf_effort", "urdf_limit"}),
-    FileKind.CFG: frozenset({"drive", "actuators", "armature"}),
+    FileKind.CFG: frozenset({"actuators"}),
 }
 """What of a kind of file a program can write over."""
 

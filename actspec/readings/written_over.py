@@ -6,16 +6,13 @@ import re
 from collections.abc import Collection, Mapping
 
 _WRITES: dict[str, re.Pattern[bytes]] = {
-    "effort_limit": re.compile(
-        rb"(?:actuator_forcerange|jnt_actfrcrange)(?:\s*\[[^\]\n]*\])*\s*=(?!=)|set_dofs_force_range|\.forcerange\s*=(?!=)"
-    ),
     "urdf_effort": re.compile(
         rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""
         rb"""|\w\[["']effort["']\](?:\.fill\(|(?:\[(?!\s*-?\d)[^\]\n]*\])?\s*=(?!=))"""
     ),
     "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
 }
-"""What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names.
+"""What a program writes over a file's figure when it has loaded it.
 
 Forks of legged_gym clip at limits of the configuration in place of the URDF's effort, or put them in its place for all
 joints (for one of them by number: a gripper's). What puts actuators that it made
@@ -34,17 +31,6 @@ _CLIPS = re.compile(
 """A torque that a program clips at a number of its own before the model's limit can matter.
 
 Of several beginnings on a line the last before the number counts, here as above: a long line is gone through once.
-"""
-
-_LISTS = re.compile(rb"\b(\w+)[ \t]*=[ \t]*(?:\w+\.\w+\(\s*)?[\[(]\s*\d[\d.]*,")
-_CLIPS_AT = re.compile(
-    rb"\.(?:clip|clamp)\((?:(?!\.(?:clip|clamp)\()[^\n])*?,\s*(?:\w+\s*=\s*)?-\s*(?:\w+\.)*(\w+)"
-)
-_OF_TORQUES = re.compile(rb"torque|tau|effort", re.IGNORECASE)
-"""Lists of numbers that stand in a program, and what it clips at: of torques, the limits of a robot's joints.
-
-self.torque_limits = np.array([88, 139, ...]), np.clip(torque, -self.torque_limits, self.torque_limits). Limits that it
-asked the model for have no numbers.
 """
 
 _KINEMATICS = (
@@ -102,16 +88,7 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
     """What programs write over, of `_WRITES`; of URDFs efforts that are no drive's limit."""
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
     if any(map(_CLIPS.search, texts)):
-        found |= {"effort_limit", "urdf_effort"}
-    if any(b"mujoco" in text and _clips_at_a_list(text) for text in texts):
-        # Its URDF may be what another program of the folder trains with.
-        found.add("effort_limit")
+        found.add("urdf_effort")
     if not any(map(_LIMITS_BY_URDF.search, texts)):
         found.add("urdf_limit")
     return frozenset(found)
-
-
-def _clips_at_a_list(text: bytes) -> bool:
-    """Whether a program clips a torque at a list of limits that stands in it."""
-    lists = {name for name in _LISTS.findall(text) if _OF_TORQUES.search(name)}
-    return bool(lists) and not lists.isdisjoint(_CLIPS_AT.findall(text))

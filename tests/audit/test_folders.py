@@ -159,9 +159,28 @@ def test_joints_that_lose_their_drive(
 def test_a_finding_may_be_a_note_of_a_folder_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A tenth of 23.7 N*m at a Go2's hip is one; what is 3 times the published 45.43 N*m at its knee is a warning."""
+    """A tenth of 23.7 N*m at a Go2's hip is one; what is 3 times the published 45.43 N*m at its knee is a warning.
+
+    Of an MJCF, which a program drives as it likes, both are notes.
+    """
     monkeypatch.chdir(tmp_path)
     Path("r").mkdir()
+    limits = {
+        "FR_hip": 2.37,
+        "F[RL]_thigh": 23.7,
+        "FL_hip": 23.7,
+        "R[RL]_(?:hip|thigh)": 23.7,
+        "FR_calf": 136.3,
+    }
+    groups = "".join(
+        f'"{n}": ImplicitActuatorCfg(joint_names_expr=["{joint}_joint"], effort_limit_sim={limit}, '
+        "stiffness=20.0, damping=1.0), "
+        for n, (joint, limit) in enumerate(limits.items())
+    )
+    Path("r/go2.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        f"GO2_CFG = ArticulationCfg(actuators={{{groups}}})\n"
+    )
     legs = "".join(
         f'<body><joint name="{leg}_hip_joint"/><geom size=".1"/>'
         f'<body><joint name="{leg}_thigh_joint"/><geom size=".1"/>'
@@ -175,15 +194,21 @@ def test_a_finding_may_be_a_note_of_a_folder_alone(
     Path("r/go2.xml").write_text(
         f'<mujoco model="go2"><worldbody>{legs}</worldbody><actuator>{drives}</actuator></mujoco>'
     )
-    for named, given, expected in (
-        ("r", {}, ("info", "warning")),
-        ("r/go2.xml", {}, ("warning", "warning")),
-        ("r", {"as_named": True}, ("warning", "warning")),
-        ("r", {"severity": {"KNW101": Severity.ERROR}}, ("error", "error")),
+    for given, of_config, of_model in (
+        ({}, ("info", "warning"), ("info", "info")),
+        ({"as_named": True}, ("warning", "warning"), ("warning", "warning")),
+        ({"severity": {"KNW101": Severity.ERROR}}, ("error", "error"), ("error", "error")),
     ):
-        found = audit([named], Settings(select=("KNW101",), **given)).findings  # type: ignore[arg-type]
-        severities = {item.finding.joint: item.severity.value for item in found}
-        assert severities == dict(zip(("FR_hip_joint", "FR_calf_joint"), expected, strict=True))
+        found = audit(["r"], Settings(select=("KNW101",), **given)).findings  # type: ignore[arg-type]
+        for ending, expected in ((".py", of_config), (".xml", of_model)):
+            severities = {
+                item.finding.joint: item.severity.value
+                for item in found
+                if item.finding.span.path.endswith(ending)
+            }
+            assert severities == dict(zip(("FR_hip_joint", "FR_calf_joint"), expected, strict=True))
+    named = audit(["r/go2.xml"], Settings(select=("KNW101",))).findings
+    assert {item.severity for item in named} == {Severity.WARNING}
     main(["audit", "r", "--select", "KNW101"])
     assert (
         "1 note (KNW101): --notes shows it; --as-named judges a folder of your own, where those of KNW101 can be errors"

@@ -39,26 +39,17 @@ def severities(*named: str) -> dict[str, Severity]:
     }
 
 
-def write_go1(kind: str) -> None:
-    """A Go1 alone, with 55 N*m at every joint: 1.64 times the 33.5 that its maker once had at all."""
+def write_go1() -> None:
+    """A Go1 alone, with 110 N*m at every joint: 3.28 times the 33.5 that its maker once had at all."""
     for path in Path("r/models").iterdir():
         path.unlink()
     names = [f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")]
-    if kind == "urdf":
-        joints = "".join(
-            f'<link name="{n}_link"/><joint name="{n}" type="revolute"><parent link="base"/><child link="{n}_link"/>'
-            '<limit lower="-1" upper="1" effort="110" velocity="20"/></joint>'
-            for n in names
-        )
-        text = f'<robot name="go1"><link name="base"/>{joints}</robot>'
-    else:
-        bodies = "".join(f'<body><joint name="{n}" range="-1 1"/><geom size="0.1"/></body>' for n in names)
-        drives = "".join(f'<position joint="{n}" kp="9" kv="50" forcerange="-110 110"/>' for n in names)
-        text = (
-            f'<mujoco model="go1"><compiler angle="radian"/><worldbody>{bodies}</worldbody>'
-            f"<actuator>{drives}</actuator></mujoco>"
-        )
-    Path(f"r/models/go1.{kind}").write_text(text)
+    joints = "".join(
+        f'<link name="{n}_link"/><joint name="{n}" type="revolute"><parent link="base"/><child link="{n}_link"/>'
+        '<limit lower="-1" upper="1" effort="110" velocity="20"/></joint>'
+        for n in names
+    )
+    Path("r/models/go1.urdf").write_text(f'<robot name="go1"><link name="base"/>{joints}</robot>')
 
 
 def of_published(*named: str) -> set[tuple[str, Severity]]:
@@ -620,55 +611,6 @@ def test_a_key_that_no_joint_of_its_group_can_have(named: str, severity: str) ->
 @pytest.mark.parametrize(
     ("program", "severity"),
     [
-        ("", Severity.WARNING),
-        ("if model.actuator_forcerange[0, 0] == 0.1: pass\n", Severity.WARNING),
-        ("model.actuator_forcerange[:, 0] = -tau\n", Severity.INFO),
-        ("robot.set_dofs_force_range(-tau, tau)\n", Severity.INFO),
-    ],
-)
-def test_what_a_program_writes_over(program: str, severity: Severity) -> None:
-    """A figure of a model that a program sets when it has loaded it is not the one that runs."""
-    write_go1("xml")
-    Path("r/run.py").write_text(f"load('models/go1.xml')\n{program}")
-    assert of_published("r") == {("go1.xml", severity)}
-
-
-@pytest.mark.parametrize(
-    ("after", "over", "noted"),
-    [
-        ("the force ranges are not accurate, inflated by 10 for speed", "", {"FL", "FR"}),
-        ("", "Increased torque limits for stairs", {"FL"}),
-        ("", "hip forcerange: 增大上限", {"FL"}),
-        ("", "hip forcerange: 单位为 N·m", set()),
-        ("force ranges as published", "", set()),
-        ("the joint range is increased", "", set()),
-        ("", "", set()),
-    ],
-)
-def test_limits_that_a_comment_calls_raised(after: str, over: str, noted: set[str]) -> None:
-    """Who wrote them knows it; what stands over an element is of that one alone. 105 N*m is 3.1 times a Go1's 33.5."""
-    names = [f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")]
-    bodies = "".join(f'<body><joint name="{name}"/><geom size="0.1"/></body>' for name in names)
-    limits = {"FL_hip_joint": 105.0, "FR_hip_joint": 105.1}
-    drives = "\n".join(
-        f'<motor joint="{n}" forcerange="-{limits.get(n, 23.7)} {limits.get(n, 23.7)}"/>' for n in names
-    )
-    Path("r/models/go1.xml").write_text(
-        f'<mujoco model="go1"><compiler angle="radian"/><worldbody>{bodies}</worldbody>\n'
-        f"<actuator>\n<!--{over}-->\n{drives}</actuator></mujoco>\n<!--{after}-->\n"
-    )
-    for named in ("r", "r/models/go1.xml"):
-        found = audit([named], Settings(select=("KNW101",))).findings
-        assert {
-            item.finding.joint[:2]: item.severity for item in found if item.finding.value in limits.values()
-        } == {
-            leg: Severity.INFO if named == "r" and leg in noted else Severity.WARNING for leg in ("FL", "FR")
-        }
-
-
-@pytest.mark.parametrize(
-    ("program", "severity"),
-    [
         ("env.robot = ROBOT_CFG.replace(prim_path='/World/Robot')\n", Severity.WARNING),
         (
             "env.robot = ANY_CFG.replace(prim_path='/World', init=init(q), actuators=actuators)\n",
@@ -708,47 +650,6 @@ def test_joints_that_are_held_or_take_a_torque(group: str, gains: str, severity:
     assert {item.severity for item in found} == {severity}
 
 
-@pytest.mark.parametrize(("kp", "severity"), [(18, Severity.WARNING), (17, Severity.INFO)])
-def test_a_servo_that_never_gets_to_its_limit(kp: int, severity: Severity) -> None:
-    """A range of 2 rad and 18 N*m/rad make 36 N*m, more than a Go1's calf's 35.55; 17 make 34."""
-    write_go1("xml")
-    path = Path("r/models/go1.xml")
-    text = path.read_text().replace('kp="9"', f'kp="{kp}" ctrlrange="-1 1" ctrllimited="true"')
-    path.write_text(text)
-    Path("r/run.py").write_text("import mujoco\nload('models/go1.xml')\n")
-    found = audit(["r"], Settings(select=("KNW101",))).findings
-    calves = {item.severity for item in found if "calf" in item.finding.joint}
-    assert calves == {severity}
-
-
-@pytest.mark.parametrize(
-    ("program", "severity"),
-    [
-        ("TAU = np.array([9, 9])\ntau = np.clip(tau, -TAU, TAU)\n", Severity.INFO),
-        (
-            "self.torque_limits = np.array([\n    9.0, 9.0])\n"
-            "torque = np.clip(torque, -self.torque_limits, self.torque_limits)\n",
-            Severity.INFO,
-        ),
-        ("efforts = [9, 9]\ndata.ctrl[:] = torch.clamp(x, min=-efforts, max=efforts)\n", Severity.INFO),
-        # The model's own, in one way or another, and what is no torque or clips nothing.
-        ("TAU = model.actuator_ctrlrange[:, 1]\ntau = np.clip(tau, -TAU, TAU)\n", Severity.WARNING),
-        ("TAU = np.array([model.tau])\ntau = np.clip(tau, -TAU, TAU)\n", Severity.WARNING),
-        ("STEP = np.array([9, 9])\nq = np.clip(q, -STEP, STEP)\n", Severity.WARNING),
-        ("TAU = np.array([9, 9])\ntau = np.clip(tau, -LIMIT, LIMIT)\n", Severity.WARNING),
-    ],
-)
-@pytest.mark.parametrize("simulator", ["mujoco", "isaacgym"])
-def test_a_program_with_limits_of_its_own(program: str, severity: Severity, simulator: str) -> None:
-    """Where it clips the torque at a list of them, an MJCF's never matter.
-
-    What clips in a program without MuJoCo is another simulation.
-    """
-    write_go1("xml")
-    Path("r/run.py").write_text(f"import {simulator}\nload('models/go1.xml')\n{program}")
-    assert of_published("r") == {("go1.xml", severity if simulator == "mujoco" else Severity.WARNING)}
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
@@ -760,14 +661,11 @@ def test_a_program_with_limits_of_its_own(program: str, severity: Severity, simu
         b"x.clip(",
         b"x.clip(x,",
         b"x.clip(x,-a.",
-        b"t=[1,",
-        b"t=[ ",
-        b"t=a.",
     ],
 )
 def test_a_line_of_a_megabyte(text: bytes) -> None:
     """Strangers' files have such lines; gone through once for each beginning on it, this takes half an hour."""
-    assert written_over((b"mujoco\ntau=[1," + text * (1_000_000 // len(text)),)) == {"urdf_limit"}
+    assert written_over((b"mujoco\n" + text * (1_000_000 // len(text)),)) == {"urdf_limit"}
 
 
 @pytest.mark.parametrize(
@@ -792,7 +690,7 @@ def test_a_line_of_a_megabyte(text: bytes) -> None:
 )
 def test_effort_of_a_urdf_that_a_trainer_has_not(program: str, severity: Severity) -> None:
     """Forks of legged_gym have limits of their own, or clip at a number."""
-    write_go1("urdf")
+    write_go1()
     Path("r/run.py").write_text(f"import isaacgym\nasset('go1.urdf')\n{program}")
     assert of_published("r") == {("go1.urdf", severity)}
 
@@ -807,7 +705,7 @@ def legs(name: str, cls: str, limit: str) -> str:
 
 def write_trained(configs: str) -> None:
     """A URDF with an A1's limits, and the configurations of its robot."""
-    write_go1("urdf")
+    write_go1()
     Path("r/isaaclab").mkdir()
     Path("r/train.py").write_text("from isaaclab import robots\nSOURCE = 'models/go1.urdf'\nrun(robots)\n")
     head = "from isaaclab.actuators import DCMotorCfg, IdealPDActuatorCfg, ImplicitActuatorCfg\n"
@@ -877,7 +775,7 @@ def test_an_effort_of_a_urdf_that_legged_gym_takes_too() -> None:
 )
 def test_a_limit_of_a_urdf_that_no_trainer_takes(name: str, program: str, severity: Severity) -> None:
     """Where it is no drive's limit, a URDF is there for its links; whoever names it wants to know."""
-    write_go1("urdf")
+    write_go1()
     Path("r", name).write_text(program)
     assert of_published("r") == {("go1.urdf", severity)}
     assert of_published("r/models/go1.urdf") == {("go1.urdf", Severity.WARNING)}

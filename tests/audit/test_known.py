@@ -719,9 +719,12 @@ def _ur10e(limits: Sequence[float], ending: str) -> str:
             "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
             f"UR10E_CFG = ArticulationCfg(actuators={{{groups}}})\n"
         )
-    bodies = "".join(f'<body><joint name="{name}_joint"/><geom size="0.1"/></body>' for name in _UR)
-    motors = "".join(f'<motor joint="{name}_joint" forcerange="-{limit} {limit}"/>' for name, limit in pairs)
-    return f'<mujoco model="ur10e"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
+    joints = "".join(
+        f'<link name="{name}"/><joint name="{name}_joint" type="revolute"><parent link="base"/><child link="{name}"/>'
+        f'<limit lower="-1" upper="1" effort="{limit}" velocity="2"/></joint>'
+        for name, limit in pairs
+    )
+    return f'<robot name="ur10e"><link name="base"/>{joints}</robot>'
 
 
 @pytest.mark.parametrize(
@@ -733,14 +736,14 @@ def _ur10e(limits: Sequence[float], ending: str) -> str:
         ),
         pytest.param((495.0, 495.0, 270.0, 84.0, 84.0, 84.0), "py", Severity.WARNING, id="one 1.8 times"),
         pytest.param((660.0, 660.0, 300.0, 112.0, 112.0, 112.0), "py", Severity.WARNING, id="all twice"),
-        pytest.param((18e3,) * 6, "xml", Severity.INFO, id="none binds: 54.5 times the largest"),
+        pytest.param((18e3,) * 6, "urdf", Severity.INFO, id="none binds: 54.5 times the largest"),
         pytest.param(
-            (18e3,) * 5 + (2600.0,), "xml", Severity.WARNING, id="one 48 times what is published: 54"
+            (18e3,) * 5 + (2600.0,), "urdf", Severity.WARNING, id="one 48 times what is published: 54"
         ),
-        pytest.param((330, 330, 150, 54, 54, 166), "xml", Severity.INFO, id="a model's: 56 times 2.96"),
-        pytest.param((330, 330, 150, 54, 54, 170), "xml", Severity.WARNING, id="a model's: 56 times 3.04"),
-        pytest.param((330, 330, 150, 54, 54, 107), "xml", Severity.WARNING, id="a UR20's wrist has 107"),
-        pytest.param((330, 330, 150, 150, 54, 54), "xml", Severity.WARNING, id="the elbow's own 150"),
+        pytest.param((330, 330, 150, 54, 54, 166), "urdf", Severity.INFO, id="a model's: 56 times 2.96"),
+        pytest.param((330, 330, 150, 54, 54, 170), "urdf", Severity.WARNING, id="a model's: 56 times 3.04"),
+        pytest.param((330, 330, 150, 54, 54, 107), "urdf", Severity.WARNING, id="a UR20's wrist has 107"),
+        pytest.param((330, 330, 150, 150, 54, 54), "urdf", Severity.WARNING, id="the elbow's own 150"),
     ],
 )
 def test_limits_that_are_no_motor_s_on_purpose(
@@ -754,6 +757,8 @@ def test_limits_that_are_no_motor_s_on_purpose(
     monkeypatch.chdir(tmp_path)
     Path("arms").mkdir()
     Path(f"arms/ur10e.{ending}").write_text(_ur10e(limits, ending))
+    if ending == "urdf":
+        Path("arms/train.py").write_text("import isaacgym\nload('ur10e.urdf')\n")
     found = audit(["arms"], Settings(select=("KNW101",))).findings
     assert {one.severity for one in found} == {severity}
     named = audit([f"arms/ur10e.{ending}"], Settings(select=("KNW101",))).findings
@@ -773,8 +778,14 @@ def test_a_servo_beside_a_motor(
 ) -> None:
     """A program uses one of the two: 54 + 54 N*m are no limit of 108. 54 + 90 are beyond 1.2 times 2 * 56 = 134.4."""
     monkeypatch.chdir(tmp_path)
-    text = _ur10e((330, 330, 150, 54, 54, 54), "xml")
-    Path("ur10e.xml").write_text(text.replace("</actuator>", f"{beside}</actuator>"))
+    bodies = "".join(f'<body><joint name="{name}_joint"/><geom size="0.1"/></body>' for name in _UR)
+    motors = "".join(
+        f'<motor joint="{name}_joint" forcerange="-{limit} {limit}"/>'
+        for name, limit in zip(_UR, (330, 330, 150, 54, 54, 54), strict=True)
+    )
+    Path("ur10e.xml").write_text(
+        f'<mujoco model="ur10e"><worldbody>{bodies}</worldbody><actuator>{motors}{beside}</actuator></mujoco>'
+    )
     values = {one.finding.value for one in audit(["ur10e.xml"], Settings(select=("KNW101",))).findings}
     assert values == ({found} if found else set())
 
