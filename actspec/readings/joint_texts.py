@@ -124,7 +124,7 @@ def distinct(text: str) -> tuple[str, ...]:
     if "\0" in text or "\ufffd" in text:
         raise NoNamesError(_NO_TEXT)
     if printed := _PRINTED.fullmatch(text):
-        return _checked([(_QUOTED.sub(r"\2", name), 0) for name in _NO_NAME.split(printed[1])])
+        text = "\n" * text.count("\n", 0, printed.start(1)) + printed[1]
     found = []
     for at, line in enumerate(text.splitlines(), 1):
         words = [word for word in _NO_NAME.split(_NUMBERED.sub("", line)) if word]
