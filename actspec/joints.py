@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import Enum
 
@@ -13,6 +14,12 @@ SIDES = (
 
 SIDE_WORDS = frozenset(word for sides in SIDES for word in sides)
 
+END_WORDS = frozenset({"front", "fore", "rear", "back", "hind"})
+"""Words for the ends of a robot on legs or wheels, likewise; `middle` is a finger too, and not here."""
+
+WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^A-Za-z0-9]+")
+"""A word or number of a joint's name, or what stands between two: `LHipPitch` has three words, and so has `l_hip1`."""
+
 # fmt: off
 LEG_WORDS = frozenset((
     "hip", "thigh", "calf", "knee", "ankle", "leg", "foot", "shank", "shin", "toe", "toes", "abduct", "abduction",
@@ -23,6 +30,22 @@ LEG_WORDS = frozenset((
 
 ARM_WORDS = frozenset(["shoulder", "elbow", "wrist", "arm", "forearm", "clavicle", "humerus", "radius"])
 """Words for parts of an arm, likewise; a hand is a device as often, and not here."""
+
+
+def other_word(one: str, other: str) -> tuple[str, str] | None:
+    """The word that one name has, wherever it differs, in the place of another one's; None where there are several."""
+    mine, its = WORD.findall(one), WORD.findall(other)
+    if len(mine) != len(its):
+        return None
+    apart = {pair for pair in zip(mine, its, strict=True) if pair[0] != pair[1]}
+    return apart.pop() if len(apart) == 1 else None
+
+
+def begin_alike(one: str, other: str) -> bool:
+    """Whether two names have the same words and numbers, in letters of any size, as far as the shorter one goes."""
+    mine, its = (re.findall(r"[a-z]+|\d+", name.lower()) for name in (one, other))
+    least = min(len(mine), len(its))
+    return least > 0 and mine[:least] == its[:least]
 
 
 class JointKind(str, Enum):

@@ -168,10 +168,14 @@ class Case:
         return self.options.get(code, {}).get(name, default)
 
 
+def runs(case: Case) -> frozenset[str]:
+    """Paths of what trainings wrote of themselves."""
+    return frozenset(file.path for file in case.files if file.record)
+
+
 def _records(case: Case) -> tuple[int, ...]:
-    """Artifacts that trainings wrote of themselves."""
-    paths = {file.path for file in case.files if file.record}
-    return tuple(index for index, artifact in enumerate(case.artifacts) if artifact.path in paths)
+    """The artifacts of these."""
+    return tuple(index for index, artifact in enumerate(case.artifacts) if artifact.path in case.once(runs))
 
 
 def _whose(case: Case) -> dict[Span, frozenset[int]]:

@@ -493,11 +493,10 @@ def _has_its_keys(artifact: Artifact, rows: Sequence[LedgerRow], known: tuple[st
     return not telling_keys or any(matching(config.framework, key, known) for key in telling_keys)
 
 
-def _pose_keys(artifact: Artifact) -> list[str]:
+def _pose_keys(artifact: Artifact) -> Sequence[str]:
     """The keys of a configuration's default pose; none where it has no dict."""
     setting = None if artifact.config is None else artifact.config.settings.get("default_position")
-    keys = setting.value if setting is not None and isinstance(setting.value, Mapping) else {}
-    return [str(key) for key in keys]
+    return (setting.keys if setting is not None else None) or ()
 
 
 def _counts_alike(known: Iterable[str], names: Iterable[str]) -> bool:

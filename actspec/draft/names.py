@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from types import MappingProxyType
 
-from actspec.joints import ARM_WORDS, LEG_WORDS
+from actspec.files import in_common
+from actspec.joints import ARM_WORDS, END_WORDS, LEG_WORDS, SIDE_WORDS
 from actspec.patterns import PatternError, covering_pattern, match_names
 
 MAX_WRITTEN = 200
@@ -27,10 +28,7 @@ _METACHARACTER = re.compile(r"[\\.^$*+?{}\[\]|()]")
 _BEFORE = re.compile(r"(?<=[^_\-./ :])(?=[_\-./ :])|(?<=[a-z0-9])(?=[A-Z])")
 _AFTER = re.compile(r"(?<=[_\-./ :])(?=[^_\-./ :])|(?<=[a-z0-9])(?=[A-Z])")
 
-_SIDES = _words(
-    "l r fl fr rl rr bl br hl hr lf rf lm rm ml mr lh rh lb rb ll lr la ra left right front rear hind back fore "
-    "upper lower"
-)
+_SIDES = SIDE_WORDS | END_WORDS | _words("ll lr la ra upper lower")
 _HANDS = {"l": "left", "left": "left", "r": "right", "right": "right"}
 _ENDS = {
     "f": "front",
@@ -556,12 +554,8 @@ def _common(parts: Sequence[list[str]], *, legs: bool) -> Iterator[str]:
 
 def _shared(parts: Sequence[list[str]]) -> list[str]:
     """What all lists begin with."""
-    shared = []
-    for words in zip(*parts, strict=False):
-        if len(set(words)) > 1:
-            break
-        shared.append(words[0])
-    return shared
+    first, last = min(parts), max(parts)
+    return first[: in_common(first, last)]
 
 
 def _keys(words: Sequence[str]) -> Iterator[str]:

@@ -60,7 +60,9 @@ def unselected(
             keys = [key for key in keys if not (patterns and matching(framework, key, free))]
             lost.append((setting.span, f"of {name}", f"no joint of group {one_line(group.name)}", keys))
     for name, setting in config.settings.items():
-        keys = [key for key in _keys(setting) if not any(meets(framework, name, key, one) for one in joints)]
+        keys = [
+            key for key in setting.keys or () if not any(meets(framework, name, key, one) for one in joints)
+        ]
         if of is not None:
             lost.append((setting.span, f"of {name}", none, keys))
             continue
@@ -83,7 +85,7 @@ def unselected(
         if term.scale is not None and mine:
             keys = [
                 key
-                for key in _keys(term.scale)
+                for key in term.scale.keys or ()
                 if not any(meets(framework, _SCALE, key, one) for one in mine)
             ]
             lost.append((term.scale.span, f"of {_SCALE}", f"no joint of {_called(term)}", keys))
@@ -132,7 +134,7 @@ def _undriven(
         without = [
             one
             for one in joints
-            if not any(meets(config.framework, name, key, one) for key in _keys(setting))
+            if not any(meets(config.framework, name, key, one) for key in setting.keys or ())
         ]
         near |= {key: guess for key in keys if (guess := meant_for(key, without))}
     every = list(dict.fromkeys(key for _, _, keys in found for key in keys))
@@ -227,8 +229,3 @@ def not_listed(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnosti
         message = f"{names} of {one_line(config.name)} {'are' if len(lost) > 1 else 'is'} not among --joints"
         help = "its numbers are left out" if len(lost) == 1 else "their numbers are left out"
         yield Diagnostic("DRF012", Severity.WARNING, message, "", lost[0].span, help)
-
-
-def _keys(setting: Setting) -> Sequence[str]:
-    """Keys of values by joint; none of any other value."""
-    return tuple(setting.value) if isinstance(setting.value, Mapping) else ()

@@ -78,6 +78,11 @@ class Setting:
         return self.places.get(key, self.span)
 
     @property
+    def keys(self) -> tuple[str, ...] | None:
+        """The patterns of by-pattern values, in the author's order; None where it is unknown or anything else."""
+        return tuple(self.value) if isinstance(self.value, Mapping) else None
+
+    @property
     def number(self) -> float | None:
         """The value where it is one number; None where it is unknown or anything else."""
         known = (

@@ -114,7 +114,7 @@ def lost_keys(
 ) -> list[str]:
     """Keys of a dict that can select none of the group's joints, for which Isaac Lab and mjlab refuse it."""
     joints = [joint for joint, _ in selected(config, group, named)]
-    keys = setting.value if isinstance(setting.value, Mapping) else ()
+    keys = setting.keys or ()
     return [key for key in keys if not any(may_match(config.framework, key, joint) for joint in joints)]
 
 
@@ -293,7 +293,7 @@ def _figures_over(
     known = named is not None or plain_name(config.framework, pattern) is not None
     # legged_gym looks both gains up by the keys of one.
     order = group.settings.get("stiffness") if config.framework is Framework.LEGGED_GYM else None
-    gains = tuple(order.value) if order is not None and isinstance(order.value, Mapping) else ()
+    gains = (order.keys if order is not None else None) or ()
 
     def take(field: str, *settings: str) -> None:
         for name in settings:

@@ -183,7 +183,7 @@ def again(
 ) -> Iterator[tuple[str, dict[str, list[str]]]]:
     """Keys that are for joints which an earlier key is for already: the key, and each such key to those joints."""
     first: dict[str, str] = {}
-    for key in setting.value if isinstance(setting.value, Mapping) else ():
+    for key in setting.keys or ():
         taken: dict[str, list[str]] = {}
         for joint in joints:
             if meets(framework, name, key, joint) and first.setdefault(joint, key) != key:

@@ -7,7 +7,7 @@ import itertools
 import math
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -184,12 +184,11 @@ def fitting(lists: Sequence[JointList], configs: Sequence[RobotConfig]) -> Joint
     patterns = [(c.framework, p) for c in configs for group in c.groups for p in group.joints or ()]
 
     keys = [
-        (config.framework, name, str(key))
+        (config.framework, name, key)
         for config in configs
         for each in (config.settings, *(group.settings for group in config.groups))
         for name, setting in each.items()
-        if isinstance(setting.value, Mapping)
-        for key in setting.value
+        for key in setting.keys or ()
     ]
 
     every = [frozenset(names_of(one.joints)) for one in lists]

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Sequence
+from itertools import product
 
+from actspec.joints import other_word
 from actspec.patterns import PatternError, match_names
 from actspec.patterns import written_out as names_in
 from actspec.readings.artifact import Artifact, Framework, RobotConfig
 from actspec.readings.body import SHARE
 
 _COUNTED = re.compile(r"(.*?)(\d{1,3})(\D*)", re.DOTALL)
-
-_PART = re.compile(r"[^\W\d_]+|[\W\d_]+")
-"""Words of a joint's name, and what is between them."""
 
 
 def joint_names(artifact: Artifact) -> tuple[str, ...] | None:
@@ -68,24 +67,11 @@ def renaming(one: frozenset[str], other: frozenset[str]) -> dict[str, str]:
     mine, its = one - other, other - one
     if not mine or len(mine) != len(its) or len(one & other) < len(mine):
         return {}
-    # What is one of two alike in the names of one side is the only one on the other: `right_arm_j1`, `right_arm/j1`.
-    return _replaced(mine, its) or {name: called for called, name in _replaced(its, mine).items()}
-
-
-def _replaced(mine: frozenset[str], its: frozenset[str]) -> dict[str, str]:
-    """Names to others where one word, wherever it stands, for another makes them these."""
-    first = _PART.findall(min(mine))
-    for name in its:
-        apart = [pair for pair in zip(first, _PART.findall(name), strict=False) if pair[0] != pair[1]]
-        if len(apart) == 1:
-            word, instead = apart[0]
-            found = {
-                each: "".join(instead if part == word else part for part in _PART.findall(each))
-                for each in mine
-            }
-            if set(found.values()) == its:
-                return found
-    return {}
+    found: dict[tuple[str, str], dict[str, str]] = {}
+    for name, called in product(sorted(mine), sorted(its)):
+        if word := other_word(name, called):
+            found.setdefault(word, {})[name] = called
+    return next((each for each in found.values() if each.keys() == mine and {*each.values()} == its), {})
 
 
 def fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from actspec.diagnostics import shortened
+from actspec.files import in_common
 
 _NO_NAME = re.compile(r"[,;\s]+")
 _COMMENT = re.compile(r"#.*")
@@ -86,7 +87,7 @@ def lists_in(text: str) -> list[tuple[str, ...]]:
     text = _COMMENT.sub("", text)
     if "\0" in text:
         raise NoNamesError(_NO_TEXT)
-    if found := _called([*_tabled(text), *_written(text)]):
+    if found := _called(text):
         return found
     columns = _columns(text)
     return [distinct(text)] if columns is None else [_checked([(n, 0) for n in names]) for names in columns]
@@ -104,8 +105,7 @@ def lists_in_notebook(data: bytes) -> list[tuple[str, ...]]:
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
         raise NoNamesError("is no notebook") from None
     for texts in (printed, codes):
-        text = _COMMENT.sub("", "\n".join(texts))
-        if found := _called([*_tabled(text), *_written(text)]):
+        if found := _called(_COMMENT.sub("", "\n".join(texts))):
             return found
     raise NoNamesError("no list of joint names is in it")
 
@@ -124,7 +124,7 @@ def distinct(text: str) -> tuple[str, ...]:
     if "\0" in text or "\ufffd" in text:
         raise NoNamesError(_NO_TEXT)
     if printed := _PRINTED.fullmatch(text):
-        return _checked([(_QUOTED.sub(r"\2", name), 0) for name in _NO_NAME.split(printed[1])])
+        text = "\n" * text.count("\n", 0, printed.start(1)) + printed[1]
     found = []
     for at, line in enumerate(text.splitlines(), 1):
         words = [word for word in _NO_NAME.split(_NUMBERED.sub("", line)) if word]
@@ -160,11 +160,12 @@ def _check_names(words: Sequence[tuple[str, int]]) -> None:
             raise NoNamesError(f"{shown} is {what}", line=line)
 
 
-def _called(found: Sequence[_Found]) -> list[tuple[str, ...]]:
-    """Those that are called lists of joints, else the only one that is called nothing.
+def _called(text: str) -> list[tuple[str, ...]]:
+    """The lists in a text that are called lists of joints, else the only one that is called nothing.
 
     Raises: NoNamesError: of several that are called nothing.
     """
+    found = [*_tabled(text), *_written(text)]
     of_joints = dict.fromkeys(one.names for one in found if one.of_joints)
     unnamed = dict.fromkeys(one.names for one in found if one.of_joints is None)
     if not of_joints and len(unnamed) > 1:
@@ -347,7 +348,9 @@ def without_beginning(names: Sequence[str]) -> tuple[list[str], str]:
     """
     bare, cut = list(names), ""
     if all("/" in name for name in names):
-        shared = _path_of(names)
+        first, last = min(names), max(names)
+        # The folders that all paths share, with the last `/`.
+        shared = first[: first.rfind("/", 0, in_common(first, last)) + 1]
         if all(name.startswith("/") for name in names):
             bare = [name.rpartition("/")[2] for name in names]
             whole = all(name == shared + end for name, end in zip(names, bare, strict=True))
@@ -361,10 +364,3 @@ def without_beginning(names: Sequence[str]) -> tuple[list[str], str]:
         bare, cut = [name[len(mark) :] for name in bare], f"{cut} and " * bool(cut) + f"the beginning {mark}"
     useful = cut and all(bare) and len(set(bare)) == len(bare)
     return (bare, cut) if useful else ([], "")
-
-
-def _path_of(names: Sequence[str]) -> str:
-    """The folders that all paths share, with the last `/`."""
-    first, last = min(names), max(names)
-    same = next((at for at, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), len(first))
-    return first[: first.rfind("/", 0, same) + 1]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import listed, one_line
+from actspec.diagnostics import RobotError, listed, one_line
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_tree import Element, XmlDocument
 
@@ -143,6 +143,21 @@ def unknown_inertia(model: mujoco.MjModel, meshes: MeshDependence | None) -> fro
         return frozenset(range(model.nv))
     shaken = {model.body_treeid[body.id] for body in meshes.bodies}
     return frozenset(dof for dof, tree in enumerate(trees) if tree in shaken)
+
+
+def need_meshes(spec: mujoco.MjSpec) -> None:
+    """Stop where the inertia of a moving body comes from mesh files that are not there.
+
+    Raises: RobotError: it does.
+    """
+    meshes = mesh_dependence(spec)
+    if meshes is not None and meshes.missing:
+        raise RobotError.of(
+            "SYS001",
+            f"link inertia is unknown: {meshes.reason}",
+            where="robot.model",
+            help=meshes.remedy,
+        )
 
 
 def mesh_path(spec: mujoco.MjSpec, mesh: Any) -> str:

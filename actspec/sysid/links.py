@@ -179,7 +179,7 @@ def _model(robot: RobotView, joints: Sequence[str]) -> Any:
     """The compiled model, with nothing in it but links and springs."""
     import mujoco
 
-    from actspec.robot.assets import mesh_dependence
+    from actspec.robot.assets import need_meshes
     from actspec.robot.mjspec import compile_spec, open_spec, open_urdf
 
     if robot.format is ModelFormat.NONE:
@@ -193,14 +193,7 @@ def _model(robot: RobotView, joints: Sequence[str]) -> Any:
         spec, files = open_urdf(robot.files)
     else:
         spec, files = open_spec(robot.files, format=robot.format, real_assets=True), robot.files
-    missing = mesh_dependence(spec)
-    if missing is not None and missing.missing:
-        raise RobotError.of(
-            "SYS001",
-            f"link inertia is unknown: {missing.reason}",
-            where="robot.model",
-            help=missing.remedy,
-        )
+    need_meshes(spec)
     model = compile_spec(spec, files)
     lacking = [n for n in joints if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, n) < 0]
     if lacking:

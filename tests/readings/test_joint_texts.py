@@ -93,6 +93,8 @@ def test_what_is_taken(text: str) -> None:
         ("[joints]\nhip = 0\n", "[joints] is no name of a joint", 1),
         ("hip\nknee = 0\n", "0 is a number beside names", 2),
         ("hip\nknee\nhip\n", "hip stands there twice", 3),
+        ("joints:\n[hip, knee,\nhip]\n", "hip stands there twice", 3),
+        ("[hip, knee, 0]\n", "0 is a number beside names", 1),
         (f"{HEADED}Joint names: ['hip', 'hip']\n", "hip stands there twice", 1),
         ("['a', 'b']\n['c', 'd']\n", "which of its lists has the joints is not told", 0),
         ("hip\0", "is no text", 0),

@@ -21,6 +21,7 @@ from actspec.robot.mjspec import compile_spec, open_spec, quiet, splice
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ActuatorView, ModelFile, ModelFormat, RobotView
 from actspec.robot.xml import parse_document
+from actspec.sysid.links import bench_model
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 REAL = sorted(CORPUS.rglob("*.xml")) if CORPUS.is_dir() else []
@@ -582,6 +583,15 @@ def test_inertia_from_absent_meshes_is_unknown() -> None:
         "the mass of body 'b' comes from mesh files that are not there or that MuJoCo cannot read (.dae)"
     )
     assert [j.name for j in view.joints] == ["j"]
+
+
+def test_what_needs_the_inertia_stops_where_a_mesh_is_absent() -> None:
+    with pytest.raises(RobotError) as caught:
+        bench_model(read(ASSETS.format("")), ["j"], None)
+    (told,) = caught.value.diagnostics
+    assert (told.code, told.where) == ("SYS001", "robot.model")
+    assert told.message.startswith("link inertia is unknown: the mass of body 'b' comes from mesh files")
+    assert told.help is not None and told.help.startswith("state masses and inertias in the model")
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import Group, groups_of, names_model
 from actspec.diagnostics import shortened
-from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.dict_keys import dead_keys, is_no_expression, may_match, meant_for
 from actspec.readings.joint_names import joint_names
 from actspec.readings.versions import is_native
@@ -56,7 +56,8 @@ class DictMissesJoint(RuleInParts):
                 continue
             models = _models(case, index, config)
             for cfg in config.groups if models else ():
-                keys = _keys(cfg.settings.get("stiffness"))
+                stiffness = cfg.settings.get("stiffness")
+                keys = None if stiffness is None else stiffness.keys
                 if keys is not None and cfg.cls in ("P", "V"):
                     missed = [tuple(self._legged_gym(model, cfg, keys)) for model in models]
                     # Where several may be meant, it is the one that the keys fit best.
@@ -66,10 +67,9 @@ class DictMissesJoint(RuleInParts):
         """For each dict of a group the joints without a key; but of limits, what the first dict lacks is told once."""
         told: set[str] = set()
         for name, effect in _ZERO.items():
-            keys = _keys(group.cfg.settings.get(name))
-            if keys is None:
+            setting, is_limit = group.cfg.settings.get(name), "limit" in name
+            if setting is None or (keys := setting.keys) is None:
                 continue
-            setting, is_limit = group.cfg.settings[name], "limit" in name
             joints = [row.joint for row in group.rows]
             if any(map(is_no_expression, keys)) or dead_keys(group.framework, keys, group.cfg.joints or ()):
                 # It raises, and gives nothing 0: CFG004, ORD104.
@@ -118,13 +118,6 @@ def _with_mimics(case: Case) -> frozenset[int]:
     """Configurations whose file speaks of mimic joints."""
     files = {file.path for file in case.files if any(_MIMIC.search(part.data) for part in file.files)}
     return frozenset(index for index, artifact in case.of_kind(FileKind.CFG) if artifact.path in files)
-
-
-def _keys(setting: Setting | None) -> Sequence[str] | None:
-    """Keys of a dict by joint; None for anything else."""
-    if setting is None or setting.unknown is not None or not isinstance(setting.value, Mapping):
-        return None
-    return tuple(map(str, setting.value))
 
 
 def _models(case: Case, index: int, config: RobotConfig) -> list[Artifact]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.audit.rules.sided import other_side
+from actspec.joints import begin_alike
 from actspec.readings.artifact import FileKind
 from actspec.robot.view import ActuatorView, RobotView
 
@@ -82,14 +82,4 @@ def _of_model(index: int, robot: RobotView) -> Iterator[Crowded]:
 
 def _is_named(actuator: str, joint: str, other: str) -> bool:
     """Whether an actuator is called after one joint, and not after another."""
-    words, mine, its = (_words(name) for name in (actuator, joint, other))
-    return bool(words) and _begins(words, mine) and not _begins(words, its)
-
-
-def _begins(one: Sequence[str], other: Sequence[str]) -> bool:
-    least = min(len(one), len(other))
-    return tuple(one[:least]) == tuple(other[:least])
-
-
-def _words(name: str) -> list[str]:
-    return re.findall(r"[a-z]+|\d+", name.lower())
+    return begin_alike(actuator, joint) and not begin_alike(actuator, other)

@@ -304,6 +304,18 @@ def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:
     return min(others, key=lambda other: other.effort_limit or 0.0, default=None)
 
 
+def limit_of(case: Case, row: LedgerRow) -> float | None:
+    """The finite effort limit that holds for a joint [N*m or N]; None: no file states one."""
+    limiting = limiting_row(case, row)
+    return None if limiting is None else limiting.effort_limit
+
+
+def acceleration(row: LedgerRow, limit: float | None, armature: float | None) -> float | None:
+    """What its whole torque gives a hinge's armature alone [rad/s^2]; None of a slide, and without one of the two."""
+    torque, inertia = limit or 0.0, armature or 0.0
+    return torque / inertia if torque > 0.0 < inertia and row.kind is not JointKind.SLIDE else None
+
+
 def finite(limit: float | None) -> float | None:
     return limit if limit is not None and 0.0 < limit < math.inf else None
 

@@ -10,9 +10,9 @@ from actspec.audit.case import Case
 from actspec.audit.rules.configs import FRAMEWORKS, is_whole_robot
 from actspec.audit.rules.joints import names_undriven
 from actspec.audit.rules.ord101 import scalar_joints, stated_order
-from actspec.audit.rules.sided import WORD, across
+from actspec.audit.rules.sided import across
 from actspec.diagnostics import Span, nearest
-from actspec.joints import ARM_WORDS, LEG_WORDS
+from actspec.joints import ARM_WORDS, LEG_WORDS, begin_alike, other_word
 from actspec.patterns import is_slip
 from actspec.readings.artifact import Artifact, FileKind, Framework
 from actspec.readings.joint_names import matching
@@ -194,7 +194,10 @@ def _meant(lost: Sequence[str], free: Sequence[str]) -> dict[str, str]:
     if len(lost) == 1 == len(free):
         near = nearest(lost[0], free)
         return {lost[0]: near} if near is not None else {}
-    near_ones = {name: [other for other in free if _is_alike(name, other)] for name in lost}
+    near_ones = {
+        name: [other for other in free if begin_alike(name, other) or is_misspelt(name, other)]
+        for name in lost
+    }
     meant = {name: near[0] for name, near in near_ones.items() if len(near) == 1}
     taken = list(meant.values())
     return {name: joint for name, joint in meant.items() if taken.count(joint) == 1}
@@ -216,31 +219,16 @@ def _of_its_side(lost: Sequence[str], free: Sequence[str], names: Sequence[str])
     left_out = [joint for joint in free if {*across(joint)} & ({*names} - {*lost})]
     if len(odd) != 1 or len(left_out) != 1:
         return {}
-    mine, its = ([word.lower() for word in WORD.findall(name)] for name in (odd[0], left_out[0]))
-    differing = [{*pair} for pair in zip(mine, its, strict=False) if pair[0] != pair[1]]
-    one_limb = len(differing) == 1 and any(differing[0] <= limb for limb in (LEG_WORDS, ARM_WORDS))
-    return {odd[0]: left_out[0]} if one_limb and len(mine) == len(its) else {}
-
-
-def _is_alike(one: str, other: str) -> bool:
-    """Whether two names differ in what is left out at the end, or is misspelt."""
-    mine, its = (re.findall(r"[a-z]+|\d+", name.lower()) for name in (one, other))
-    least = min(len(mine), len(its))
-    return mine[:least] == its[:least] or is_misspelt(one, other)
+    words = {*map(str.lower, other_word(odd[0], left_out[0]) or ("",))}
+    return {odd[0]: left_out[0]} if any(words <= limb for limb in (LEG_WORDS, ARM_WORDS)) else {}
 
 
 def is_misspelt(one: str, other: str) -> bool:
     """Whether two names differ by a letter inside a word. Sides, axes and numbers tell joints from each other, and are
     shorter than the four letters of a word here, or differ in the first one.
     """
-    words = re.findall(r"[^\W\d_]+|\d+", one), re.findall(r"[^\W\d_]+|\d+", other)
-    if len(words[0]) != len(words[1]):
-        return False
-    differing = [pair for pair in zip(*words, strict=True) if pair[0] != pair[1]]
-    if len(differing) != 1 or not is_slip(one, [other]):
-        return False
-    mine, its = differing[0]
-    return max(len(mine), len(its)) >= 4 and mine[0] == its[0]
+    mine, its = other_word(one, other) or ("", "")
+    return max(len(mine), len(its)) >= 4 and mine[0] == its[0] and is_slip(one, [other])
 
 
 def is_swapped(one: str, other: str) -> bool:

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.diagnostics import shortened
@@ -40,10 +40,9 @@ class JointHasTwoKeys(RuleOver[tuple[int, RobotConfig]]):
             for name in sorted(_BY_JOINT & group.settings.keys()):
                 dicts.append((f"{name} of group {shortened(group.name)}", name, group.settings[name], named))
         for owner, name, setting, joints in dicts:
-            keys = _keys(setting)
-            if setting is None or len(keys) < 2:
+            if setting is None:
                 continue
-            for key, taken in again(config.framework, name, setting, joints or keys):
+            for key, taken in again(config.framework, name, setting, joints or setting.keys or ()):
                 for other, found in taken.items():
                     if joints or _certain(key, other, found):
                         yield from self._told(key, other, owner, setting, found if joints else [""])
@@ -70,8 +69,3 @@ def _certain(key: str, other: str, samples: Sequence[str]) -> bool:
     A key that is a name, or any beside `.*`, matches none or one that the other does; for none the cfg is refused too.
     """
     return ".*" in (key, other) or any(map(PLAIN.fullmatch, samples))
-
-
-def _keys(setting: Setting | None) -> tuple[str, ...]:
-    value = setting.value if setting is not None and setting.unknown is None else None
-    return tuple(map(str, value)) if isinstance(value, Mapping) else ()

@@ -11,7 +11,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.misnamed import is_misspelt, is_swapped, misnamed, selects
 from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed, shortened
-from actspec.joints import JointKind
+from actspec.joints import JointKind, other_word
 from actspec.readings.artifact import Artifact, Robot
 from actspec.readings.called import stem_of, telling
 from actspec.readings.joint_names import joint_names, renaming
@@ -53,7 +53,7 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
                     continue
                 there = case.artifacts[one if departing == other else other].path
                 found.setdefault((joint.span, joint.name, meant.name), {})[there] = meant.span
-        words = {key: _other_word(key[1], key[2]) for key in found}
+        words = {key: other_word(key[1], key[2]) for key in found}
         many = Counter((key[0].path, pair) for key, pair in words.items() if pair is not None)
         yield from _limbs_told(case, robot)
         for (place, called, name), others in found.items():
@@ -76,13 +76,6 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
                 related=tuple(dict.fromkeys(others.values())),
                 about=f"{called} {name}",
             )
-
-
-def _other_word(one: str, other: str) -> tuple[str, str] | None:
-    """The word that one name has in the place of another name's; None where they differ in more."""
-    mine, its = (re.findall(r"[^\W_]+|[\W_]+", name) for name in (one, other))
-    apart = [pair for pair in zip(mine, its, strict=False) if pair[0] != pair[1]]
-    return apart[0] if len(mine) == len(its) and len(apart) == 1 else None
 
 
 def _models(case: Case, robot: Robot) -> list[int]:
@@ -188,7 +181,7 @@ def _turn_alike(one: JointView, other: JointView) -> bool:
 
 def _is_a_slip(mine: JointView, its: JointView) -> bool:
     """Whether one of two names is the other one misspelt: `rigth_arm_j1`."""
-    word = _other_word(mine.name, its.name)
+    word = other_word(mine.name, its.name)
     return is_misspelt(mine.name, its.name) or (word is not None and is_swapped(*word))
 
 

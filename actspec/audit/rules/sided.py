@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 
 from actspec.audit.case import Case
-from actspec.joints import SIDE_WORDS, SIDES
+from actspec.joints import END_WORDS, SIDE_WORDS, SIDES, WORD
 from actspec.readings.artifact import Artifact, Robot
 
 _RIGHT = {form(left): form(right) for left, right in SIDES for form in (str.lower, str.upper, str.capitalize)}
 
 _LEFT = {right: left for left, right in _RIGHT.items()}
 
-_ENDS = frozenset({"front", "fore", "rear", "back", "hind", "middle", "mid"})
-"""Words for the ends of a robot on legs or wheels. Chosen: as above."""
+_OF_A_LEG = SIDE_WORDS | END_WORDS | {"middle", "mid"}
+"""Words that tell a leg or a wheel from the others."""
 
 _OF_FILES = {"left": {"left", "l", "lh"}, "right": {"right", "r", "rh"}}
 """Words for the side that a file is of. Chosen: others are names of folders and robots (`rl`, `ml`, `fr3`, `rm65`)."""
@@ -28,8 +27,6 @@ _MIRRORED = frozenset({"mirror", _MIRROR})
 
 _FOLDERS = 3
 """Folders above a file that may tell its side. Chosen: `hand_left/urdf/hand.urdf` and one more."""
-
-WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^A-Za-z0-9]+")
 
 
 def other_side(name: str, names: Collection[str]) -> str | None:
@@ -63,7 +60,7 @@ def _with_others(name: str, sides: Mapping[str, str]) -> tuple[str, ...]:
 def of_its_leg(name: str) -> str:
     """A joint's name without what tells its leg or wheel from the others: that of `FL_hip` and of `RR_hip`."""
     words = WORD.findall(name)
-    return "".join("-" if word.lower() in SIDE_WORDS | _ENDS else word for word in words)
+    return "".join("-" if word.lower() in _OF_A_LEG else word for word in words)
 
 
 def robots_of_one_side(case: Case) -> tuple[Robot, ...]:

@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 from actspec.audit.case import Case
 from actspec.audit.causes import PUBLISHED
 from actspec.audit.known import KnownRobot, likenesses, same
-from actspec.audit.rules.joints import SLOW, limiting_row, partner_rows, top_speed
+from actspec.audit.rules.joints import SLOW, acceleration, limit_of, partner_rows, top_speed
 from actspec.diagnostics import Span
-from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.compare import Figure, times
 from actspec.readings.ledger import LedgerRow
@@ -189,28 +188,21 @@ def _is_out_of_range(case: Case, row: LedgerRow, position: float) -> bool:
 
 def _is_no_rotor(case: Case, row: LedgerRow, armature: float) -> bool:
     """Whether a hinge's armature is so large that its torque turns nothing, or so small that no motor has it."""
-    limit = _limit(case, row)
-    if limit is None or armature <= 0.0 or row.kind is JointKind.SLIDE:
-        return False
-    return not SLOW <= limit / armature <= _FAST
+    found = acceleration(row, limit_of(case, row), armature)
+    return found is not None and not SLOW <= found <= _FAST
 
 
 def _stops(case: Case, row: LedgerRow, damping: float) -> bool:
     """Whether the damping alone takes the joint's whole torque or force before its top speed."""
-    limit = _limit(case, row)
+    limit = limit_of(case, row)
     speeds = [speed for one in (row, *partner_rows(case, row)) if (speed := top_speed(one)) is not None]
     return limit is not None and bool(speeds) and damping * min(speeds) >= limit
 
 
 def _holds(case: Case, row: LedgerRow, friction: float) -> bool:
     """Whether dry friction takes the joint's whole torque or force."""
-    limit = _limit(case, row)
+    limit = limit_of(case, row)
     return limit is not None and friction >= limit
-
-
-def _limit(case: Case, row: LedgerRow) -> float | None:
-    limiting = limiting_row(case, row)
-    return None if limiting is None else limiting.effort_limit
 
 
 _ABSURD: Mapping[str, Callable[[Case, LedgerRow, float], bool]] = {

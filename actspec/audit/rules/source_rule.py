@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
-from actspec.audit.case import Case
+from actspec.audit.case import Case, runs
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import same
 from actspec.audit.rule import RuleInParts
@@ -57,11 +57,6 @@ def is_no_limit(found: Disagreement) -> bool:
         return True
     values = [found.mine.value or 0.0, found.theirs.value or 0.0]
     return min(values) <= 0.0 or is_placeholder(max(values))
-
-
-def runs(case: Case) -> frozenset[str]:
-    """Paths of what trainings wrote of themselves."""
-    return frozenset(file.path for file in case.files if file.record)
 
 
 def is_of_run(case: Case, found: Disagreement) -> bool:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
-from actspec.audit.rules.joints import limiting_row
+from actspec.audit.rules.joints import limit_of
 from actspec.audit.rules.source_blame import Disagreement
 from actspec.audit.rules.source_rule import SourceRule, shown
 from actspec.diagnostics import Severity
@@ -31,9 +31,8 @@ class Friction(SourceRule):
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where the difference is nothing beside what the motor gives."""
-        limiting = limiting_row(case, found.rows[0])
         change = abs((found.mine.value or 0.0) - (found.theirs.value or 0.0))
-        limit = None if limiting is None else limiting.effort_limit
+        limit = limit_of(case, found.rows[0])
         small = found.field == "frictionloss" and limit is not None and change < _UNFELT * limit
         return Severity.INFO if small else self.severity, self.confidence
 

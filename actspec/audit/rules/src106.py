@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from actspec.audit.case import Case
+from actspec.audit.case import Case, runs
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rules.joints import is_left_at_zero, starts_there_alone
 from actspec.audit.rules.sided import robots_of_one_side
@@ -13,7 +13,6 @@ from actspec.audit.rules.source_rule import (
     at_what_is_edited,
     is_of_one_training,
     is_of_run,
-    runs,
     shown,
 )
 from actspec.diagnostics import Severity

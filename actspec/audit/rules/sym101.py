@@ -21,12 +21,12 @@ from actspec.audit.rules.joints import (
     shown,
     undriven_joints,
 )
-from actspec.audit.rules.sided import WORD, are_of_two_sides, mirrors
+from actspec.audit.rules.sided import are_of_two_sides, mirrors
 from actspec.audit.rules.source_pairs import is_one_machine
 from actspec.diagnostics import one_line
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.ir import JointKind
-from actspec.joints import SIDE_WORDS
+from actspec.joints import SIDE_WORDS, WORD
 from actspec.readings.artifact import FileKind
 from actspec.readings.called import telling
 from actspec.readings.ledger import LedgerRow

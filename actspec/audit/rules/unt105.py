@@ -5,9 +5,8 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.joints import SLOW, joint_pairs, shared_joints, shown, unit
+from actspec.audit.rules.joints import SLOW, acceleration, joint_pairs, shared_joints, shown, unit
 from actspec.audit.rules.sym101 import doubted_limits
-from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
 
 
@@ -30,11 +29,9 @@ class MilliOrGram(RuleInParts):
         if any(comparable):
             yield self._between_files(case)
         for row in case.rows:
-            armature, effort = row.armature, row.effort_limit
-            if armature is None or armature <= 0.0 or effort is None or "armature" not in row.stated:
-                continue
-            slow = outweighs(row, self.option(case, "least"))
-            yield self._beside_effort(case, row, armature, effort) if slow else ()
+            found = _acceleration(row)
+            if found is not None:
+                yield self._beside_effort(case, row, found) if found < self.option(case, "least") else ()
 
     def _between_files(self, case: Case) -> Iterator[Finding]:
         for pair in joint_pairs(case, _figures, lambda *rows: next(_off(*rows), None) is not None):
@@ -55,15 +52,15 @@ class MilliOrGram(RuleInParts):
                     fields=(field,),
                 )
 
-    def _beside_effort(self, case: Case, row: LedgerRow, armature: float, effort: float) -> Iterator[Finding]:
+    def _beside_effort(self, case: Case, row: LedgerRow, found: float) -> Iterator[Finding]:
         yield Finding(
             self.code,
-            f"an armature of {shown(row, 'armature', armature)} leaves the joint's whole torque of "
-            f"{shown(row, 'effort_limit', effort)} an acceleration of {effort / armature:.2g} rad/s^2: it looks "
+            f"an armature of {shown(row, 'armature', row.armature)} leaves the joint's whole torque of "
+            f"{shown(row, 'effort_limit', row.effort_limit)} an acceleration of {found:.2g} rad/s^2: it looks "
             "like another unit",
             row.place("armature"),
             row.joint,
-            armature,
+            row.armature,
             unit(row, "armature"),
             help="1 g*cm^2 is 1e-07 kg*m^2, 1 kg*cm^2 is 0.0001 kg*m^2; at the joint, times gear squared",
             fields=("armature",),
@@ -72,16 +69,14 @@ class MilliOrGram(RuleInParts):
         )
 
 
-def outweighs(row: LedgerRow, least: float = SLOW) -> bool:
-    """Whether the armature that a row states leaves a hinge's whole torque less than an acceleration.
+def _acceleration(row: LedgerRow) -> float | None:
+    return acceleration(row, row.effort_limit, row.armature if "armature" in row.stated else None)
 
-    Args:
-        row: Of one joint.
-        least: The acceleration [rad/s^2].
-    """
-    armature, effort = row.armature or 0.0, row.effort_limit or 0.0
-    stated = "armature" in row.stated and armature > 0.0 and effort > 0.0
-    return stated and effort / armature < least and row.kind is not JointKind.SLIDE
+
+def outweighs(row: LedgerRow) -> bool:
+    """Whether the armature that a row states leaves a hinge's whole torque less than `SLOW`."""
+    found = _acceleration(row)
+    return found is not None and found < SLOW
 
 
 _THOUSANDS: dict[str, dict[float, str]] = {

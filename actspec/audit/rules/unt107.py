@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import by_joint, finite, limiting_row, unit
+from actspec.audit.rules.joints import by_joint, limit_of, unit
 from actspec.audit.rules.unt105 import outweighs
 from actspec.diagnostics import Span
 from actspec.fields import is_placeholder, is_power_of_ten
@@ -102,10 +102,9 @@ class GainsOfNoJoint(RuleOver[_Subject]):
 
     def _limit(self, case: Case, row: LedgerRow, published: float | None) -> float | None:
         """The hinge's effort limit, at most what is published of its motor [N*m]; None: unknown."""
-        limiting = limiting_row(case, row)
-        limit = None if limiting is None else finite(limiting.effort_limit)
         return min(
-            (one for one in (limit, published) if one is not None and not is_placeholder(one)), default=None
+            (one for one in (limit_of(case, row), published) if one is not None and not is_placeholder(one)),
+            default=None,
         )
 
 

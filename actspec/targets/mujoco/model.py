@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, EmitError, RobotError
 from actspec.ir import ActuatorSet
-from actspec.robot.assets import mesh_dependence
+from actspec.robot.assets import need_meshes
 from actspec.robot.mjspec import compile_spec, open_spec
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml import parse_document
@@ -44,13 +44,6 @@ def model_of(actuators: ActuatorSet, robot: RobotView) -> mujoco.MjModel:
     bare = compile_spec(open_spec(robot.files, format=ModelFormat.MJCF), robot.files)
     plan = with_keys(plan, robot, bare, unchanged_controls(plan, robot))
     spec = open_spec(robot.files, format=ModelFormat.MJCF, real_assets=True, document=document)
-    meshes = mesh_dependence(spec)
-    if meshes is not None and meshes.missing:
-        raise RobotError.of(
-            "SYS001",
-            f"link inertia is unknown: {meshes.reason}",
-            where="robot.model",
-            help=meshes.remedy,
-        )
+    need_meshes(spec)
     apply_to_spec(spec, plan, installed_dialect(), f"actspec {actuators.robot}", explicit=True)
     return compile_spec(spec, robot.files)
