@@ -147,6 +147,7 @@ class ActuatorGroup:
         network: The network that it names; None without one.
         unread: Module of `cls`, or of what it derives from, whose file is not there; None: all is known.
         own: Settings that its class has, or one of its bases, and no class of the framework's: one of somebody's own.
+            Of legged_gym what a fork's `control` has and its own does not.
     """
 
     name: str
