@@ -62,10 +62,19 @@ from actspec.readings.deploy_numbers import (
 )
 from actspec.readings.deploy_orders import with_orders
 from actspec.readings.deploy_steps import nearest, steps_of
-from actspec.readings.leftover import Leftover, node_span
+from actspec.readings.leftover import Leftover
 from actspec.readings.motor_names import NAMELESS, called, names_wanted
 from actspec.readings.twice import keys_twice, name_twice
-from actspec.readings.yaml_nodes import MOST_DEPTH, MOST_STEPS, Unfit, compose, number_of, position
+from actspec.readings.yaml_nodes import (
+    MOST_DEPTH,
+    MOST_STEPS,
+    Unfit,
+    compose,
+    node_span,
+    number_of,
+    position,
+    setting_of,
+)
 from actspec.robot.view import ModelFile
 
 MOST_JOINTS = 2000
@@ -123,7 +132,7 @@ def read_deploy(path: str, data: bytes) -> FileReading:
     """
     file = ModelFile(path, "", data)
     try:
-        root = compose(data)
+        root = compose(data, path)
     except Unfit as err:
         return FileReading(path, None, str(err), files=(file,), refused=err.span(path))
     if root is not None and b"scene:" in data:
@@ -132,10 +141,10 @@ def read_deploy(path: str, data: bytes) -> FileReading:
         if run := read_run(file, root):
             return run
     name = os.path.splitext(os.path.basename(path))[0]
-    reader = _Reader(path)
+    reader = _Reader()
     try:
         configs = () if root is None else reader.whole(root, name)
-        twice = () if root is None or not configs else keys_twice(root, path)
+        twice = () if root is None or not configs else keys_twice(root)
     except Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,), refused=err.span(path))
     if not configs:
@@ -161,10 +170,10 @@ def _without_gains(file: ModelFile, root: yaml.Node | None, reader: _Reader) -> 
     reader.steps = 0
     gains = {gain: PER_JOINT[gain] for gain in ("kp", "kd")}
     try:
-        lack = why_without_gains(root, gains, NAMES, reader.mapping, number_of)
+        lack = why_without_gains(root, gains, NAMES, reader.mapping)
     except Unfit:
         lack = Lack(NO_GAINS)
-    span = None if lack.node is None else node_span(file.path, lack.node)
+    span = None if lack.node is None else node_span(lack.node)
     return FileReading(
         file.path, None, lack.why, files=(file,), refused=span, without_gains=not lack.of_joints
     )
@@ -176,8 +185,7 @@ _CALLED = re.compile(r"\w[\w.-]{0,63}")
 class _Reader:
     """Walks one file within its limits."""
 
-    def __init__(self, path: str) -> None:
-        self.path = path
+    def __init__(self) -> None:
         self.steps = 0
         self.refused: list[yaml.SequenceNode] = []
         """Lists of joint names of the block at hand that have one twice, the nearest first."""
@@ -205,10 +213,10 @@ class _Reader:
             figures = {key for keys in self.keys.values() for key in keys}
             found = with_orders(found, blocks_of(root, self.mapping), figures)
             self.steps = 0
-            return Leftover(found, self.path, number_of, self.mapping, LEAST_JOINTS).kept(root)
+            return Leftover(found, self.mapping, LEAST_JOINTS).kept(root)
         except Unfit as err:
             # Too much to compare, and its gains are read all the same.
-            rest = {"the rest of the file": Setting(None, err.span(self.path), str(err))}
+            rest = {"the rest of the file": Setting(None, err.span(root.start_mark.name), str(err))}
             return (replace(found[0], others=rest), *found[1:])
 
     def _called(self, root: yaml.Node) -> str:
@@ -259,7 +267,7 @@ class _Reader:
         Single numbers elsewhere are those of a controller that stands up, of a Cartesian one, of a group of actuators.
         """
         if self.own is not None:
-            own = own_gains(block, self.own, self.mapping, number_of)
+            own = own_gains(block, self.own, self.mapping)
             if len(own) != 1 or not own[0].named or not own[0].name:
                 return False
             self.keys = {**PER_JOINT, "kp": (own[0].kp,), "kd": (own[0].kd,)}
@@ -306,7 +314,7 @@ class _Reader:
         self.refused = []
         scopes = (block, *reversed(above))
         names = self._in_policy_order(self._names(block, above), scopes)
-        self.motors = motors = motors_of(scopes, self.keys, self.mapping, self._setting, self._span, out)
+        self.motors = motors = motors_of(scopes, self.keys, self.mapping, out)
         called_so = sdk_names(scopes) or tuple(names or ())
         if motors is not None and len(called_so) == motors.count:
             names = None
@@ -323,21 +331,21 @@ class _Reader:
             if found is not None and values and isinstance(found[1], yaml.MappingNode):
                 mapped[found[0]] = values
             if found is not None and joints is None and isinstance(found[1], yaml.SequenceNode):
-                lists[field] = NamelessList(found[0], len(found[1].value), self._span(found[1]))
+                lists[field] = NamelessList(found[0], len(found[1].value), node_span(found[1]))
             if found is not None and ".*" in values and isinstance(found[1], yaml.SequenceNode):
-                count = Setting(float(len(found[1].value)), self._span(found[1]))
+                count = Setting(float(len(found[1].value)), node_span(found[1]))
         if joints is None and mapped:
             misspelt(mapped, out)
         for twice in self.refused[:1]:
             if any(one.entries == len(twice.value) for one in lists.values()):
-                name_twice(twice, self.path, out)
+                name_twice(twice, out)
         for key in STANDING if joints is not None else ():
             if key in block:
                 # Compared with nothing, and the robot gets up by it all the same.
                 self._per_joint(key, block[key], joints, out)
         if named is not None:
-            name_twice(named, self.path, out, "which of its figures count is not known")
-        stands_up = standing_up(scopes, self._span, out)
+            name_twice(named, out, "which of its figures count is not known")
+        stands_up = standing_up(scopes, out)
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))
@@ -350,12 +358,12 @@ class _Reader:
         timing = block.get("timing")
         if ours and isinstance(timing, yaml.MappingNode):
             scopes = (self.mapping(timing), *scopes)
-        settings = steps_of(scopes, self._setting, out)
+        settings = steps_of(scopes, out)
         if count is not None:
             settings["joint_count"] = count
         if joints is not None and names is not None:
             settings["joint_order"] = Setting(
-                joints, next(iter(names.values()), self._span(node)), places=names
+                joints, next(iter(names.values()), node_span(node)), places=names
             )
         if ours:
             settings["sdk_order"] = self._sdk_order(block)
@@ -363,7 +371,7 @@ class _Reader:
         config = RobotConfig(
             Framework.DEPLOY,
             name,
-            self._span(node),
+            node_span(node),
             tuple(groups),
             settings,
             notes=tuple(out),
@@ -385,11 +393,7 @@ class _Reader:
         if len(nodes) < 2 or len(counts) > 1 or max(counts) < LEAST_JOINTS:
             return {}
         return {
-            field: tuple(
-                Setting(value, self._span(item))
-                for item in node.value
-                if (value := number_of(item)) is not None
-            )
+            field: tuple(filter(None, map(setting_of, node.value)))
             for field, node in nodes.items()
             if field not in fields
         }
@@ -407,7 +411,7 @@ class _Reader:
                 self._step(item)
                 value = item.value if name == "command" else number_of(item)
                 if isinstance(value, (str, float)):
-                    found[joint] = Setting(value, self._span(item))
+                    found[joint] = Setting(value, node_span(item))
             yield name, found
 
     def _sdk_order(self, block: _Block) -> Setting:
@@ -415,14 +419,14 @@ class _Reader:
         order = block.get("order")
         node = self.mapping(order).get("sdk") if isinstance(order, yaml.MappingNode) else None
         if not isinstance(node, yaml.SequenceNode):
-            return Setting((), self._span(block["format"]))
+            return Setting((), node_span(block["format"]))
         names: list[str | None] = []
         for item in node.value:
             self._step(item)
             if not isinstance(item, yaml.ScalarNode):
-                return Setting((), self._span(node))
+                return Setting((), node_span(node))
             names.append(None if item.tag == "tag:yaml.org,2002:null" else str(item.value))
-        return Setting(tuple(names), self._span(node))
+        return Setting(tuple(names), node_span(node))
 
     def _names(self, block: _Block, above: tuple[_Block, ...]) -> dict[str, Span] | None:
         """The list of joint names that is nearest: in the block, above it, or in a mapping beside it."""
@@ -465,7 +469,7 @@ class _Reader:
             self._step(item)
             if not isinstance(item, yaml.ScalarNode) or item.tag != "tag:yaml.org,2002:str":
                 return None
-            found[str(item.value)] = self._span(item)
+            found[str(item.value)] = node_span(item)
         if len(found) == len(node.value):
             return found
         # A name twice would put every later number on a wrong joint.
@@ -476,7 +480,7 @@ class _Reader:
         self, key: str, node: yaml.Node, joints: tuple[str, ...] | None, out: Collector
     ) -> dict[str, Setting]:
         """Joint to its value; with `.*` for all joints where the names do not matter."""
-        span = self._span(node)
+        span = node_span(node)
         if isinstance(node, yaml.MappingNode):
             return self._by_name(key, node, joints, out)
         single = number_of(node)
@@ -484,14 +488,14 @@ class _Reader:
             return {joint: Setting(single, span) for joint in joints or (".*",)}
         if not isinstance(node, yaml.SequenceNode):
             if is_meant_for_one(node) or is_empty(node):
-                no_number(key, [("it", node)], self.path, out)
+                no_number(key, [("it", node)], out)
             return {}
         values: list[tuple[float | None, Span]] = []
         for item in node.value:
             self._step(item)
-            values.append((number_of(item), self._span(item)))
+            values.append((number_of(item), node_span(item)))
         if joints is not None and len(joints) == len(values):
-            no_number(key, [*zip(joints, node.value, strict=True)], self.path, out)
+            no_number(key, [*zip(joints, node.value, strict=True)], out)
             return {
                 joint: Setting(value, at)
                 for joint, (value, at) in zip(joints, values, strict=True)
@@ -532,16 +536,15 @@ class _Reader:
         sides = by_side([*block.items()], joints) if joints is not None and of_gains else ""
         if sides:
             help = "write one list in the order of the joint names, or {JOINT: NUMBER, ...}"
-            out.warning(NO_NUMBER, f"it has {sides}", where=name, span=self._span(node), help=help)
+            out.warning(NO_NUMBER, f"it has {sides}", where=name, span=node_span(node), help=help)
         else:
             # A mapping below is no joint's figure, but has some of its own.
             figures = [one for one in block.items() if not isinstance(one[1], yaml.MappingNode)]
-            no_number(name, figures, self.path, out)
+            no_number(name, figures, out)
         for key, value_node in block.items():
-            value = number_of(value_node)
-            if value is None:
+            setting = setting_of(value_node)
+            if setting is None:
                 continue
-            setting = Setting(value, self._span(value_node))
             if joints is None or key in joints:
                 found[key] = setting
             else:
@@ -556,14 +559,6 @@ class _Reader:
                 help = f"did you mean '{shortened(meant)}'?"
                 out.warning(MISSPELT, message, where=name, span=setting.span, help=help)
         return found
-
-    def _setting(self, node: yaml.Node) -> Setting | None:
-        """A number with its place; None for anything else."""
-        value = number_of(node)
-        return None if value is None else Setting(value, self._span(node))
-
-    def _span(self, node: yaml.Node) -> Span:
-        return node_span(self.path, node)
 
     def _step(self, node: yaml.Node) -> None:
         self.steps += 1
