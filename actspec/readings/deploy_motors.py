@@ -10,6 +10,7 @@ include/isaaclab/envs/mdp/actions/joint_actions.h: action[i] = raw[i] * scale[i]
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 
 import yaml
@@ -162,6 +163,15 @@ def _term(
         message = f"{listed(str(chosen[each]) for each in strange)} {whose}: those of the policy are 0 to {known[-1]}"
         at = node_span(term["joint_ids"].value[strange[0]])
         out.warning(ELSEWHERE, message, where=f"{name}.joint_ids", span=at)
+    twice = [number for number, count in Counter(chosen).items() if count > 1]
+    if twice:
+        stand = "stands" if len(twice) == 1 else "stand"
+        message = (
+            f"{listed(map(str, twice))} {stand} more than once, and each number is of a joint of its own"
+        )
+        at = node_span(term["joint_ids"].value[chosen.index(twice[0], chosen.index(twice[0]) + 1)])
+        help = "write the number of each joint once"
+        out.warning(ELSEWHERE, message, where=f"{name}.joint_ids", span=at, help=help)
     motors = [numbers[one] if one in known else None for one in chosen] or numbers
     scale, offset = (_by_motor(term.get(key), motors) for key in ("scale", "offset"))
     shared = {motor: one for motor, one in offset.items() if motor in pose}
@@ -173,7 +183,7 @@ def _term(
     for motor, one in others.items() if added else ():
         slips.setdefault((pose.pop(motor).value, one.value), []).append(motor)
     for (posed, begun), same in slips.items():
-        joints = [str(motors.index(int(motor)) + 1) for motor in same]
+        joints = [str(numbers.index(int(motor)) + 1) for motor in same]
         which = " and ".join(joints) if len(joints) < 3 else listed(joints, 4)
         whose = (
             f"joint {which} of the policy has" if len(joints) == 1 else f"joints {which} of the policy have"
@@ -187,7 +197,7 @@ def _term(
     return ActionTerm(
         name,
         name,
-        tuple(str(motor) for motor in motors if motor is not None),
+        tuple(dict.fromkeys(str(motor) for motor in motors if motor is not None)),
         _TERMS[name],
         "",
         _of_all(scale, motors, term.get("scale")),
