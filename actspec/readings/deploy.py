@@ -38,6 +38,7 @@ from actspec.readings.deploy_keys import (
     STANDING,
     STANDING_UP,
     by_figure,
+    in_a_row,
     joint_lists,
     own_gains,
     standing_up,
@@ -198,6 +199,11 @@ class _Reader:
         self.keys: Mapping[str, tuple[str, ...]] = PER_JOINT
         """Field to the keys of the block at hand."""
 
+    @property
+    def figures(self) -> set[str]:
+        """Every key of figures of joints."""
+        return {key for keys in self.keys.values() for key in keys}
+
     def whole(self, root: yaml.Node, name: str) -> tuple[RobotConfig, ...]:
         """Every block that has gains, with what no figure is made from."""
         name = self._called(root) or name
@@ -210,8 +216,7 @@ class _Reader:
             return ()
         self.steps = 0
         try:
-            figures = {key for keys in self.keys.values() for key in keys}
-            found = with_orders(found, blocks_of(root, self.mapping), figures)
+            found = with_orders(found, blocks_of(root, self.mapping), self.figures)
             self.steps = 0
             return Leftover(found, self.mapping, LEAST_JOINTS).kept(root)
         except Unfit as err:
@@ -248,6 +253,7 @@ class _Reader:
         # Figures joint by joint are read as mappings from joint to each, which are known.
         by_joint, named = by_figure(block.get("joints"), self.mapping)
         block = {**by_joint, **block}
+        block |= {key: in_a_row(block[key], self.mapping) for key in self.figures if key in block}
         if self._has_gains(block):
             config = self._config(node, block, named, above, name)
             if config.groups or any(note.code not in _NOT_OF_LISTS for note in config.notes):
@@ -514,7 +520,8 @@ class _Reader:
         if first is not None and all(value == first for value, _ in values):
             return {".*": Setting(first, span)}
         if values:
-            message = "it is a list without joint names: which joint a value belongs to is not guessed"
+            form = "by number," if node.tag.endswith(":map") else "a list"
+            message = f"it is {form} without joint names: which joint a value belongs to is not guessed"
             help = f"add {names_wanted(self.motors, len(values))}"
             if self.motors is not None:
                 help = f"name the env.yaml of its run with it, which has them, or {help}"

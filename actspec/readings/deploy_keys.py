@@ -157,10 +157,27 @@ def by_figure(
             if count[joint] == 1 and figure not in their:
                 found.setdefault(key, []).append((yaml.ScalarNode("tag:yaml.org,2002:str", joint), figure))
     whole: dict[str, yaml.Node] = {
-        key: yaml.MappingNode(node.tag, of_joints, node.start_mark, node.end_mark)
+        key: yaml.MappingNode("tag:yaml.org,2002:map", of_joints, node.start_mark, node.end_mark)
         for key, of_joints in found.items()
     }
     return whole, yaml.SequenceNode(node.tag, names, node.start_mark, node.end_mark)
+
+
+def in_a_row(node: yaml.Node, mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]]) -> yaml.Node:
+    """Figures by the numbers of joints, `kp: {0: 20, 1: 40}`, as the list that they are; any other node as it is.
+
+    From 0 on: joints may be called 1, 2, 3.
+
+    Args:
+        node: What stands below a key of figures.
+        mapping: A mapping's own and merged keys.
+    """
+    own = mapping(node) if isinstance(node, yaml.MappingNode) else {}
+    numbers = [str(number) for number in range(len(own))]
+    if len(own) < 2 or own.keys() != set(numbers):
+        return node
+    figures = [own[number] for number in numbers]
+    return yaml.SequenceNode(node.tag, figures, node.start_mark, node.end_mark)
 
 
 def own_gains(
