@@ -308,6 +308,7 @@ class RobotConfig:
         by_motor: Whether its joints are called after their motors' numbers, which no policy's order is.
         by_name: Whether what runs it looks each joint up by its name, so that the order of its names tells nothing.
         reordered: Whether its file has its joints in another order, too, or their places there.
+        mapped: Whether its joints are in a policy's order, and what runs it knows the place of each in the robot's.
     """
 
     framework: Framework
@@ -333,6 +334,7 @@ class RobotConfig:
     by_motor: bool = False
     by_name: bool = False
     reordered: bool = False
+    mapped: bool = False
 
     @property
     def unrolled(self) -> RobotConfig:

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 
 import yaml
 
-from actspec.diagnostics import Collector, Diagnostic, Span, listed, many, shortened
+from actspec.diagnostics import Collector, Diagnostic, Severity, Span, listed, many, shortened
 from actspec.readings.artifact import (
     STEP_OF_WHAT,
     ActuatorGroup,
@@ -61,10 +61,11 @@ from actspec.readings.deploy_numbers import (
     is_meant_for_one,
     no_number,
 )
-from actspec.readings.deploy_orders import with_orders
+from actspec.readings.deploy_orders import in_policy_order, with_orders
 from actspec.readings.deploy_steps import nearest, steps_of
 from actspec.readings.leftover import Leftover
 from actspec.readings.motor_names import NAMELESS, called, names_wanted
+from actspec.readings.rl_sar import Base
 from actspec.readings.twice import keys_twice, name_twice
 from actspec.readings.yaml_nodes import (
     MOST_DEPTH,
@@ -122,12 +123,13 @@ def names_gains(data: bytes) -> bool:
     return _GAINS.search(data) is not None
 
 
-def read_deploy(path: str, data: bytes) -> FileReading:
+def read_deploy(path: str, data: bytes, base: Base | None = None) -> FileReading:
     """Read a deploy file.
 
     Args:
         path: YAML with gains.
         data: Its bytes.
+        base: What it has from another file, where it says nothing else; None: nothing.
 
     Returns: One artifact for each block that has gains; unreadable with a reason when there is none.
     """
@@ -144,7 +146,7 @@ def read_deploy(path: str, data: bytes) -> FileReading:
     name = os.path.splitext(os.path.basename(path))[0]
     reader = _Reader()
     try:
-        configs = () if root is None else reader.whole(root, name)
+        configs = () if root is None else reader.whole(root, name, base)
         twice = () if root is None or not configs else keys_twice(root)
     except Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,), refused=err.span(path))
@@ -155,7 +157,7 @@ def read_deploy(path: str, data: bytes) -> FileReading:
         FileKind.DEPLOY,
         None,
         tuple(Artifact(path, FileKind.DEPLOY, config.name, config=config) for config in configs),
-        (file,),
+        (file,) if base is None else (file, base.file),
         (*(note for config in configs for note in config.notes), *twice),
     )
 
@@ -204,14 +206,15 @@ class _Reader:
         """Every key of figures of joints."""
         return {key for keys in self.keys.values() for key in keys}
 
-    def whole(self, root: yaml.Node, name: str) -> tuple[RobotConfig, ...]:
+    def whole(self, root: yaml.Node, name: str, base: Base | None) -> tuple[RobotConfig, ...]:
         """Every block that has gains, with what no figure is made from."""
         name = self._called(root) or name
-        found = tuple(self.configs(root, (), name, 0))
+        above = () if base is None else (self.mapping(base.block),)
+        found = tuple(self.configs(root, above, name, 0))
         if not found and not self.no_numbers:
             self.steps = 0
             self.own = joint_lists(blocks_of(root, self.mapping))
-            found = tuple(self.configs(root, (), name, 0))
+            found = tuple(self.configs(root, above, name, 0))
         if not found:
             return ()
         self.steps = 0
@@ -319,7 +322,16 @@ class _Reader:
         out = Collector()
         self.refused = []
         scopes = (block, *reversed(above))
-        names = self._in_policy_order(self._names(block, above), scopes)
+        gains = nearest(scopes, self.keys["kp"])
+        entries = (
+            len(gains[1].value) if gains is not None and isinstance(gains[1], yaml.SequenceNode) else None
+        )
+        written = self._names(block, above)
+        names = in_policy_order(written, scopes, entries)
+        elsewhere = names is not None and next(iter(names.values())).path != node.start_mark.name
+        if names is not None and elsewhere and entries not in (None, len(names)):
+            # The robot has other joints than the policy.
+            names = None
         self.motors = motors = motors_of(scopes, self.keys, self.mapping, out)
         called_so = sdk_names(scopes) or tuple(names or ())
         if motors is not None and len(called_so) == motors.count:
@@ -368,9 +380,8 @@ class _Reader:
         if count is not None:
             settings["joint_count"] = count
         if joints is not None and names is not None:
-            settings["joint_order"] = Setting(
-                joints, next(iter(names.values()), node_span(node)), places=names
-            )
+            at = node_span(block.get("joint_mapping", node)) if elsewhere else next(iter(names.values()))
+            settings["joint_order"] = Setting(joints, at, places=names)
         if ours:
             settings["sdk_order"] = self._sdk_order(block)
         nameless = {} if joints is not None else self._nameless(scopes, fields)
@@ -380,12 +391,13 @@ class _Reader:
             node_span(node),
             tuple(groups),
             settings,
-            notes=tuple(out),
+            notes=tuple(map(_of_fewer, out) if elsewhere else out),
             nameless=nameless,
             nameless_lists=lists,
             motors=motors,
             stands_up=stands_up,
             by_name=any(_ROS_PARAMETERS in scope for scope in above),
+            mapped=names is not None and [*names] != [*(written or ())],
         )
         return config if joints is not None else called(config, called_so)
 
@@ -448,22 +460,6 @@ class _Reader:
                 if found:
                     return found
         return None
-
-    def _in_policy_order(
-        self, names: dict[str, Span] | None, scopes: Sequence[_Block]
-    ) -> dict[str, Span] | None:
-        """The names as the lists have them: `joint_mapping` has the place of each joint of the policy among the names.
-
-        Source: rl_sar, rl_real_a1.cpp: motorCmd[joint_mapping[i]].Kp = motor_command.kp[i], and its lists are by i.
-        """
-        node = next((scope["joint_mapping"] for scope in scopes if "joint_mapping" in scope), None)
-        if names is None or not isinstance(node, yaml.SequenceNode) or len(node.value) != len(names):
-            return names
-        places = [number_of(item) for item in node.value]
-        if sorted(place for place in places if place is not None) != list(range(len(names))):
-            return names
-        pairs = list(names.items())
-        return dict(pairs[int(place)] for place in places if place is not None)
 
     def _texts(self, node: yaml.Node | None) -> dict[str, Span] | None:
         if not isinstance(node, yaml.SequenceNode) or not node.value:
@@ -571,6 +567,12 @@ class _Reader:
         self.steps += 1
         if self.steps > MOST_STEPS:
             raise Unfit(f"it has more than {MOST_STEPS} values", position(node.start_mark))
+
+
+def _of_fewer(note: Diagnostic) -> Diagnostic:
+    """What is said of a list of fewer values than the robot has joints: a policy may move some of them alone."""
+    few = note.code == LENGTH and note.where in PER_JOINT["action_scale"]
+    return replace(note, severity=Severity.INFO) if few else note
 
 
 def _is_per_joint(node: yaml.Node | None) -> bool:

@@ -160,7 +160,9 @@ class DeployOrder(RuleOver[_Subject]):
                 continue
             names, setting = order
             members = [case.artifacts[other] for other in case.robot_of(index).artifacts]
-            known = tuple(item for member in members for item in _known_orders(member, names))
+            # Of a policy's order what runs it makes the robot's.
+            models = () if artifact.config.mapped else members
+            known = tuple(item for member in models for item in _known_orders(member, names))
             tasks = [member for member in members if member.kind is FileKind.CFG and _acts(member)]
             if artifact.kind is not FileKind.DEPLOY or artifact.config.by_motor:
                 # The robot's numbering, which the policy's order is no part of.
