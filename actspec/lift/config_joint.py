@@ -466,6 +466,11 @@ class ConfigJoint:
             self.notes.append(f"{group.cls} is read as the class that actspec writes")
         elif self._curved:
             self.notes += remarks(group, self._figures, self._kind)
+        elif self.config.framework is Framework.LEGGED_GYM:
+            if group.own:
+                self.notes.append(
+                    f"control has {listed(group.own)} of its own: what that does is not known here"
+                )
         elif group.bases or group.own:
             alike = (base for base in group.bases if control_of(self.config.framework, base) == self._control)
             # A run's file of mjlab has the fields of a class, and not its name.

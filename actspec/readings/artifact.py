@@ -152,6 +152,7 @@ class ActuatorGroup:
         network: The network that it names; None without one.
         unread: Module of `cls`, or of what it derives from, whose file is not there; None: all is known.
         own: Settings that its class has, or one of its bases, and no class of the framework's: one of somebody's own.
+            Of legged_gym what a fork's `control` has and its own does not.
     """
 
     name: str
@@ -312,6 +313,7 @@ class RobotConfig:
         by_motor: Whether its joints are called after their motors' numbers, which no policy's order is.
         by_name: Whether what runs it looks each joint up by its name, so that the order of its names tells nothing.
         reordered: Whether its file has its joints in another order, too, or their places there.
+        mapped: Whether its joints are in a policy's order, and what runs it knows the place of each in the robot's.
     """
 
     framework: Framework
@@ -337,6 +339,7 @@ class RobotConfig:
     by_motor: bool = False
     by_name: bool = False
     reordered: bool = False
+    mapped: bool = False
 
     @property
     def unrolled(self) -> RobotConfig:

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 
 import yaml
 
-from actspec.diagnostics import Collector, Diagnostic, Span, listed, many, shortened
+from actspec.diagnostics import Collector, Diagnostic, Severity, Span, listed, many, shortened
 from actspec.readings.artifact import (
     STEP_OF_WHAT,
     ActuatorGroup,
@@ -38,6 +38,7 @@ from actspec.readings.deploy_keys import (
     STANDING,
     STANDING_UP,
     by_figure,
+    in_a_row,
     joint_lists,
     own_gains,
     standing_up,
@@ -60,12 +61,22 @@ from actspec.readings.deploy_numbers import (
     is_meant_for_one,
     no_number,
 )
-from actspec.readings.deploy_orders import with_orders
+from actspec.readings.deploy_orders import in_policy_order, with_orders
 from actspec.readings.deploy_steps import nearest, steps_of
-from actspec.readings.leftover import Leftover, node_span
+from actspec.readings.leftover import Leftover
 from actspec.readings.motor_names import NAMELESS, called, names_wanted
+from actspec.readings.rl_sar import Base
 from actspec.readings.twice import keys_twice, name_twice
-from actspec.readings.yaml_nodes import MOST_DEPTH, MOST_STEPS, Unfit, compose, number_of, position
+from actspec.readings.yaml_nodes import (
+    MOST_DEPTH,
+    MOST_STEPS,
+    Unfit,
+    compose,
+    node_span,
+    number_of,
+    position,
+    setting_of,
+)
 from actspec.robot.view import ModelFile
 
 MOST_JOINTS = 2000
@@ -112,18 +123,19 @@ def names_gains(data: bytes) -> bool:
     return _GAINS.search(data) is not None
 
 
-def read_deploy(path: str, data: bytes) -> FileReading:
+def read_deploy(path: str, data: bytes, base: Base | None = None) -> FileReading:
     """Read a deploy file.
 
     Args:
         path: YAML with gains.
         data: Its bytes.
+        base: What it has from another file, where it says nothing else; None: nothing.
 
     Returns: One artifact for each block that has gains; unreadable with a reason when there is none.
     """
     file = ModelFile(path, "", data)
     try:
-        root = compose(data)
+        root = compose(data, path)
     except Unfit as err:
         return FileReading(path, None, str(err), files=(file,), refused=err.span(path))
     if root is not None and b"scene:" in data:
@@ -132,10 +144,10 @@ def read_deploy(path: str, data: bytes) -> FileReading:
         if run := read_run(file, root):
             return run
     name = os.path.splitext(os.path.basename(path))[0]
-    reader = _Reader(path)
+    reader = _Reader()
     try:
-        configs = () if root is None else reader.whole(root, name)
-        twice = () if root is None or not configs else keys_twice(root, path)
+        configs = () if root is None else reader.whole(root, name, base)
+        twice = () if root is None or not configs else keys_twice(root)
     except Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,), refused=err.span(path))
     if not configs:
@@ -145,7 +157,7 @@ def read_deploy(path: str, data: bytes) -> FileReading:
         FileKind.DEPLOY,
         None,
         tuple(Artifact(path, FileKind.DEPLOY, config.name, config=config) for config in configs),
-        (file,),
+        (file,) if base is None else (file, base.file),
         (*(note for config in configs for note in config.notes), *twice),
     )
 
@@ -161,10 +173,10 @@ def _without_gains(file: ModelFile, root: yaml.Node | None, reader: _Reader) -> 
     reader.steps = 0
     gains = {gain: PER_JOINT[gain] for gain in ("kp", "kd")}
     try:
-        lack = why_without_gains(root, gains, NAMES, reader.mapping, number_of)
+        lack = why_without_gains(root, gains, NAMES, reader.mapping)
     except Unfit:
         lack = Lack(NO_GAINS)
-    span = None if lack.node is None else node_span(file.path, lack.node)
+    span = None if lack.node is None else node_span(lack.node)
     return FileReading(
         file.path, None, lack.why, files=(file,), refused=span, without_gains=not lack.of_joints
     )
@@ -176,8 +188,7 @@ _CALLED = re.compile(r"\w[\w.-]{0,63}")
 class _Reader:
     """Walks one file within its limits."""
 
-    def __init__(self, path: str) -> None:
-        self.path = path
+    def __init__(self) -> None:
         self.steps = 0
         self.refused: list[yaml.SequenceNode] = []
         """Lists of joint names of the block at hand that have one twice, the nearest first."""
@@ -190,25 +201,30 @@ class _Reader:
         self.keys: Mapping[str, tuple[str, ...]] = PER_JOINT
         """Field to the keys of the block at hand."""
 
-    def whole(self, root: yaml.Node, name: str) -> tuple[RobotConfig, ...]:
+    @property
+    def figures(self) -> set[str]:
+        """Every key of figures of joints."""
+        return {key for keys in self.keys.values() for key in keys}
+
+    def whole(self, root: yaml.Node, name: str, base: Base | None) -> tuple[RobotConfig, ...]:
         """Every block that has gains, with what no figure is made from."""
         name = self._called(root) or name
-        found = tuple(self.configs(root, (), name, 0))
+        above = () if base is None else (self.mapping(base.block),)
+        found = tuple(self.configs(root, above, name, 0))
         if not found and not self.no_numbers:
             self.steps = 0
             self.own = joint_lists(blocks_of(root, self.mapping))
-            found = tuple(self.configs(root, (), name, 0))
+            found = tuple(self.configs(root, above, name, 0))
         if not found:
             return ()
         self.steps = 0
         try:
-            figures = {key for keys in self.keys.values() for key in keys}
-            found = with_orders(found, blocks_of(root, self.mapping), figures)
+            found = with_orders(found, blocks_of(root, self.mapping), self.figures)
             self.steps = 0
-            return Leftover(found, self.path, number_of, self.mapping, LEAST_JOINTS).kept(root)
+            return Leftover(found, self.mapping, LEAST_JOINTS).kept(root)
         except Unfit as err:
             # Too much to compare, and its gains are read all the same.
-            rest = {"the rest of the file": Setting(None, err.span(self.path), str(err))}
+            rest = {"the rest of the file": Setting(None, err.span(root.start_mark.name), str(err))}
             return (replace(found[0], others=rest), *found[1:])
 
     def _called(self, root: yaml.Node) -> str:
@@ -240,6 +256,7 @@ class _Reader:
         # Figures joint by joint are read as mappings from joint to each, which are known.
         by_joint, named = by_figure(block.get("joints"), self.mapping)
         block = {**by_joint, **block}
+        block |= {key: in_a_row(block[key], self.mapping) for key in self.figures if key in block}
         if self._has_gains(block):
             config = self._config(node, block, named, above, name)
             if config.groups or any(note.code not in _NOT_OF_LISTS for note in config.notes):
@@ -259,7 +276,7 @@ class _Reader:
         Single numbers elsewhere are those of a controller that stands up, of a Cartesian one, of a group of actuators.
         """
         if self.own is not None:
-            own = own_gains(block, self.own, self.mapping, number_of)
+            own = own_gains(block, self.own, self.mapping)
             if len(own) != 1 or not own[0].named or not own[0].name:
                 return False
             self.keys = {**PER_JOINT, "kp": (own[0].kp,), "kd": (own[0].kd,)}
@@ -305,8 +322,17 @@ class _Reader:
         out = Collector()
         self.refused = []
         scopes = (block, *reversed(above))
-        names = self._in_policy_order(self._names(block, above), scopes)
-        self.motors = motors = motors_of(scopes, self.keys, self.mapping, self._setting, self._span, out)
+        gains = nearest(scopes, self.keys["kp"])
+        entries = (
+            len(gains[1].value) if gains is not None and isinstance(gains[1], yaml.SequenceNode) else None
+        )
+        written = self._names(block, above)
+        names = in_policy_order(written, scopes, entries)
+        elsewhere = names is not None and next(iter(names.values())).path != node.start_mark.name
+        if names is not None and elsewhere and entries not in (None, len(names)):
+            # The robot has other joints than the policy.
+            names = None
+        self.motors = motors = motors_of(scopes, self.keys, self.mapping, out)
         called_so = sdk_names(scopes) or tuple(names or ())
         if motors is not None and len(called_so) == motors.count:
             names = None
@@ -323,21 +349,21 @@ class _Reader:
             if found is not None and values and isinstance(found[1], yaml.MappingNode):
                 mapped[found[0]] = values
             if found is not None and joints is None and isinstance(found[1], yaml.SequenceNode):
-                lists[field] = NamelessList(found[0], len(found[1].value), self._span(found[1]))
+                lists[field] = NamelessList(found[0], len(found[1].value), node_span(found[1]))
             if found is not None and ".*" in values and isinstance(found[1], yaml.SequenceNode):
-                count = Setting(float(len(found[1].value)), self._span(found[1]))
+                count = Setting(float(len(found[1].value)), node_span(found[1]))
         if joints is None and mapped:
             misspelt(mapped, out)
         for twice in self.refused[:1]:
             if any(one.entries == len(twice.value) for one in lists.values()):
-                name_twice(twice, self.path, out)
+                name_twice(twice, out)
         for key in STANDING if joints is not None else ():
             if key in block:
                 # Compared with nothing, and the robot gets up by it all the same.
                 self._per_joint(key, block[key], joints, out)
         if named is not None:
-            name_twice(named, self.path, out, "which of its figures count is not known")
-        stands_up = standing_up(scopes, self._span, out)
+            name_twice(named, out, "which of its figures count is not known")
+        stands_up = standing_up(scopes, out)
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))
@@ -350,28 +376,28 @@ class _Reader:
         timing = block.get("timing")
         if ours and isinstance(timing, yaml.MappingNode):
             scopes = (self.mapping(timing), *scopes)
-        settings = steps_of(scopes, self._setting, out)
+        settings = steps_of(scopes, out)
         if count is not None:
             settings["joint_count"] = count
         if joints is not None and names is not None:
-            settings["joint_order"] = Setting(
-                joints, next(iter(names.values()), self._span(node)), places=names
-            )
+            at = node_span(block.get("joint_mapping", node)) if elsewhere else next(iter(names.values()))
+            settings["joint_order"] = Setting(joints, at, places=names)
         if ours:
             settings["sdk_order"] = self._sdk_order(block)
         nameless = {} if joints is not None else self._nameless(scopes, fields)
         config = RobotConfig(
             Framework.DEPLOY,
             name,
-            self._span(node),
+            node_span(node),
             tuple(groups),
             settings,
-            notes=tuple(out),
+            notes=tuple(map(_of_fewer, out) if elsewhere else out),
             nameless=nameless,
             nameless_lists=lists,
             motors=motors,
             stands_up=stands_up,
             by_name=any(_ROS_PARAMETERS in scope for scope in above),
+            mapped=names is not None and [*names] != [*(written or ())],
         )
         return config if joints is not None else called(config, called_so)
 
@@ -385,11 +411,7 @@ class _Reader:
         if len(nodes) < 2 or len(counts) > 1 or max(counts) < LEAST_JOINTS:
             return {}
         return {
-            field: tuple(
-                Setting(value, self._span(item))
-                for item in node.value
-                if (value := number_of(item)) is not None
-            )
+            field: tuple(filter(None, map(setting_of, node.value)))
             for field, node in nodes.items()
             if field not in fields
         }
@@ -407,7 +429,7 @@ class _Reader:
                 self._step(item)
                 value = item.value if name == "command" else number_of(item)
                 if isinstance(value, (str, float)):
-                    found[joint] = Setting(value, self._span(item))
+                    found[joint] = Setting(value, node_span(item))
             yield name, found
 
     def _sdk_order(self, block: _Block) -> Setting:
@@ -415,14 +437,14 @@ class _Reader:
         order = block.get("order")
         node = self.mapping(order).get("sdk") if isinstance(order, yaml.MappingNode) else None
         if not isinstance(node, yaml.SequenceNode):
-            return Setting((), self._span(block["format"]))
+            return Setting((), node_span(block["format"]))
         names: list[str | None] = []
         for item in node.value:
             self._step(item)
             if not isinstance(item, yaml.ScalarNode):
-                return Setting((), self._span(node))
+                return Setting((), node_span(node))
             names.append(None if item.tag == "tag:yaml.org,2002:null" else str(item.value))
-        return Setting(tuple(names), self._span(node))
+        return Setting(tuple(names), node_span(node))
 
     def _names(self, block: _Block, above: tuple[_Block, ...]) -> dict[str, Span] | None:
         """The list of joint names that is nearest: in the block, above it, or in a mapping beside it."""
@@ -439,22 +461,6 @@ class _Reader:
                     return found
         return None
 
-    def _in_policy_order(
-        self, names: dict[str, Span] | None, scopes: Sequence[_Block]
-    ) -> dict[str, Span] | None:
-        """The names as the lists have them: `joint_mapping` has the place of each joint of the policy among the names.
-
-        Source: rl_sar, rl_real_a1.cpp: motorCmd[joint_mapping[i]].Kp = motor_command.kp[i], and its lists are by i.
-        """
-        node = next((scope["joint_mapping"] for scope in scopes if "joint_mapping" in scope), None)
-        if names is None or not isinstance(node, yaml.SequenceNode) or len(node.value) != len(names):
-            return names
-        places = [number_of(item) for item in node.value]
-        if sorted(place for place in places if place is not None) != list(range(len(names))):
-            return names
-        pairs = list(names.items())
-        return dict(pairs[int(place)] for place in places if place is not None)
-
     def _texts(self, node: yaml.Node | None) -> dict[str, Span] | None:
         if not isinstance(node, yaml.SequenceNode) or not node.value:
             return None
@@ -465,7 +471,7 @@ class _Reader:
             self._step(item)
             if not isinstance(item, yaml.ScalarNode) or item.tag != "tag:yaml.org,2002:str":
                 return None
-            found[str(item.value)] = self._span(item)
+            found[str(item.value)] = node_span(item)
         if len(found) == len(node.value):
             return found
         # A name twice would put every later number on a wrong joint.
@@ -476,7 +482,7 @@ class _Reader:
         self, key: str, node: yaml.Node, joints: tuple[str, ...] | None, out: Collector
     ) -> dict[str, Setting]:
         """Joint to its value; with `.*` for all joints where the names do not matter."""
-        span = self._span(node)
+        span = node_span(node)
         if isinstance(node, yaml.MappingNode):
             return self._by_name(key, node, joints, out)
         single = number_of(node)
@@ -484,14 +490,14 @@ class _Reader:
             return {joint: Setting(single, span) for joint in joints or (".*",)}
         if not isinstance(node, yaml.SequenceNode):
             if is_meant_for_one(node) or is_empty(node):
-                no_number(key, [("it", node)], self.path, out)
+                no_number(key, [("it", node)], out)
             return {}
         values: list[tuple[float | None, Span]] = []
         for item in node.value:
             self._step(item)
-            values.append((number_of(item), self._span(item)))
+            values.append((number_of(item), node_span(item)))
         if joints is not None and len(joints) == len(values):
-            no_number(key, [*zip(joints, node.value, strict=True)], self.path, out)
+            no_number(key, [*zip(joints, node.value, strict=True)], out)
             return {
                 joint: Setting(value, at)
                 for joint, (value, at) in zip(joints, values, strict=True)
@@ -510,7 +516,8 @@ class _Reader:
         if first is not None and all(value == first for value, _ in values):
             return {".*": Setting(first, span)}
         if values:
-            message = "it is a list without joint names: which joint a value belongs to is not guessed"
+            form = "by number," if node.tag.endswith(":map") else "a list"
+            message = f"it is {form} without joint names: which joint a value belongs to is not guessed"
             help = f"add {names_wanted(self.motors, len(values))}"
             if self.motors is not None:
                 help = f"name the env.yaml of its run with it, which has them, or {help}"
@@ -532,16 +539,15 @@ class _Reader:
         sides = by_side([*block.items()], joints) if joints is not None and of_gains else ""
         if sides:
             help = "write one list in the order of the joint names, or {JOINT: NUMBER, ...}"
-            out.warning(NO_NUMBER, f"it has {sides}", where=name, span=self._span(node), help=help)
+            out.warning(NO_NUMBER, f"it has {sides}", where=name, span=node_span(node), help=help)
         else:
             # A mapping below is no joint's figure, but has some of its own.
             figures = [one for one in block.items() if not isinstance(one[1], yaml.MappingNode)]
-            no_number(name, figures, self.path, out)
+            no_number(name, figures, out)
         for key, value_node in block.items():
-            value = number_of(value_node)
-            if value is None:
+            setting = setting_of(value_node)
+            if setting is None:
                 continue
-            setting = Setting(value, self._span(value_node))
             if joints is None or key in joints:
                 found[key] = setting
             else:
@@ -557,18 +563,16 @@ class _Reader:
                 out.warning(MISSPELT, message, where=name, span=setting.span, help=help)
         return found
 
-    def _setting(self, node: yaml.Node) -> Setting | None:
-        """A number with its place; None for anything else."""
-        value = number_of(node)
-        return None if value is None else Setting(value, self._span(node))
-
-    def _span(self, node: yaml.Node) -> Span:
-        return node_span(self.path, node)
-
     def _step(self, node: yaml.Node) -> None:
         self.steps += 1
         if self.steps > MOST_STEPS:
             raise Unfit(f"it has more than {MOST_STEPS} values", position(node.start_mark))
+
+
+def _of_fewer(note: Diagnostic) -> Diagnostic:
+    """What is said of a list of fewer values than the robot has joints: a policy may move some of them alone."""
+    few = note.code == LENGTH and note.where in PER_JOINT["action_scale"]
+    return replace(note, severity=Severity.INFO) if few else note
 
 
 def _is_per_joint(node: yaml.Node | None) -> bool:

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import yaml
 
-from actspec.diagnostics import Collector, Span
+from actspec.diagnostics import Collector
 from actspec.readings.deploy_steps import nearest
+from actspec.readings.yaml_nodes import node_span, number_of
 
 PER_JOINT = {
     "kp": ("kp", "kps", "stiffness", "p_gains", "kp_gains", "joint_kp", "joint_stiffness", "rl_kp"),
@@ -156,17 +157,33 @@ def by_figure(
             if count[joint] == 1 and figure not in their:
                 found.setdefault(key, []).append((yaml.ScalarNode("tag:yaml.org,2002:str", joint), figure))
     whole: dict[str, yaml.Node] = {
-        key: yaml.MappingNode(node.tag, of_joints, node.start_mark, node.end_mark)
+        key: yaml.MappingNode("tag:yaml.org,2002:map", of_joints, node.start_mark, node.end_mark)
         for key, of_joints in found.items()
     }
     return whole, yaml.SequenceNode(node.tag, names, node.start_mark, node.end_mark)
+
+
+def in_a_row(node: yaml.Node, mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]]) -> yaml.Node:
+    """Figures by the numbers of joints, `kp: {0: 20, 1: 40}`, as the list that they are; any other node as it is.
+
+    From 0 on: joints may be called 1, 2, 3.
+
+    Args:
+        node: What stands below a key of figures.
+        mapping: A mapping's own and merged keys.
+    """
+    own = mapping(node) if isinstance(node, yaml.MappingNode) else {}
+    numbers = [str(number) for number in range(len(own))]
+    if len(own) < 2 or own.keys() != set(numbers):
+        return node
+    figures = [own[number] for number in numbers]
+    return yaml.SequenceNode(node.tag, figures, node.start_mark, node.end_mark)
 
 
 def own_gains(
     block: Mapping[str, yaml.Node],
     names: Collection[frozenset[str]],
     mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]],
-    number: Callable[[yaml.Node], float | None],
 ) -> list[OwnGains]:
     """Every kp and kd of joints of a mapping under keys of an author's own, in its order.
 
@@ -174,7 +191,6 @@ def own_gains(
         block: The mapping.
         names: What `joint_lists` has of the file.
         mapping: A mapping's own and merged keys.
-        number: A node as a number; None for any other.
     """
     keys: dict[str, dict[str, str]] = {}
     for key in block:
@@ -188,7 +204,7 @@ def own_gains(
         kp, kd = (block[own[gain]] for gain in ("kp", "kd"))
         if isinstance(kp, yaml.SequenceNode) and isinstance(kd, yaml.SequenceNode):
             count = len(kp.value)
-            numbers = all(number(item) is not None for item in (*kp.value, *kd.value))
+            numbers = all(number_of(item) is not None for item in (*kp.value, *kd.value))
             named = any(len(each) == count for each in names)
             told = named or (count >= LEAST and count != _OF_SPACE)
             if numbers and count == len(kd.value) and told:
@@ -215,14 +231,12 @@ def joint_lists(blocks: Iterator[Mapping[str, yaml.Node]]) -> set[frozenset[str]
 
 def standing_up(
     scopes: Sequence[Mapping[str, yaml.Node]],
-    span: Callable[[yaml.Node], Span],
     out: Collector,
 ) -> bool:
     """Whether a block's only gains are of standing up, which are compared with nothing; that is said.
 
     Args:
         scopes: Mappings in which they may stand, the nearest first.
-        span: Place of a node.
         out: Is told.
     """
     found = nearest(scopes, STANDING)
@@ -233,6 +247,6 @@ def standing_up(
         "these are the gains of getting up and lying down (rl_sar), and those of the policy (rl_kp, rl_kd) are not "
         "here: they are compared with nothing",
         where=found[0],
-        span=span(found[1]),
+        span=node_span(found[1]),
     )
     return True

@@ -12,6 +12,7 @@ from actspec.readings.artifact import Setting
 from actspec.readings.deploy_keys import STANDING, gain_of, joint_lists, own_gains
 from actspec.readings.deploy_numbers import by_side
 from actspec.readings.dict_keys import PLAIN
+from actspec.readings.yaml_nodes import number_of
 
 MISSPELT = "DEPLOY006"
 """Code of a joint that stands in one mapping and not in another, whose name is nearly its."""
@@ -48,7 +49,6 @@ def why_without_gains(
     gains: Mapping[str, Sequence[str]],
     names: Sequence[str],
     mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]],
-    number: Callable[[yaml.Node], float | None],
 ) -> Lack:
     """Why nothing of a file is taken as gains; the first key of gains of joints decides, else the first like one.
 
@@ -57,11 +57,10 @@ def why_without_gains(
         gains: `kp` and `kd` to all keys of either.
         names: Keys of the list of joint names.
         mapping: A mapping's own and merged keys.
-        number: A node as a number; None for any other.
     """
     lists = joint_lists(blocks_of(root, mapping))
     for block in blocks_of(root, mapping):
-        own = own_gains(block, lists, mapping, number)
+        own = own_gains(block, lists, mapping)
         if len(own) > 1:
             keys = listed(dict.fromkeys(shortened(one.kp) for one in own))
             why = f"it has gains as {keys}, and does not say which the joints run: write those as kp and kd"
@@ -71,7 +70,7 @@ def why_without_gains(
     known = [key for keys in gains.values() for key in keys]
     for block in blocks_of(root, mapping):
         for key, value in block.items():
-            if key in known and number(value) is not None:
+            if key in known and number_of(value) is not None:
                 return Lack(_of_one_number(key, block, gains, names), value)
             if key in known and isinstance(value, yaml.MappingNode):
                 sides = by_side([*mapping(value).items()])

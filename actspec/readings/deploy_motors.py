@@ -10,6 +10,7 @@ include/isaaclab/envs/mdp/actions/joint_actions.h: action[i] = raw[i] * scale[i]
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 
 import yaml
@@ -24,6 +25,7 @@ from actspec.readings.artifact import (
 from actspec.readings.deploy_numbers import no_number
 from actspec.readings.deploy_steps import nearest
 from actspec.readings.motor_names import ELSEWHERE
+from actspec.readings.yaml_nodes import node_span, setting_of
 
 LENGTH = "DEPLOY001"
 """Code of a list with more or fewer values than there are joints."""
@@ -48,8 +50,6 @@ def motors_of(
     scopes: Sequence[Mapping[str, yaml.Node]],
     keys: Mapping[str, Sequence[str]],
     mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]],
-    setting: Callable[[yaml.Node], Setting | None],
-    span: Callable[[yaml.Node], Span],
     out: Collector,
 ) -> Motors | None:
     """What the lists of a file say of each motor; None where it has no `joint_ids_map` that fits them.
@@ -60,8 +60,6 @@ def motors_of(
         scopes: Mappings in which they may stand, the nearest first.
         keys: Field to its keys.
         mapping: A mapping's own and merged keys.
-        setting: A node as a number with its place; None for any other.
-        span: Place of a node.
         out: Is told of a joint without a motor of its own, and where an action does not begin at the default pose, by
             a slip.
     """
@@ -70,7 +68,7 @@ def motors_of(
     lists = [
         found[1].value for found in gains if found is not None and isinstance(found[1], yaml.SequenceNode)
     ]
-    written = _numbers(None if ids is None else ids[1], setting)
+    written = _numbers(None if ids is None else ids[1])
     if ids is None or len(lists) < 2 or not written:
         return None
     count = max(map(len, lists))
@@ -80,7 +78,7 @@ def motors_of(
     for joint, message in odd.items():
         if message:
             help = "write the number of each motor once"
-            out.warning(NO_MOTOR, message, where=ids[0], span=span(ids[1].value[joint]), help=help)
+            out.warning(NO_MOTOR, message, where=ids[0], span=node_span(ids[1].value[joint]), help=help)
     numbers = [None if joint in odd else number for joint, number in enumerate(written)]
 
     figures: dict[str, dict[str, Setting]] = {}
@@ -92,10 +90,10 @@ def motors_of(
         motors: Sequence[int | None] = numbers if field in _BY_POLICY else range(count)
         if len(items) != len(motors):
             message = f"it has {many(len(items), 'value')} for {many(len(motors), 'joint')}"
-            out.warning(LENGTH, message, where=found[0], span=span(found[1]))
+            out.warning(LENGTH, message, where=found[0], span=node_span(found[1]))
             continue
-        no_number(found[0], [(f"entry {i}", item) for i, item in enumerate(items, 1)], span(ids[1]).path, out)
-        figures[field] = _by_motor(found[1], motors, setting)
+        no_number(found[0], [(f"entry {i}", item) for i, item in enumerate(items, 1)], out)
+        figures[field] = _by_motor(found[1], motors)
     actions = nearest(scopes, ("actions",))
     terms = []
     selected: dict[str, Setting] = {}
@@ -104,10 +102,10 @@ def motors_of(
             if name in _TERMS and isinstance(node, yaml.MappingNode):
                 pose = figures.get("default_position", {}) if _TERMS[name] == "position" else {}
                 term = mapping(node)
-                terms.append(_term(name, term, span(node), numbers, pose, setting, span, out))
+                terms.append(_term(name, term, node_span(node), numbers, pose, out))
                 patterns = _texts(term.get("joint_names"))
-                if patterns and _numbers(term.get("joint_ids"), setting):
-                    selected[name] = Setting(patterns, span(term["joint_ids"]))
+                if patterns and _numbers(term.get("joint_ids")):
+                    selected[name] = Setting(patterns, node_span(term["joint_ids"]))
     groups = []
     # The gains are by motor, whichever joint has it.
     for motor in map(str, range(count) if odd else sorted(written)):
@@ -116,7 +114,7 @@ def motors_of(
             at = next(iter(own_figures.values())).span
             groups.append(ActuatorGroup(motor, "deploy", at, (motor,), own_figures))
     order = tuple(None if number is None else str(number) for number in numbers)
-    return Motors(count, tuple(groups), tuple(terms), span(ids[1]), order, selected)
+    return Motors(count, tuple(groups), tuple(terms), node_span(ids[1]), order, selected)
 
 
 def _without_a_motor(numbers: Sequence[int], count: int) -> dict[int, str] | None:
@@ -154,21 +152,28 @@ def _term(
     place: Span,
     numbers: Sequence[int | None],
     pose: dict[str, Setting],
-    setting: Callable[[yaml.Node], Setting | None],
-    span: Callable[[yaml.Node], Span],
     out: Collector,
 ) -> ActionTerm:
     """An action of the policy; of a joint whose default position is two numbers by a slip the pose loses it."""
-    chosen = _numbers(term.get("joint_ids"), setting)
+    chosen = _numbers(term.get("joint_ids"))
     known = range(len(numbers))
     strange = [each for each, one in enumerate(chosen) if one not in known]
     if strange:
         whose = "is no joint's number" if len(strange) == 1 else "are no joints' numbers"
         message = f"{listed(str(chosen[each]) for each in strange)} {whose}: those of the policy are 0 to {known[-1]}"
-        at = span(term["joint_ids"].value[strange[0]])
+        at = node_span(term["joint_ids"].value[strange[0]])
         out.warning(ELSEWHERE, message, where=f"{name}.joint_ids", span=at)
+    twice = [number for number, count in Counter(chosen).items() if count > 1]
+    if twice:
+        stand = "stands" if len(twice) == 1 else "stand"
+        message = (
+            f"{listed(map(str, twice))} {stand} more than once, and each number is of a joint of its own"
+        )
+        at = node_span(term["joint_ids"].value[chosen.index(twice[0], chosen.index(twice[0]) + 1)])
+        help = "write the number of each joint once"
+        out.warning(ELSEWHERE, message, where=f"{name}.joint_ids", span=at, help=help)
     motors = [numbers[one] if one in known else None for one in chosen] or numbers
-    scale, offset = (_by_motor(term.get(key), motors, setting) for key in ("scale", "offset"))
+    scale, offset = (_by_motor(term.get(key), motors) for key in ("scale", "offset"))
     shared = {motor: one for motor, one in offset.items() if motor in pose}
     others = {motor: one for motor, one in shared.items() if one.value != pose[motor].value}
     # The action begins at the default pose, as both lists of the file say of other joints.
@@ -178,7 +183,7 @@ def _term(
     for motor, one in others.items() if added else ():
         slips.setdefault((pose.pop(motor).value, one.value), []).append(motor)
     for (posed, begun), same in slips.items():
-        joints = [str(motors.index(int(motor)) + 1) for motor in same]
+        joints = [str(numbers.index(int(motor)) + 1) for motor in same]
         which = " and ".join(joints) if len(joints) < 3 else listed(joints, 4)
         whose = (
             f"joint {which} of the policy has" if len(joints) == 1 else f"joints {which} of the policy have"
@@ -192,31 +197,29 @@ def _term(
     return ActionTerm(
         name,
         name,
-        tuple(str(motor) for motor in motors if motor is not None),
+        tuple(dict.fromkeys(str(motor) for motor in motors if motor is not None)),
         _TERMS[name],
         "",
-        _of_all(scale, motors, term.get("scale"), span),
-        None if added or (pose and not others) else _of_all(offset, motors, term.get("offset"), span),
+        _of_all(scale, motors, term.get("scale")),
+        None if added or (pose and not others) else _of_all(offset, motors, term.get("offset")),
         None,
         place,
     )
 
 
-def _by_motor(
-    node: yaml.Node | None, motors: Sequence[int | None], setting: Callable[[yaml.Node], Setting | None]
-) -> dict[str, Setting]:
+def _by_motor(node: yaml.Node | None, motors: Sequence[int | None]) -> dict[str, Setting]:
     """The numbers of a list by motor; none of a list of another length."""
     items = node.value if isinstance(node, yaml.SequenceNode) else []
     if len(items) != len(motors):
         return {}
-    pairs = zip(motors, map(setting, items), strict=True)
+    pairs = zip(motors, map(setting_of, items), strict=True)
     return {str(motor): one for motor, one in pairs if one is not None and motor is not None}
 
 
-def _numbers(node: yaml.Node | None, setting: Callable[[yaml.Node], Setting | None]) -> list[int]:
+def _numbers(node: yaml.Node | None) -> list[int]:
     """Whole numbers of a list; none of anything else."""
     items = node.value if isinstance(node, yaml.SequenceNode) else []
-    found = [one.number for one in map(setting, items) if one is not None and one.number is not None]
+    found = [one.number for one in map(setting_of, items) if one is not None and one.number is not None]
     return (
         [int(one) for one in found] if len(found) == len(items) and all(map(float.is_integer, found)) else []
     )
@@ -226,15 +229,14 @@ def _of_all(
     values: Mapping[str, Setting],
     motors: Sequence[int | None],
     node: yaml.Node | None,
-    span: Callable[[yaml.Node], Span],
 ) -> Setting | None:
     """A list as values by motor; unknown where it is none of so many numbers."""
     if node is None:
         return None
     if len(values) < len(motors) - motors.count(None):
-        return Setting(None, span(node), "it is no list of a number for each joint")
+        return Setting(None, node_span(node), "it is no list of a number for each joint")
     places = {motor: one.span for motor, one in values.items()}
-    return Setting({motor: one.value for motor, one in values.items()}, span(node), places=places)
+    return Setting({motor: one.value for motor, one in values.items()}, node_span(node), places=places)
 
 
 def sdk_names(scopes: Sequence[Mapping[str, yaml.Node]]) -> tuple[str, ...]:

@@ -10,8 +10,7 @@ import yaml
 from actspec.diagnostics import Collector, listed, shortened
 from actspec.joints import SIDE_WORDS
 from actspec.readings.deploy_keys import is_of_another
-from actspec.readings.leftover import node_span
-from actspec.readings.yaml_nodes import number_of
+from actspec.readings.yaml_nodes import node_span, number_of
 
 NO_NUMBER = "DEPLOY003"
 """Code of a value that is no number and stands where one is meant."""
@@ -48,13 +47,12 @@ def is_empty(node: yaml.Node) -> bool:
     return isinstance(node, yaml.ScalarNode) and node.tag == f"{_YAML}null" and node.value == ""
 
 
-def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], path: str, out: Collector) -> None:
+def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], out: Collector) -> None:
     """Say which figures of a key are no numbers; `null` and `unknown` are nobody's figure, nor are words among words.
 
     Args:
         key: As it stands in the file.
         values: Joint, or `it`, to its value.
-        path: The file.
         out: Is told.
     """
     odd = [(joint, node) for joint, node in values if number_of(node) is None and not _is_left_open(node)]
@@ -65,7 +63,7 @@ def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], path: str, out:
         odd = figures
     for joint, node in odd:
         out.warning(
-            NO_NUMBER, f"{joint} has {_what(node)}: it is not judged", where=key, span=node_span(path, node)
+            NO_NUMBER, f"{joint} has {_what(node)}: it is not judged", where=key, span=node_span(node)
         )
 
 

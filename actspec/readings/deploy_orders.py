@@ -8,7 +8,10 @@ from dataclasses import replace
 
 import yaml
 
+from actspec.diagnostics import Span
 from actspec.readings.artifact import RobotConfig
+from actspec.readings.deploy_steps import nearest
+from actspec.readings.yaml_nodes import number_of
 
 MOST_BLOCKS = 50
 """Chosen: blocks with gains of one file up to which each is held to every list."""
@@ -60,6 +63,29 @@ def with_orders(
         else config
         for config in configs
     )
+
+
+def in_policy_order(
+    names: dict[str, Span] | None, scopes: Sequence[Mapping[str, yaml.Node]], count: int | None
+) -> dict[str, Span] | None:
+    """The names as the lists have them: `joint_mapping` has the place of each joint of the policy among the names.
+
+    Source: rl_sar, rl_real_a1.cpp: motorCmd[joint_mapping[i]].Kp = motor_command.kp[i], and its lists are by i.
+
+    Args:
+        names: Each with its place; None: there are none.
+        scopes: Mappings in which the places may stand, the nearest first.
+        count: Entries of the gains' lists; None: they are none. A policy may have fewer joints than the robot.
+    """
+    found = nearest(scopes, ("joint_mapping",))
+    if names is None or found is None or not isinstance(found[1], yaml.SequenceNode):
+        return names
+    places = [number_of(item) for item in found[1].value]
+    known = set(range(len(names)))
+    if len(places) not in (len(names), count) or len({*places} & known) < len(places):
+        return names
+    pairs = list(names.items())
+    return dict(pairs[int(place)] for place in places if place is not None)
 
 
 def _all_rows(blocks: Iterable[Mapping[str, yaml.Node]]) -> Iterator[tuple[str, _Rows]]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import yaml
 
 from actspec.diagnostics import Collector
 from actspec.readings.artifact import STEP_OF_WHAT, Setting
+from actspec.readings.yaml_nodes import setting_of
 
 TIMES = {
     "physics_dt": ("physics_dt", "simulation_dt", "sim_dt"),
@@ -32,9 +33,7 @@ def nearest(scopes: Iterable[Mapping[str, yaml.Node]], keys: Sequence[str]) -> t
     return next(((key, scope[key]) for scope in scopes for key in keys if key in scope), None)
 
 
-def steps_of(
-    scopes: Sequence[Mapping[str, yaml.Node]], number: Callable[[yaml.Node], Setting | None], out: Collector
-) -> dict[str, Setting]:
+def steps_of(scopes: Sequence[Mapping[str, yaml.Node]], out: Collector) -> dict[str, Setting]:
     """The settings of `TIMES`; and `dt` with `dt_of`, which of them it is, where the keys beside it tell.
 
     Beside a decimation and no other step `dt` is the one that is counted: rl_sar, rl_sim.cpp and rl_real_a1.cpp, runs
@@ -43,17 +42,16 @@ def steps_of(
 
     Args:
         scopes: Mappings in which they may stand, the nearest first.
-        number: A node as a number with its place; None for any other.
         out: Is told of a `dt` that may be any step.
     """
     found: dict[str, Setting] = {}
     for name, keys in TIMES.items():
         key = nearest(scopes, keys)
-        setting = None if key is None else number(key[1])
+        setting = None if key is None else setting_of(key[1])
         if setting is not None:
             found[name] = setting
     key = nearest(scopes, ("dt",))
-    dt = None if key is None else number(key[1])
+    dt = None if key is None else setting_of(key[1])
     if dt is None or dt.number is None:
         return found
     physics = found["physics_dt"].number if "physics_dt" in found else None

@@ -34,7 +34,7 @@ from actspec.readings.motor_names import names_wanted
 from actspec.readings.named import PendingFiles
 from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
 from actspec.readings.read import MOST_YAML_BYTES, YAML
-from actspec.readings.yaml_nodes import MOST_STEPS, Unfit, compose
+from actspec.readings.yaml_nodes import MOST_STEPS, Unfit, compose, node_span
 from actspec.robot.view import JointView
 
 Joints: TypeAlias = "tuple[JointView | str, ...]"
@@ -136,10 +136,9 @@ def environment_of(text: str) -> Artifact | None:
     if not os.path.isfile(text) or not text.lower().endswith((*YAML, ".json")):
         return None
     settings = {}
-    for name, node in _entries(_entry(compose(_data(text)), "scene")):
+    for name, node in _entries(_entry(compose(_data(text), text), "scene")):
         if name in ("physics_dt", "decimation") and (number := _number(node)) is not None:
-            mark = node.start_mark
-            settings[name] = Setting(number, Span(text, mark.line + 1, mark.column + 1))
+            settings[name] = Setting(number, node_span(node))
     name = os.path.splitext(os.path.basename(text))[0]
     config = RobotConfig(Framework.ISAACLAB, name, Span(text), (), settings)
     return Artifact(text, FileKind.CFG, name, config=config) if "physics_dt" in settings else None

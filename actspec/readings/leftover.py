@@ -14,6 +14,7 @@ import yaml
 
 from actspec.diagnostics import Span
 from actspec.readings.artifact import RobotConfig, Setting
+from actspec.readings.yaml_nodes import node_span, number_of, setting_of
 
 MOST_VALUES = 20_000
 """Chosen: values of one file that are kept. The fullest deploy file seen has 700."""
@@ -32,7 +33,6 @@ class Leftover:
 
     Attributes:
         configs: Of the file, in order.
-        number: A node as a number; None for any other.
         mapping: A mapping's own and merged keys.
         least: Numbers in one list or mapping from which on they may be of joints; fewer may be the ends of a range.
         left: Values that may still be looked at.
@@ -40,8 +40,6 @@ class Leftover:
     """
 
     configs: Sequence[RobotConfig]
-    path: str
-    number: Callable[[yaml.Node], float | None]
     mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]]
     least: int
     left: int = MOST_VALUES
@@ -74,7 +72,7 @@ class Leftover:
         depth: int,
     ) -> Iterator[tuple[int, str, Setting, bool]]:
         """Owner, place in words, value, and whether it may be of a joint, or of all as a step."""
-        span = self._span(node)
+        span = node_span(node)
         size = len(node.value) if isinstance(node, yaml.SequenceNode) else 0
         if self.left <= size or depth > MOST_LEVELS:
             if not self.cut:
@@ -86,7 +84,7 @@ class Leftover:
         if isinstance(node, yaml.ScalarNode):
             # A hash is of what is compared, or of what its file has.
             if span not in taken and not _HASH.fullmatch(node.value):
-                value = self._scalar(node)
+                value = _scalar(node)
                 yield owner, where, value, is_step(where) and value.number is not None
             return
         if span in taken and isinstance(node, yaml.SequenceNode):
@@ -100,28 +98,20 @@ class Leftover:
             if texts and texts in orders:
                 return
             inner = [(f"entry {place} of {where}", one) for place, one in enumerate(node.value, 1)]
-            if any(self._span(one) in taken for _, one in inner):
+            if any(node_span(one) in taken for _, one in inner):
                 # A list that is taken, with `null` or a word among its numbers.
                 return
-        counted = len(inner) >= self.least and all(self.number(one) is not None for _, one in inner)
+        counted = len(inner) >= self.least and all(number_of(one) is not None for _, one in inner)
         for name, one in inner:
             if counted:
-                if self._span(one) not in taken:
-                    yield owner, name, self._scalar(one), True
+                if node_span(one) not in taken:
+                    yield owner, name, _scalar(one), True
             else:
                 yield from self._values(one, name, owner, taken, orders, owners, depth + 1)
 
-    def _scalar(self, node: yaml.Node) -> Setting:
-        value = self.number(node)
-        return Setting(str(node.value) if value is None else value, self._span(node))
 
-    def _span(self, node: yaml.Node) -> Span:
-        return node_span(self.path, node)
-
-
-def node_span(path: str, node: yaml.Node) -> Span:
-    """Where a node of a file begins."""
-    return Span(path, node.start_mark.line + 1, node.start_mark.column + 1)
+def _scalar(node: yaml.Node) -> Setting:
+    return setting_of(node) or Setting(str(node.value), node_span(node))
 
 
 def is_step(where: str) -> bool:

@@ -15,7 +15,7 @@ NAMELESS = "DEPLOY002"
 """Code of a list whose joints nobody names."""
 
 ELSEWHERE = "DEPLOY010"
-"""Code of an action whose numbers are those of other joints than its names, or of none."""
+"""Code of an action whose numbers are those of other joints than its names, of none, or of one more than once."""
 
 
 def called(

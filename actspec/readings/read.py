@@ -86,8 +86,9 @@ def _read_yaml(path: str) -> FileReading:
         return FileReading(path, None, (getattr(err, "strerror", None) or "bad path").lower())
     if not is_spec(data):
         from actspec.readings.deploy import read_deploy
+        from actspec.readings.rl_sar import base_of
 
-        return read_deploy(path, data)
+        return read_deploy(path, data, base_of(path, data, MOST_YAML_BYTES))
     return FileReading(path, FileKind.SPEC, None, (), (ModelFile(path, "", data),))
 
 

@@ -20,11 +20,11 @@ import yaml
 
 from actspec.diagnostics import Collector
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, FileReading, RobotConfig
-from actspec.readings.leftover import node_span
 from actspec.readings.python import isaaclab, mjlab
 from actspec.readings.python.settings import UNFOLDED
 from actspec.readings.python.values import Data, External, Key, Obj, Scalar, Seq, Table, Unknown, Value
 from actspec.readings.twice import keys_twice
+from actspec.readings.yaml_nodes import node_span
 from actspec.robot.view import ModelFile
 from actspec.simulators.classes import MJLAB
 
@@ -71,11 +71,9 @@ def read_run(file: ModelFile, root: yaml.Node) -> FileReading | None:
         return None
     artifacts = tuple(
         Artifact(file.path, FileKind.CFG, config.name, config=config)
-        for config in _configs(file.path, root, of_isaaclab)
+        for config in _configs(root, of_isaaclab)
     )
-    return FileReading(
-        file.path, FileKind.CFG, None, artifacts, (file,), keys_twice(root, file.path), record=True
-    )
+    return FileReading(file.path, FileKind.CFG, None, artifacts, (file,), keys_twice(root), record=True)
 
 
 def _keys(node: yaml.Node | None) -> dict[str, yaml.Node]:
@@ -93,9 +91,9 @@ def _is_isaaclab(keys: Mapping[str, yaml.Node]) -> bool:
     )
 
 
-def _configs(path: str, root: yaml.Node, of_isaaclab: bool) -> Iterator[RobotConfig]:
+def _configs(root: yaml.Node, of_isaaclab: bool) -> Iterator[RobotConfig]:
     """Each robot of the scene, the one that the task is for first; what has none is one, too."""
-    whole = _Folder(path).value(root)
+    whole = _Folder().value(root)
     whole = whole if of_isaaclab else _of_mjlab(whole)
     robots: list[str] = isaaclab.robots_in(whole) if of_isaaclab else mjlab.robots_in(whole)
     every: list[str | None] = [*robots] or [None]
@@ -165,14 +163,13 @@ def _made(value: Value, cls: str) -> Value:
 class _Folder:
     """Makes values of the nodes of one file, each once."""
 
-    def __init__(self, path: str) -> None:
-        self.path = path
+    def __init__(self) -> None:
         self.made: dict[int, Value] = {}
 
     def value(self, node: yaml.Node) -> Value:
         """A node and what is in it; an alias shares what its anchor is."""
         if id(node) not in self.made:
-            span = node_span(self.path, node)
+            span = node_span(node)
             if isinstance(node, yaml.MappingNode):
                 self._mapping(node)
             elif isinstance(node, yaml.SequenceNode) and node.tag in (f"{_YAML}seq", f"{_PYTHON}tuple"):
@@ -184,7 +181,7 @@ class _Folder:
         return self.made[id(node)]
 
     def _mapping(self, node: yaml.MappingNode) -> None:
-        span = node_span(self.path, node)
+        span = node_span(node)
         keys = _keys(node)
         cls = _class_of(node, keys)
         items: dict[Key, Value] = {}

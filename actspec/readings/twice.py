@@ -5,7 +5,7 @@ from __future__ import annotations
 import yaml
 
 from actspec.diagnostics import Collector, Diagnostic, shortened
-from actspec.readings.leftover import node_span
+from actspec.readings.yaml_nodes import node_span
 
 TWICE = "DEPLOY004"
 """Code of both."""
@@ -14,7 +14,7 @@ _MOST_COMPARED = 10_000
 """Chosen: values of two keys of one name that are held against each other; beyond, they differ."""
 
 
-def keys_twice(root: yaml.Node, path: str) -> tuple[Diagnostic, ...]:
+def keys_twice(root: yaml.Node) -> tuple[Diagnostic, ...]:
     """Keys that a mapping has twice, with another value.
 
     YAML 1.2 (3.2.1.1) allows none, and readers take either: PyYAML makes a dict of the pairs in their order, so that
@@ -22,7 +22,6 @@ def keys_twice(root: yaml.Node, path: str) -> tuple[Diagnostic, ...]:
 
     Args:
         root: The file's nodes.
-        path: Its name.
     """
     out = Collector()
     waiting, seen = [root], {id(root)}
@@ -30,7 +29,7 @@ def keys_twice(root: yaml.Node, path: str) -> tuple[Diagnostic, ...]:
         node = waiting.pop()
         inner = list(node.value) if isinstance(node, yaml.SequenceNode) else []
         if isinstance(node, yaml.MappingNode):
-            _of_mapping(node, path, out)
+            _of_mapping(node, out)
             inner = [value for _, value in node.value]
         for item in inner:
             if id(item) not in seen:
@@ -39,7 +38,7 @@ def keys_twice(root: yaml.Node, path: str) -> tuple[Diagnostic, ...]:
     return out.sorted()
 
 
-def _of_mapping(node: yaml.MappingNode, path: str, out: Collector) -> None:
+def _of_mapping(node: yaml.MappingNode, out: Collector) -> None:
     last: dict[tuple[str, str], yaml.Node] = {}
     for key, value in node.value:
         if not isinstance(key, yaml.ScalarNode) or key.tag == "tag:yaml.org,2002:merge":
@@ -52,19 +51,18 @@ def _of_mapping(node: yaml.MappingNode, path: str, out: Collector) -> None:
                 f"'{shortened(word)}' stands a second time, with another value than in line {line}: "
                 "PyYAML takes the last one, yaml-cpp the first"
             )
-            out.warning(TWICE, message, span=node_span(path, key), help="keep one of them")
+            out.warning(TWICE, message, span=node_span(key), help="keep one of them")
         last[(key.tag, word)] = value
 
 
 OF_LISTS = "which joint a value of the lists belongs to is not known"
 
 
-def name_twice(names: yaml.SequenceNode, path: str, out: Collector, why: str = OF_LISTS) -> None:
+def name_twice(names: yaml.SequenceNode, out: Collector, why: str = OF_LISTS) -> None:
     """Report the first name that a list of joints has twice.
 
     Args:
         names: The list, of scalars.
-        path: The file.
         out: Gets it.
         why: What it leaves open.
     """
@@ -72,13 +70,13 @@ def name_twice(names: yaml.SequenceNode, path: str, out: Collector, why: str = O
     for item in names.value:
         before = first.setdefault(str(item.value), item)
         if before is not item:
-            place = node_span(path, before)
+            place = node_span(before)
             message = (
                 f"the joint names have '{shortened(str(item.value))}' twice, first at {place.line}:{place.column}: "
                 f"{why}"
             )
             help = "name each joint once" + (", in the order of the lists" if why == OF_LISTS else "")
-            out.warning(TWICE, message, span=node_span(path, item), help=help)
+            out.warning(TWICE, message, span=node_span(item), help=help)
             return
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from typing import Any
 
@@ -9,6 +10,7 @@ import yaml
 
 from actspec.diagnostics import Span, one_line
 from actspec.files import place_of
+from actspec.readings.artifact import Setting
 from actspec.spec.yaml_problems import too_deep
 
 MOST_STEPS = 200_000
@@ -33,8 +35,20 @@ class Unfit(Exception):
         return Span(path, *self.at)
 
 
-def compose(data: bytes) -> yaml.Node | None:
+class _Text(io.StringIO):
+    """A text that its marks know by the name of its file."""
+
+    def __init__(self, text: str, name: str) -> None:
+        super().__init__(text)
+        self.name = name
+
+
+def compose(data: bytes, path: str = "") -> yaml.Node | None:
     """The nodes of a YAML text, nothing constructed; None for an empty one.
+
+    Args:
+        data: The text.
+        path: Its file, for `node_span`.
 
     Raises:
         Unfit: it is no YAML, or too much of it.
@@ -54,7 +68,7 @@ def compose(data: bytes) -> yaml.Node | None:
                 raise Unfit(f"it is nested more than {MOST_DEPTH} deep", position(event.start_mark))
             if count > MOST_STEPS:
                 raise Unfit(f"it has more than {MOST_STEPS} values", position(event.start_mark))
-        node: yaml.Node | None = yaml.compose(text, Loader=loader)
+        node: yaml.Node | None = yaml.compose(_Text(text, path), Loader=loader)
     except yaml.MarkedYAMLError as err:
         mark = err.problem_mark or err.context_mark
         place = position(mark) if mark else (0, 0)
@@ -87,3 +101,14 @@ def number_of(node: yaml.Node) -> float | None:
     except (ValueError, OverflowError):
         return None
     return value if math.isfinite(value) else None
+
+
+def node_span(node: yaml.Node) -> Span:
+    """Where a node begins, in the file that it was composed of."""
+    return Span(node.start_mark.name, *position(node.start_mark))
+
+
+def setting_of(node: yaml.Node) -> Setting | None:
+    """A finite number with its place; None for anything else."""
+    value = number_of(node)
+    return None if value is None else Setting(value, node_span(node))

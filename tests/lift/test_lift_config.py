@@ -626,6 +626,14 @@ def test_legged_gym(tmp_path: Path, control: str) -> None:
     assert [item.joint for item in found.left_alone] == ["lift"]
 
 
+def test_what_a_fork_of_legged_gym_adds_is_said(tmp_path: Path) -> None:
+    text = LEGGED.replace("CONTROL", "torque_limits = 9.0\n        hip_reduction = 0.5")
+    found = lift_config(artifact_of(tmp_path, text), joints())
+    assert found.notes["hip"] == (
+        "control has torque_limits, hip_reduction of its own: what that does is not known here",
+    )
+
+
 TRAINED = """from legged_gym.envs.base.legged_robot_config import LeggedRobotCfg, LeggedRobotCfgPPO
 
 class BotRoughCfg( LeggedRobotCfg ):

@@ -31,6 +31,42 @@ def test_figures_joint_by_joint(text: str) -> None:
 @pytest.mark.parametrize(
     "text",
     [
+        "joints:\n  0: {kp: 20, kd: 1}\n  1: {kp: 40, kd: 2}\n  2: {kp: 20, kd: 1}\n",
+        "joints:\n  - {name: 0, kp: 20, kd: 1}\n  - {name: 1, kp: 40, kd: 2}\n  - {name: 2, kp: 20, kd: 1}\n",
+        "kp: {0: 20, 2: 20, 1: 40}\nkd: {0: 1, 1: 2, 2: 1}\n",
+    ],
+)
+@pytest.mark.parametrize("names", ["", "joint_names: [hip, knee, foot]\n"])
+def test_figures_by_number_are_a_list(text: str, names: str) -> None:
+    """Nobody guesses whose they are, as in a list; with names each is its joint's."""
+    reading = read_deploy("walk.yaml", (text + names).encode())
+    (config,) = [artifact.config for artifact in reading.artifacts]
+    assert config is not None
+    if names:
+        found = [
+            (group.name, group.settings["kp"].value, group.settings["kd"].value) for group in config.groups
+        ]
+        assert found == [("hip", 20.0, 1.0), ("knee", 40.0, 2.0), ("foot", 20.0, 1.0)]
+    else:
+        assert config.groups == ()
+        assert [one.value for one in config.nameless["kp"]] == [20.0, 40.0, 20.0]
+        message = "it is by number, without joint names: which joint a value belongs to is not guessed"
+        assert [(note.code, note.where, note.message) for note in reading.diagnostics] == [
+            ("DEPLOY002", "kp", message),
+            ("DEPLOY002", "kd", message),
+        ]
+
+
+def test_joints_that_are_called_by_numbers() -> None:
+    """Some robots' joints are called 1, 2, 3."""
+    (artifact,) = read_deploy("arm.yaml", b"kp: {1: 20, 2: 40}\nkd: {1: 1, 2: 2}\n").artifacts
+    assert artifact.config is not None
+    assert [group.name for group in artifact.config.groups] == ["1", "2"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
         # One joint may be any controller; words without gains are a list of something else.
         "joints:\n  hip: {kp: 20, kd: 1}\n",
         "joints:\n  hip: {kp: 20, kd: 1}\n  knee: {kp: 20}\n  foot: {kp: 20}\n  toe: {id: 3}\n",

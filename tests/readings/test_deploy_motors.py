@@ -389,6 +389,29 @@ def test_an_action_with_a_number_of_no_joint(ids: str, column: int, said: str, n
         assert scale is not None and scale.value == ({"foot": 5.0} if "0" in ids else {})
 
 
+def test_an_action_with_a_number_twice() -> None:
+    """At the second place of the first; of the scale nobody knows then what is the joint's."""
+    text = VELOCITY.replace("@", "0, 0, 1, 0").replace("[5.0]", "[5.0, 6.0, 7.0, 8.0]")
+    config = config_of(NAMES + DEPLOY + text)
+    said = [note for note in config.notes if note.help == "write the number of each joint once"]
+    assert [str(note.span) for note in said] == ["deploy.yaml:18:20"]
+    assert said[0].code == "DEPLOY010"
+    assert said[0].message == "0 stands more than once, and each number is of a joint of its own"
+    assert config.actions[1].joints == ("foot", "hip")
+    assert config.actions[1].scale is not None and config.actions[1].scale.value is None
+
+
+def test_a_pose_is_counted_as_the_policy_counts_its_joints() -> None:
+    """The action is of the second and the third joint; the offset of the third is another number than its pose."""
+    text = DEPLOY.replace("joint_ids: null", "joint_ids: [1, 2]")
+    text = text.replace("[0.5, 0.25, 0.25]", "[0.25, 0.25]").replace(
+        "offset: [0.3, 0.1, -0.2]", "offset: [0.1, -0.5]"
+    )
+    (note,) = config_of(NAMES + text).notes
+    assert note.code == "DEPLOY007"
+    assert note.message.startswith("joint 3 of the policy has -0.2 rad here, and an offset of -0.5 rad")
+
+
 def test_an_action_of_other_joints_by_the_names_of_a_run(tmp_path: Path) -> None:
     """It is told where the run beside the file names the motors, once, and fails the run."""
     (tmp_path / "deploy.yaml").write_text(DEPLOY + VELOCITY.replace("@", "2"))

@@ -751,6 +751,16 @@ def test_a_network_in_place_of_the_gains(
         assert control_of_group(config.framework, config.groups[0]) == control
 
 
+def test_what_a_fork_of_legged_gym_adds_to_control(tmp_path: Path) -> None:
+    """Of the class and of its base; legged_gym's own names, and other classes' torque limits, are none."""
+    fork = DOG.replace("action_scale = 0.25", "torque_limits = 30.0\n        hip_reduction = 0.5")
+    fork = fork.replace("class asset", "class safety:\n        torque_limit = 0.85\n    class asset")
+    (config,) = read(tmp_path, BASE + fork).values()
+    assert config.groups[0].own == ("torque_limits", "hip_reduction")
+    (plain,) = read(tmp_path, BASE + DOG).values()
+    assert plain.groups[0].own == ()
+
+
 def test_legged_gym_without_its_base(tmp_path: Path) -> None:
     """A robot alone has what it writes; what it inherits is a note, not a default."""
     (config,) = read(tmp_path, DOG).values()

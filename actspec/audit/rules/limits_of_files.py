@@ -25,15 +25,9 @@ N*m on all joints of Solo 12, which weighs 2.5 kg, and of Bolt, 1.25 kg; 20,000 
 _OF_LIMITS = re.compile("effort|torque|force|limit|^y1$", re.IGNORECASE)
 """Names of settings that may limit a torque."""
 
-_OWN_TORQUES = re.compile(
-    rb"^[ \t]*(?!soft_)(?:\w*(?:torque|effort)s?_limits?\w*|max_(?:torque|effort)s?)[ \t]*(?::[^=\n]*)?=[ \t]*(?!-)",
-    re.MULTILINE,
-)
-"""A torque limit of a fork's own in a legged_gym configuration; a share of one, or a negative reward, is none."""
-
 
 def limited_by_own(case: Case) -> frozenset[Span]:
-    """Groups of a class of somebody's own with such settings of its own: what it clips at, nobody knows here."""
+    """Groups of somebody's class, or fork, with such settings of its own: what it clips at, nobody knows here."""
     configs = (artifact.config for _, artifact in case.of_kind(FileKind.CFG))
     groups = (group for config in configs if config is not None for group in config.groups)
     return frozenset(group.span for group in groups if any(map(_OF_LIMITS.search, group.own)))
@@ -55,20 +49,12 @@ def taken_by_gym(case: Case, row: LedgerRow) -> tuple[LedgerRow, LedgerRow] | No
         loads = config is not None and config.framework is Framework.LEGGED_GYM and config.model is not None
         if config is None or not loads or not one.kp or not names_model(case, config, artifact):
             continue
-        if one.file in case.once(_with_own_torques):
+        if one.span in case.once(limited_by_own):
             continue
         for other in partner_rows(case, row, FileKind.MJCF):
             if other.control != "none" and 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER:
                 return one, other
     return None
-
-
-def _with_own_torques(case: Case) -> frozenset[str]:
-    """Configurations that set torque limits."""
-    files = (file for file in case.files if file.kind is FileKind.CFG)
-    return frozenset(
-        file.path for file in files if any(_OWN_TORQUES.search(part.data) for part in file.files)
-    )
 
 
 def few_zeros(case: Case) -> frozenset[int]:

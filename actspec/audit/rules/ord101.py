@@ -102,8 +102,11 @@ def _place(robot: RobotView, joint: str, place: int) -> str:
 
 
 def _other_order(case: Case, index: int, driven: Sequence[str]) -> tuple[str, Setting] | None:
-    """A file of the robot with a joint order that is not the actuators'."""
+    """A file of the robot with a joint order that is not the actuators', which nothing brings into it."""
     for other in case.robot_of(index).artifacts:
+        config = case.artifacts[other].config
+        if config is not None and config.mapped:
+            continue
         order = binding_order(case.artifacts[other])
         if order is not None and differing_places(kept_names(order[0], driven), kept_names(driven, order[0])):
             return case.artifacts[other].path, order[1]

@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from os.path import basename
 
 from actspec.audit.finding import Skipped
@@ -38,19 +39,37 @@ _LEAST = 4
 """Joints of a list from which on an order is told from its figures. Chosen: two hips and two knees."""
 
 
+class _Kind(Enum):
+    """What an order of joints is, in words with a place for what it is of."""
+
+    ACTUATORS = "the actuators of {}"
+    JOINTS = "the joints of {}"
+    ISAAC = "Isaac Lab (breadth-first over {})"
+    PARTED = "joints with a range and then the others, each as {}"
+    ACTIONS = "the actions of {}"
+    NAMES = "the joint names of {}"
+
+
 @dataclass(frozen=True, slots=True)
 class _Order:
     """An order of joints that a robot has, or that its policy was trained in.
 
     Attributes:
-        text: What it is, in words.
+        kind: What it is.
+        of: Of which file, or as which order.
         names: Its joints.
         span: Where a configuration says that its policy's actions are in it; None: it is a model's.
     """
 
-    text: str
+    kind: _Kind
+    of: str
     names: tuple[str, ...]
     span: Span | None = None
+
+    @property
+    def text(self) -> str:
+        """What it is, in words."""
+        return self.kind.value.format(self.of)
 
     def is_of(self, names: Sequence[str]) -> bool:
         """Whether joints stand in it, those apart that only one of the two has."""
@@ -141,7 +160,9 @@ class DeployOrder(RuleOver[_Subject]):
                 continue
             names, setting = order
             members = [case.artifacts[other] for other in case.robot_of(index).artifacts]
-            known = tuple(item for member in members for item in _known_orders(member, names))
+            # Of a policy's order what runs it makes the robot's.
+            models = () if artifact.config.mapped else members
+            known = tuple(item for member in models for item in _known_orders(member, names))
             tasks = [member for member in members if member.kind is FileKind.CFG and _acts(member)]
             if artifact.kind is not FileKind.DEPLOY or artifact.config.by_motor:
                 # The robot's numbering, which the policy's order is no part of.
@@ -170,8 +191,8 @@ class DeployOrder(RuleOver[_Subject]):
         if subject.trained and subject.alone:
             yield self._finding(subject, subject.trained[0])
             return
-        commands = [order for order in subject.known if order.text.startswith("the actuators")]
-        silent = commands or [order for order in subject.known if order.text.startswith("the joints")]
+        commands = [order for order in subject.known if order.kind is _Kind.ACTUATORS]
+        silent = commands or [order for order in subject.known if order.kind is _Kind.JOINTS]
         if silent and not silent[0].is_of(subject.names):
             own = next((order for order in subject.known if order.is_of(subject.names)), None)
             if own is None or own not in commands:
@@ -195,7 +216,7 @@ class DeployOrder(RuleOver[_Subject]):
         if first.span is not None:
             help = "the policy's actions are in that order: write the names and their lists in it, or map by name"
             # What commands a simulator has the order of its actuators, and a program between it and the policy.
-            if same is not None and same.text.startswith("the actuators"):
+            if same is not None and same.kind is _Kind.ACTUATORS:
                 severity = Severity.INFO
         elif same is not None:
             help = "map by name where the orders meet"
@@ -225,20 +246,19 @@ def _known_orders(artifact: Artifact, names: Sequence[str]) -> Iterator[_Order]:
         return
     file = basename(artifact.path)
     driven = tuple(drive.target for drive in first_drives(robot))
-    orders = {f"the joints of {file}": joints}
+    orders = [_Order(_Kind.JOINTS, file, joints)]
     if len(kept_names(driven, names)) == len(shared):
-        orders = {f"the actuators of {file}": driven} | orders
+        orders.insert(0, _Order(_Kind.ACTUATORS, file, driven))
     isaac = isaac_order(robot, shared)
     if isaac is not None:
-        orders[f"Isaac Lab (breadth-first over {file})"] = isaac
-    for text, order in orders.items():
-        yield _Order(text, order)
+        orders.append(_Order(_Kind.ISAAC, file, isaac))
+    yield from orders
     # Wheels are another action of the policy, and one comes after the other.
     ends = {joint.name for joint in robot.scalar_joints if joint.range is not None}
-    for text, order in orders.items() if 0 < len(ends & set(shared)) < len(shared) else ():
-        parted = tuple(sorted(order, key=lambda name: name not in ends))
-        if parted != order:
-            yield _Order(f"joints with a range and then the others, each as {text}", parted)
+    for order in orders if 0 < len(ends & set(shared)) < len(shared) else ():
+        parted = tuple(sorted(order.names, key=lambda name: name not in ends))
+        if parted != order.names:
+            yield _Order(_Kind.PARTED, order.text, parted)
 
 
 def _are_enough(shared: Sequence[str], names: Sequence[str]) -> bool:
@@ -262,16 +282,14 @@ def _trained_order(artifact: Artifact, names: Sequence[str]) -> Iterator[_Order]
     if not all(term.ordered and term.joints for term in terms) or len(set(joints)) < len(joints):
         return
     if all(map(PLAIN.fullmatch, joints)) and _are_enough(kept_names(joints, names), names):
-        yield _Order(f"the actions of {basename(artifact.path)}", joints, terms[0].span)
+        yield _Order(_Kind.ACTIONS, basename(artifact.path), joints, terms[0].span)
 
 
 def _listed_order(artifact: Artifact) -> Iterator[_Order]:
     """The order of joints that a configuration states."""
     order = stated_order(artifact)
     if order is not None:
-        yield _Order(
-            f"the joint names of {basename(artifact.path)}", tuple(name for name in order[0] if name)
-        )
+        yield _Order(_Kind.NAMES, basename(artifact.path), tuple(name for name in order[0] if name))
 
 
 def _moved(

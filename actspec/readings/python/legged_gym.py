@@ -41,6 +41,14 @@ _PHYSX_DRIVES = (1, 2)
 _TORQUES = ("P", "V", "T")
 """`control_type` of legged_gym: from positions, from velocities, as they are."""
 
+_GROUP = ("stiffness", "damping", "control_type", "actuator_net_file")
+
+_CONTROL = frozenset((*_GROUP, "use_actuator_network", "action_scale", "decimation"))
+"""What `control` of legged_gym has; all else is a fork's own, such as the torque limits at which it clips.
+
+Source: legged_gym, legged_robot_config.py and anymal_c_rough_config.py.
+"""
+
 
 def is_robot(cls: Cls, get: Get) -> bool:
     """Whether a class is a robot's cfg: it has `control` with gains, and names an asset if it names any."""
@@ -81,9 +89,7 @@ def _inner(cls: Cls, name: str, get: Get) -> Cls | None:
 
 
 def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
-    values = {
-        name: get(control, name) for name in ("stiffness", "damping", "control_type", "actuator_net_file")
-    }
+    values = {name: get(control, name) for name in _GROUP}
     asset = _inner(cls, "asset", get)
     if asset is not None:
         values["armature"] = _armature(cls, asset, get)
@@ -112,7 +118,9 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
         # The gains are not used then.
         cls_name = NETWORK
     patterns = tuple(joints) if certain else None
-    draft.groups.append(ActuatorGroup("control", cls_name, control.span, patterns, settings))
+    names = (name for one in ancestors(control) if isinstance(one, Cls) for name in one.scope.names)
+    own = tuple(name for name in dict.fromkeys(names) if name not in _CONTROL)
+    draft.groups.append(ActuatorGroup("control", cls_name, control.span, patterns, settings, own=own))
 
 
 def _is_chosen(control: Cls, kind: str) -> bool:
