@@ -14,6 +14,7 @@ from actspec.audit.rules.joints import (
     is_exporters,
     is_held,
     is_undriven,
+    own_figure,
     partner_rows,
     shown,
     top_speed,
@@ -108,7 +109,7 @@ class DampingOutsideClamp(RuleInParts):
             self.code,
             f"at the joint's {shown(row, 'velocity_limit', speed)}{_from(row, fastest)} the damping of "
             f"{shown(row, 'kd', damping)} uses {shown(row, 'effort_limit', damping * speed)} of an effort limit of "
-            f"{shown(row, 'effort_limit', limit)}{_from(row, bounded)}, and is not limited: that {effect}",
+            f"{own_figure(bounded, 'effort_limit')}{_from(row, bounded)}, and is not limited: that {effect}",
             row.place("joint_damping"),
             row.joint,
             damping,
@@ -130,7 +131,7 @@ class DampingOutsideClamp(RuleInParts):
         return Finding(
             self.code,
             f"the damping of {shown(row, 'kd', damping)} is not limited: it uses the whole effort limit of "
-            f"{shown(row, 'effort_limit', limit)}{_from(row, bounded)} at "
+            f"{own_figure(bounded, 'effort_limit')}{_from(row, bounded)} at "
             f"{shown(row, 'velocity_limit', limit / damping)}, and the joint "
             f"cannot be driven faster{took * stuck}",
             row.place("joint_damping"),

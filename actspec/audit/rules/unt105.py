@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.joints import SLOW, joint_pairs, shared_joints, shown, unit
+from actspec.audit.rules.joints import SLOW, joint_pairs, own_figure, shared_joints, shown, unit
 from actspec.audit.rules.sym101 import doubted_limits
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
@@ -59,7 +59,7 @@ class MilliOrGram(RuleInParts):
         yield Finding(
             self.code,
             f"an armature of {shown(row, 'armature', armature)} leaves the joint's whole torque of "
-            f"{shown(row, 'effort_limit', effort)} an acceleration of {effort / armature:.2g} rad/s^2: it looks "
+            f"{own_figure(row, 'effort_limit')} an acceleration of {effort / armature:.2g} rad/s^2: it looks "
             "like another unit",
             row.place("armature"),
             row.joint,
