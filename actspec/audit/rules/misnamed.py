@@ -138,7 +138,7 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
             text: one
             for found in _LETTERS.finditer(name)
             for word in sorted(words)
-            if word != found[0] and nearest(found[0], [word])
+            if word != found[0] and nearest(found[0], [word]) and not are_two_parts(found[0], word)
             for text in (f"{name[: found.start()]}{word}{name[found.end() :]}",)
             for one in drivers
             if text not in names and selects(one, text)
@@ -193,7 +193,7 @@ def _meant(lost: Sequence[str], free: Sequence[str]) -> dict[str, str]:
     """
     if len(lost) == 1 == len(free):
         near = nearest(lost[0], free)
-        return {lost[0]: near} if near is not None else {}
+        return {lost[0]: near} if near is not None and not are_two_parts(lost[0], near) else {}
     near_ones = {name: [other for other in free if _is_alike(name, other)] for name in lost}
     meant = {name: near[0] for name, near in near_ones.items() if len(near) == 1}
     taken = list(meant.values())
@@ -237,10 +237,18 @@ def is_misspelt(one: str, other: str) -> bool:
     if len(words[0]) != len(words[1]):
         return False
     differing = [pair for pair in zip(*words, strict=True) if pair[0] != pair[1]]
-    if len(differing) != 1 or not is_slip(one, [other]):
+    if len(differing) != 1 or are_two_parts(one, other) or not is_slip(one, [other]):
         return False
     mine, its = differing[0]
     return max(len(mine), len(its)) >= 4 and mine[0] == its[0]
+
+
+def are_two_parts(one: str, other: str) -> bool:
+    """Whether two names are of a wrist and of a waist: of the words in known robots' joints the only two parts whose
+    words a slip would make of each other.
+    """
+    mine, its = one.lower(), other.lower()
+    return mine != its and mine.replace("wrist", "waist") == its.replace("wrist", "waist")
 
 
 def is_swapped(one: str, other: str) -> bool:
