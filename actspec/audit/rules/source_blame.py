@@ -11,7 +11,7 @@ from actspec.audit.causes import PUBLISHED
 from actspec.audit.known import KnownRobot, likenesses, same
 from actspec.audit.rules.joints import SLOW, limiting_row, partner_rows, top_speed
 from actspec.diagnostics import Span
-from actspec.ir import JointKind
+from actspec.ir import JointKind, tidy
 from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.compare import Figure, times
 from actspec.readings.ledger import LedgerRow
@@ -192,7 +192,8 @@ def _is_no_rotor(case: Case, row: LedgerRow, armature: float) -> bool:
     limit = _limit(case, row)
     if limit is None or armature <= 0.0 or row.kind is JointKind.SLIDE:
         return False
-    return not SLOW <= limit / armature <= _FAST
+    # 20 N*m turn 4 kg*m^2 with 5 rad/s^2, as 0.7 do 0.14, whose quotient is a rounding less.
+    return not SLOW < tidy(limit / armature) <= _FAST
 
 
 def _stops(case: Case, row: LedgerRow, damping: float) -> bool:
