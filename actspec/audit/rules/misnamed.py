@@ -192,8 +192,8 @@ def _meant(lost: Sequence[str], free: Sequence[str]) -> dict[str, str]:
     name has its words, or is misspelt.
     """
     if len(lost) == 1 == len(free):
-        near = nearest(lost[0], free)
-        return {lost[0]: near} if near is not None and not are_two_parts(lost[0], near) else {}
+        near = nearest(lost[0], [other for other in free if _are_near_by_word(lost[0], other)])
+        return {lost[0]: near} if near is not None else {}
     near_ones = {name: [other for other in free if _is_alike(name, other)] for name in lost}
     meant = {name: near[0] for name, near in near_ones.items() if len(near) == 1}
     taken = list(meant.values())
@@ -227,6 +227,14 @@ def _is_alike(one: str, other: str) -> bool:
     mine, its = (re.findall(r"[a-z]+|\d+", name.lower()) for name in (one, other))
     least = min(len(mine), len(its))
     return mine[:least] == its[:least] or is_misspelt(one, other)
+
+
+def _are_near_by_word(one: str, other: str) -> bool:
+    """Whether each word of a name is nearly the other's: a tool or a gripper is no ankle of its side."""
+    mine, its = (re.findall(r"[a-z]+|\d+", name.lower()) for name in (one, other))
+    pairs = [pair for pair in zip(mine, its, strict=False) if pair[0] != pair[1]]
+    near = all(nearest(a, [b]) and not are_two_parts(a, b) for a, b in pairs)
+    return near or "".join(mine) == "".join(its)
 
 
 def is_misspelt(one: str, other: str) -> bool:
