@@ -142,9 +142,8 @@ class DriveReading:
             return assumed(math.inf, unit, "the file has no limit")
         factor = view.gear * view.gain
         end = largest(view.input_range or (0.0, 0.0))
-        geared = f"{end:g} x gear {abs(view.gear):g}"
-        gain = "" if view.gain == 1.0 else f" x gain {abs(view.gain):g}"
-        formula = None if abs(factor) == 1.0 else geared + gain
+        gain = f" x gain {abs(view.gain):g}" * (view.gain != 1.0 and view.control != "dcmotor")
+        formula = None if abs(factor) == 1.0 else f"{end:g} x gear {abs(view.gear):g}{gain}"
         if view.offset:
             formula = f"{factor:g} (gear x gain), {view.gear * view.offset:g} (constant force)"
         return stated(
@@ -440,10 +439,9 @@ class JointReading:
         if not known or len(known) < len(lines):
             return None, None
         # Torques add up at each speed, so the sum of lines is a line.
-        stall, slope = (
-            sum(parts) for parts in zip(*((t, t / w if w else math.inf) for t, w in known), strict=True)
-        )
-        return known[0] if len(known) == 1 else (stall, stall / slope if slope else known[0][1])
+        stall = sum(torque for torque, _ in known)
+        slope = sum(torque / speed if speed else math.inf for torque, speed in known)
+        return known[0] if len(known) == 1 else (stall, stall / slope if slope else math.inf)
 
     @property
     def total_damping(self) -> float | None:
