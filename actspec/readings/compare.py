@@ -47,12 +47,14 @@ class Figure:
         unit: SI unit; "" where it has none, or nobody says.
         place: Where it is written.
         stated: Whether the file states it itself; else it is an engine's default or computed.
+        made: What it is made of where the file has others, as `LedgerRow.made`.
     """
 
     value: float | None
     unit: str
     place: Span
     stated: bool
+    made: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -174,7 +174,8 @@ def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
     """
     if len(rows) == 1:
         row = rows[0]
-        return Figure(getattr(row, name), row.unit(name), row.place(name), name in row.stated)
+        made = row.made.get(name, "")
+        return Figure(getattr(row, name), row.unit(name), row.place(name), name in row.stated, made)
     said = [row for row in rows if name in row.stated]
     values: list[float | None] = [getattr(row, name) for row in rows]
     value = values[0]
@@ -182,7 +183,7 @@ def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
         known = [item for item in values if item is not None]
         value = math.fsum(known) if len(known) == len(values) else None
     first = said[0] if said else rows[0]
-    return Figure(value, rows[0].unit(name), first.place(name), bool(said))
+    return Figure(value, rows[0].unit(name), first.place(name), bool(said), rows[0].made.get(name, ""))
 
 
 def undriven(robot: RobotView | None) -> frozenset[str]:

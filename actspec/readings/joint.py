@@ -125,7 +125,7 @@ class DriveReading:
                 return unknown(unit, NOT_IN_FILE, place)
             return assumed(math.inf, unit, "the file has no limit")
         gear, end = abs(view.gear), largest(view.force_range)
-        formula = None if gear == 1.0 else f"{gear:g} (gear) x {end:g}"
+        formula = None if gear == 1.0 else f"{end:g} x gear {gear:g}"
         return stated(tidy(gear * end) if formula else end, unit, place, formula=formula)
 
     @property
@@ -141,7 +141,9 @@ class DriveReading:
         if torques is None:
             return assumed(math.inf, unit, "the file has no limit")
         factor = view.gear * view.gain
-        formula = None if factor == 1.0 else f"{factor:g} (gear x gain)"
+        end = largest(view.input_range or (0.0, 0.0))
+        gain = f" x gain {abs(view.gain):g}" * (view.gain != 1.0 and view.control != "dcmotor")
+        formula = None if abs(factor) == 1.0 else f"{end:g} x gear {abs(view.gear):g}{gain}"
         if view.offset:
             formula = f"{factor:g} (gear x gain), {view.gear * view.offset:g} (constant force)"
         return stated(
@@ -428,6 +430,18 @@ class JointReading:
         if not self.acting or own.value is None:
             return own
         return least((own, self._together(name, own.unit, self.acting)))
+
+    @property
+    def line(self) -> tuple[float | None, float | None]:
+        """Torque at standstill, and speed without torque, of all acting drives together; None: one has no line."""
+        lines = [drive.view.line for drive in self.acting]
+        known = [line for line in lines if line is not None]
+        if not known or len(known) < len(lines):
+            return None, None
+        # Torques add up at each speed, so the sum of lines is a line.
+        stall = sum(torque for torque, _ in known)
+        slope = sum(torque / speed if speed else math.inf for torque, speed in known)
+        return known[0] if len(known) == 1 else (stall, stall / slope if slope else math.inf)
 
     @property
     def total_damping(self) -> float | None:

@@ -79,8 +79,8 @@ class LedgerRow:
         frictionloss: Dry friction.
         effort_limit: Least of the clamps that act on the joint; None: unknown; inf: there is none.
         velocity_limit: The joint's or solver's speed limit.
-        stall_torque: Torque-speed line at zero speed; None without a line.
-        no_load_speed: Torque-speed line at zero torque; None without a line.
+        stall_torque: Torque-speed line at zero speed, of all the joint's actuators; None without a line.
+        no_load_speed: Torque-speed line at zero torque, likewise.
         armature: Joint and actuator armature together.
         inertia_min: Least inertia over the poses, other joints held, armature included.
         inertia_max: Largest likewise.
@@ -99,6 +99,7 @@ class LedgerRow:
             knows which of them are this pattern's.
         places: Field to where it is written, for fields that have a place of their own.
         stated: Fields that the file states itself; the others are an engine's default or computed.
+        made: Field to what its figure at the joint is made of where the file has others: `39 x gear 100`.
         overruled: Of other groups of a configuration that have the joint too, and lose it to this one.
     """
 
@@ -145,6 +146,7 @@ class LedgerRow:
     by_key: Mapping[str, Mapping[str, tuple[float, Span]]] = field(default_factory=dict)
     places: Mapping[str, Span] = field(default_factory=dict)
     stated: frozenset[str] = frozenset()
+    made: Mapping[str, str] = field(default_factory=dict)
     overruled: tuple[LedgerRow, ...] = ()
 
     def place(self, name: str) -> Span:
@@ -194,7 +196,7 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
     mjcf = reading.format is ModelFormat.MJCF
     joint, inertia = reading.joint, reading.inertia
     implicit, places = reading.is_passive_implicit, reading.places
-    damping = reading.total_damping
+    damping, limit = reading.total_damping, reading.effort_limit
     shared: dict[str, Any] = {
         "file": file,
         "artifact": index,
@@ -210,7 +212,7 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
         "actuator_damping_clamped": False if mjcf else None,
         "actuator_damping_implicit": implicit,
         "frictionloss": reading.frictionloss.value,
-        "effort_limit": reading.effort_limit.value,
+        "effort_limit": limit.value,
         "velocity_limit": joint.velocity_limit,
         "armature": reading.total_armature,
         **dynamics_at(
@@ -227,6 +229,7 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
         else None,
         "places": _elsewhere(places, joint.span),
         "stated": frozenset(places),
+        "made": {} if limit.formula is None else {"effort_limit": limit.formula},
     }
     if not reading.drives:
         return [LedgerRow(**shared)]
@@ -257,7 +260,7 @@ def _of_drive(reading: JointReading, drive: DriveReading, places: Mapping[str, S
         return {**same, "control": "other", "kp": 0.0, "kd": 0.0, "back_emf": 0.0}
     hidden = "force_range" in view.unknown or "effort_range" in reading.joint.unknown
     limit = view.force_range is not None or reading.joint.effort_range is not None
-    line = view.line or (None, None)
+    line = reading.line
     return {
         **same,
         "control": _OF_MODEL.get(view.control, "other"),

@@ -231,6 +231,38 @@ def test_joint_figures_are_those_of_all_its_actuators() -> None:
         assert found.stability == pytest.approx(0.04 / 1.4, rel=EXACT)
 
 
+@pytest.mark.parametrize(
+    ("actuators", "limit", "made"),
+    [
+        ('<motor joint="j" gear="100" forcerange="-39 39"/>', 3900.0, "39 x gear 100"),
+        ('<motor joint="j" gear="-2" ctrlrange="-5 4"/>', 10.0, "5 x gear 2"),
+        ('<motor joint="j" gear="-1" ctrlrange="-5 4"/>', 5.0, None),
+        ('<general joint="j" gear="2" gainprm="3" ctrlrange="-5 5"/>', 30.0, "5 x gear 2 x gain 3"),
+        ('<motor joint="j" forcerange="-39 39"/>', 39.0, None),
+        (
+            '<motor joint="j" gear="2" forcerange="-9 9"/><motor joint="j" forcerange="-4 4"/>',
+            22.0,
+            "9 x gear 2 + 4",
+        ),
+    ],
+)
+def test_a_limit_that_a_gear_makes(actuators: str, limit: float, made: str | None) -> None:
+    """The row has what the file states beside the figure at the joint."""
+    for found in rows(one_joint('<joint name="j"/>', actuators)):
+        assert (found.effort_limit, found.made.get("effort_limit")) == (limit, made)
+
+
+def test_the_line_of_two_motors() -> None:
+    """10 - 10/20 w and 30 - 30/10 w are 40 - 3.5 w together, which ends at 11.43 rad/s."""
+    motor = '<dcmotor joint="j" nominal="24 {} {}" input="pos" controller="20 0 1 0 0 24"/>'
+    both = rows(one_joint('<joint name="j"/>', motor.format(10, 20) + motor.format(30, 10)))
+    for found in both:
+        assert found.stall_torque == pytest.approx(40.0)
+        assert found.no_load_speed == pytest.approx(40.0 / 3.5)
+    (alone,) = rows(one_joint('<joint name="j"/>', motor.format(10, 20)))
+    assert (alone.stall_torque, alone.no_load_speed) == pytest.approx((10.0, 20.0))
+
+
 def test_without_a_joint_limit_the_actuators_limits_add_up() -> None:
     """Two actuators of 4 and 2 * 3 N*m push 10 N*m together; an unlimited one takes the limit away."""
     limited = '<motor joint="j" ctrlrange="-4 4"/><motor joint="j" gear="2" forcerange="-3 3"/>'

@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from os.path import basename
 from typing import ClassVar
 
@@ -14,6 +15,7 @@ from actspec.audit.rules.joints import (
     is_exporters,
     is_held,
     is_undriven,
+    own_figure,
     partner_rows,
     shown,
     top_speed,
@@ -104,11 +106,11 @@ class DampingOutsideClamp(RuleInParts):
             if left > 0.0
             else f"keeps the joint below {shown(row, 'velocity_limit', limit / damping)}"
         )
-        return Finding(
+        found = Finding(
             self.code,
             f"at the joint's {shown(row, 'velocity_limit', speed)}{_from(row, fastest)} the damping of "
             f"{shown(row, 'kd', damping)} uses {shown(row, 'effort_limit', damping * speed)} of an effort limit of "
-            f"{shown(row, 'effort_limit', limit)}{_from(row, bounded)}, and is not limited: that {effect}",
+            f"{own_figure(bounded, 'effort_limit')}{_from(row, bounded)}, and is not limited: that {effect}",
             row.place("joint_damping"),
             row.joint,
             damping,
@@ -117,6 +119,22 @@ class DampingOutsideClamp(RuleInParts):
             related=(*_places(row, bounded, "effort_limit"), *_places(row, fastest, which), row.span),
             fields=("joint_damping",),
             severity=None if damping * speed >= _HELD * limit and not meant else Severity.INFO,
+        )
+        low, high = row.position_range or (0.0, math.inf)
+        if row.kind is not JointKind.SLIDE or high - low >= _CROSSED * speed:
+            return found
+        # A TIAGo's torso has 5 m/s in copies, in place of 0.07, beside the damping of all others.
+        took = f"{format_number((high - low) / speed, 2)} s for its whole travel of "
+        travel = shown(row, "default_position", high - low)
+        return replace(
+            found,
+            message=f"{found.message}; {shown(row, 'velocity_limit', speed)} would be {took}{travel}",
+            span=fastest.place(which),
+            value=speed,
+            unit=unit(row, which),
+            help="state the joint's own velocity limit; if it is right, leave only friction in the joint's damping",
+            related=(row.place("joint_damping"), *_places(row, bounded, "effort_limit")),
+            fields=(which,),
         )
 
     def _slow(self, row: LedgerRow, damping: float, bounded: LedgerRow, stuck: bool) -> Finding:
@@ -130,7 +148,7 @@ class DampingOutsideClamp(RuleInParts):
         return Finding(
             self.code,
             f"the damping of {shown(row, 'kd', damping)} is not limited: it uses the whole effort limit of "
-            f"{shown(row, 'effort_limit', limit)}{_from(row, bounded)} at "
+            f"{own_figure(bounded, 'effort_limit')}{_from(row, bounded)} at "
             f"{shown(row, 'velocity_limit', limit / damping)}, and the joint "
             f"cannot be driven faster{took * stuck}",
             row.place("joint_damping"),
@@ -148,6 +166,10 @@ class DampingOutsideClamp(RuleInParts):
 _HELD = 2.0
 """Torque at the joint's speed, as a share of the limit, from which it is a warning. Chosen: a motor has no torque left
 at its top speed, and few joints come near the one that is published; damping that takes it all at half of that does."""
+
+_CROSSED = 0.1
+"""Time for its whole travel below which a slide's speed limit is none that it has [s]. Chosen: the fastest grippers
+take twice as long."""
 
 _STUCK = {JointKind.HINGE: 0.1, JointKind.SLIDE: 0.002}
 """Speed below which a joint whose whole torque goes into its damping cannot do its task [rad/s or m/s]. Chosen: 16 s

@@ -75,7 +75,8 @@ class DampingInThreePlaces(RuleOver[_Subject]):
 def _slope(rows: Sequence[LedgerRow]) -> float | None:
     """Fall of the joint's torque over speed that its motors have of themselves; None or above 0."""
     slope = sum(row.back_emf or 0.0 for row in rows)
-    for row in rows:
-        if row.stall_torque and row.no_load_speed:
-            slope += row.stall_torque / row.no_load_speed
+    # Each row has the line of all of them.
+    slope += next(
+        (row.stall_torque / row.no_load_speed for row in rows if row.stall_torque and row.no_load_speed), 0.0
+    )
     return slope if 0.0 < slope < math.inf else None

@@ -6,7 +6,7 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import by_joint, keeps_for_model, limiting_row, shown, unit
+from actspec.audit.rules.joints import by_joint, keeps_for_model, limiting_row, own_figure, shown, unit
 from actspec.audit.rules.sym101 import doubted_limits
 from actspec.diagnostics import Span
 from actspec.fields import FRICTION_SHARE
@@ -61,12 +61,12 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
         if friction < (FRICTION_SHARE if own else 1.0) * limit:
             return
         speed, held = self._creep(case, row, limit)
-        share = f"is not below the effort limit of {shown(row, 'effort_limit', limit)}"
+        share = f"is not below the effort limit of {own_figure(limiting, 'effort_limit')}"
         effect = "the drive cannot move the joint"
         if friction < limit:
             left = shown(row, "effort_limit", limit - friction)
             share = f"takes {format_number(100.0 * friction / limit, 3)} % of the effort limit of "
-            share += shown(row, "effort_limit", limit)
+            share += own_figure(limiting, "effort_limit")
             effect = f"that leaves {left} to drive the joint"
         elif speed >= _CREEPS:
             effect = (

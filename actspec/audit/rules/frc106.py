@@ -8,6 +8,7 @@ from actspec.audit.rules.joints import (
     by_joint,
     keeps_for_model,
     limiting_row,
+    own_figure,
     partner_rows,
     shown,
     top_speed,
@@ -57,7 +58,7 @@ class ViscousTakesTheLimit(RuleOver[_Subject]):
             self.code,
             f"the viscous friction of {shown(row, 'kd', viscous)} takes "
             f"{shown(row, 'effort_limit', viscous * speed)} at the joint's "
-            f"{shown(row, 'velocity_limit', speed)}, of an effort limit of {shown(row, 'effort_limit', limit)}",
+            f"{shown(row, 'velocity_limit', speed)}, of an effort limit of {own_figure(limiting, 'effort_limit')}",
             row.place("joint_damping"),
             row.joint,
             viscous,

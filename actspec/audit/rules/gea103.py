@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import by_joint, shown, unit
+from actspec.audit.rules.joints import by_joint, own_figure, shown, unit
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
@@ -45,8 +45,8 @@ class OneForAll(RuleOver[_Subject]):
             yield Finding(
                 self.code,
                 f"{shown(most, 'armature', armature)} is the armature of {len(joints)} joints whose effort limits run "
-                f"from {shown(least, 'effort_limit', _effort(least))} ({least.joint}) to "
-                f"{shown(most, 'effort_limit', _effort(most))} ({most.joint}): rotor and gear of so different motors "
+                f"from {own_figure(least, 'effort_limit')} ({least.joint}) to "
+                f"{own_figure(most, 'effort_limit')} ({most.joint}): rotor and gear of so different motors "
                 "seldom come to one figure",
                 most.place("armature"),
                 "",

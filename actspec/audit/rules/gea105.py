@@ -12,7 +12,7 @@ from actspec.readings.artifact import Artifact, FileKind
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView
-from actspec.units import format_number
+from actspec.units import format_number, format_quantity
 
 _Subject = tuple[Artifact, LedgerRow]
 
@@ -57,6 +57,7 @@ class JointSideBehindGear(RuleOver[_Subject]):
             if elsewhere and any(_equal(one.effort_limit or 0.0, gets) for one in _not_mjcf(case, row)):
                 # The file that states the same figure is the odd one, and a factor is its gear by chance.
                 return
+            made = format_quantity(makes, unit(row, "effort_limit"), 3)
             clamped = f", of which the joint's clamp leaves {shown(row, 'effort_limit', gets)}"
             whose = f"limit in {basename(stated.path)}" if elsewhere else "own limit"
             # Which of two files has the wrong side, neither tells.
@@ -64,7 +65,7 @@ class JointSideBehindGear(RuleOver[_Subject]):
             yield Finding(
                 self.code,
                 f"the actuator's {shown(row, 'effort_limit', limit)} are the joint's {whose}, and the gear "
-                f"of {format_number(gear, 4)} makes them {shown(row, 'effort_limit', makes)}"
+                f"of {format_number(gear, 4)} makes them {made}"
                 f"{clamped if gets < makes else ''}{or_else}",
                 _place(actuator, "forcerange" if actuator.force_range is not None else "ctrlrange"),
                 name,

@@ -48,6 +48,12 @@ def shown(row: LedgerRow, field: str, value: float | None, digits: int = 3) -> s
     return format_quantity(value, unit(row, field), digits)
 
 
+def own_figure(row: LedgerRow, field: str, digits: int = 3) -> str:
+    """A row's own figure for a message, with what the file has where a gear makes it: `3900 N*m (39 x gear 100)`."""
+    text, made = shown(row, field, getattr(row, field), digits), row.made.get(field)
+    return f"{text} ({made})" if made else text
+
+
 def friction_unit(row: LedgerRow, versions: Versions) -> str:
     found = friction_unit_of(versions)
     return "1" if found is not None and found.coefficient else unit(row, "frictionloss")

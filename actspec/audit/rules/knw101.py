@@ -23,12 +23,14 @@ from actspec.audit.rules.joints import (
     finite,
     is_exporters,
     is_undriven,
+    own_figure,
     shown,
     unit,
 )
 from actspec.diagnostics import listed
 from actspec.fields import is_placeholder
 from actspec.readings.artifact import FileKind
+from actspec.readings.joint import read_joint
 from actspec.readings.ledger import LedgerRow
 from actspec.units import format_number
 
@@ -86,7 +88,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
                 or row.artifact in case.once(with_other_motors)
                 or (kind is FileKind.CFG and (_is_held(row) or row.kp == row.kd == 0.0))
             )
-            beyond = self._beyond(subject, row, names, limit, times * _alternatives(case, row))
+            beyond = self._beyond(case, subject, row, names, limit, times * _alternatives(case, row))
             found = beyond or self._other_joint(subject, row, names, limit, times)
             is_margin = kind is FileKind.URDF and beyond is not None and _is_a_margin(subject, names, limit)
             if found is None and row.joint in lows:
@@ -95,7 +97,13 @@ class LimitBeyondPublished(RuleOver[Likeness]):
                 yield replace(found, noted_in_folders=quiet or is_margin)
 
     def _beyond(
-        self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float
+        self,
+        case: Case,
+        subject: Likeness,
+        row: LedgerRow,
+        names: tuple[str, ...],
+        limit: float,
+        times: float,
     ) -> Finding | None:
         most = {name: _most(subject, name) for name in names}
         worst = min(names, key=lambda name: most[name].effort)
@@ -104,6 +112,8 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         if limit < times * largest:
             return None
         found = self._times_off(subject, row, names, limit, worst, published)
+        if cause := _is_before_gear(case, row, published.effort, times):
+            found = replace(found, help=f"{found.help}; {cause}")
         if largest >= 2.0 * published.effort:
             # Twice: less than that the first ratio tells well enough.
             beyond = f"{format_number(limit / largest, 3)} times {shown(row, 'effort_limit', largest, 6)}"
@@ -206,6 +216,32 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         )
 
 
+def _is_before_gear(case: Case, row: LedgerRow, published: float, times: float) -> str:
+    """What is said of a range before the gear that is the joint's published torque, or about it; "" where it is not.
+
+    Source: MuJoCo, XML reference, actuator/general: `forcerange` clamps the force, which the gear then multiplies.
+    """
+    robot = case.artifacts[row.artifact].robot
+    drives = () if robot is None or not row.made else read_joint(robot, row.joint).acting
+    if len(drives) != 1:
+        return ""
+    (drive,) = drives
+    gear, (force, control) = abs(drive.view.gear), (drive.force_bound.value, drive.control_bound.value)
+    if (
+        force is None
+        or control is None
+        or not published / times <= min(force, control) / gear <= times * published
+    ):
+        return ""
+    name, factor = (
+        ("forcerange", gear) if force <= control else ("control range", gear * abs(drive.view.gain))
+    )
+    return (
+        f"the {name} is before the gear, which makes it {format_number(gear, 4)} times as much: write "
+        f"{format_number(published / factor, 4)} there, or gear 1"
+    )
+
+
 def _alternatives(case: Case, row: LedgerRow) -> int:
     """How many drives of a model's joint are there to choose from: a servo beside a motor, of which a program uses one.
 
@@ -258,10 +294,10 @@ def _elsewhere(row: LedgerRow, published: KnownJoint) -> str:
 def _named(row: LedgerRow) -> str:
     """The figure that bounds what drives a joint, for the beginning of a message."""
     field, limit = driving_limit(row)
-    text = shown(row, "effort_limit", limit, 6)
+    above = own_figure(row, "effort_limit", 6)
     if field == "effort_limit":
-        return f"the limit of {text}"
-    above = shown(row, "effort_limit", row.effort_limit, 6)
+        return f"the limit of {above}"
+    text = shown(row, "effort_limit", limit, 6)
     beside = "" if row.effort_limit == math.inf else f", below the effort limit of {above},"
     return f"the {'torque at standstill' if field == 'stall_torque' else 'drive torque'} of {text}{beside}"
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
-from actspec.audit.known import KnownJoint, Likeness, likenesses
+from actspec.audit.known import KnownJoint, Likeness, likenesses, same
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import SPEEDS, driving_limit, finite, is_exporters, shown, top_speed, unit
 from actspec.fields import PLACEHOLDER, is_placeholder, is_power_of_ten
@@ -129,18 +129,24 @@ class FarFromPublished(RuleOver[Likeness]):
 def _has_other_motors(case: Case, subject: Likeness) -> bool:
     """Whether no file of the robot has half of the torque that is published of any joint: `go2_mini` is no Go2.
 
-    Placeholders, zeros and what an exporter writes tell of no motor.
+    Placeholders, zeros and what an exporter writes tell of no motor. Where each has its point in the wrong place, they
+    are the robot's all the same.
     """
     files = case.robot_of(subject.index).artifacts
-    shares = [
-        limit / min(subject.robot.efforts(name))
+    limits = [
+        (limit, subject.robot.efforts(name))
         for known in case.once(likenesses)
         if known.index in files and known.robot.name == subject.robot.name
         for row, names in known.read("effort_limit", "stall_torque")
         if not is_exporters(row) and (limit := finite(driving_limit(row)[1])) and not is_placeholder(limit)
         for name in names
     ]
-    return bool(shares) and max(shares) < _OTHER_MOTORS
+    # One figure for all may be a tenth by chance.
+    slipped = len({limit for limit, _ in limits}) > 1 and any(
+        all(any(same(times * limit, effort) for effort in efforts) for limit, efforts in limits)
+        for times in (10.0, 100.0)
+    )
+    return bool(limits) and not slipped and all(limit < _OTHER_MOTORS * min(its) for limit, its in limits)
 
 
 def _with_speed(subject: Likeness, names: tuple[str, ...]) -> list[KnownJoint]:

@@ -16,6 +16,7 @@ from actspec.audit.rules.joints import (
     is_driven_by_mjlab,
     is_exporters,
     is_nobodys,
+    own_figure,
     partner_rows,
     shown,
     unit,
@@ -214,7 +215,7 @@ class NoEffectiveLimit(RuleInParts):
         far = most is not None and bound >= _TIMES * (most.effort_limit or 0.0)
         if bounded.confidence is not None or most is None or not far or _is_in_doubt(case, row):
             return bounded
-        limit_there = shown(most, "effort_limit", most.effort_limit, 6)
+        limit_there = own_figure(most, "effort_limit", 6)
         effect = f"{bounded.effect}, and no other joint of the file has more than {limit_there}"
         return _Bounded(effect, most, self.confidence)
 
@@ -297,7 +298,7 @@ class NoEffectiveLimit(RuleInParts):
         if nearest is not None:
             if bound < _TIMES * (nearest.effort_limit or 0.0):
                 return _Bounded(effect, None, None)
-            limit = shown(row, "effort_limit", nearest.effort_limit, 6)
+            limit = own_figure(nearest, "effort_limit", 6)
             there = nearest.place("effort_limit").path
             return _Bounded(f"{effect}, and {there} limits the joint to {limit}", nearest, self.confidence)
         name, published = case.once(_published).get((row.artifact, row.joint), ("", math.inf))
@@ -316,7 +317,7 @@ class NoEffectiveLimit(RuleInParts):
         mass = 0.0 if robot is None else robot.mass or 0.0
         return Finding(
             self.code,
-            f"the effort limit of {shown(row, 'effort_limit', effort, 6)} is a placeholder: every joint has it, and it "
+            f"the effort limit of {own_figure(row, 'effort_limit', 6)} is a placeholder: every joint has it, and it "
             f"would hold the whole robot, {format_quantity(mass, 'kg', 3)}, on a lever of "
             f"{format_quantity(effort / (mass * GRAVITY), 'm', 3)}",
             row.place("effort_limit"),
@@ -330,7 +331,7 @@ class NoEffectiveLimit(RuleInParts):
 
     def _placeholders(self, row: LedgerRow, limits: Mapping[str, float | None]) -> Finding:
         """One finding of both limits."""
-        effort, speed = (shown(row, field, limits[field], 6) for field in LIMITS)
+        effort, speed = (own_figure(row, field, 6) for field in LIMITS)
         return Finding(
             self.code,
             f"the effort limit of {effort} and the velocity limit of {speed} are placeholders: no motor reaches them, "
@@ -357,7 +358,7 @@ class NoEffectiveLimit(RuleInParts):
         other = next((one for one in others if not is_exporters(one)), None)
         if other is None or other.effort_limit == row.effort_limit:
             return
-        effort, speed = (shown(row, field, getattr(row, field), 6) for field in LIMITS)
+        effort, speed = (own_figure(row, field, 6) for field in LIMITS)
         yield Finding(
             self.code,
             f"the effort of {effort} and the velocity of {speed} are what exporters write where nobody states any, and "
@@ -382,7 +383,7 @@ class NoEffectiveLimit(RuleInParts):
             )
             found = Finding(
                 self.code,
-                f"the {FIELDS[field].noun} of {shown(row, field, limit, 6)} is a placeholder: {nothing}, and it limits "
+                f"the {FIELDS[field].noun} of {own_figure(row, field, 6)} is a placeholder: {nothing}, and it limits "
                 "nothing",
                 row.place(field),
                 row.joint,
@@ -583,7 +584,7 @@ def _graver(case: Case, row: LedgerRow, found: Finding) -> Finding:
 
 def _beside(found: Finding, other: LedgerRow) -> Finding:
     """With the limit that a configuration gives the joint, which does not hold in the model."""
-    place, limit = other.place("effort_limit"), shown(other, "effort_limit", other.effort_limit, 6)
+    place, limit = other.place("effort_limit"), own_figure(other, "effort_limit", 6)
     message = f"{found.message}, and {place.path} limits the joint to {limit}"
     return replace(found, message=message, related=(*found.related, place))
 

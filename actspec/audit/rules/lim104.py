@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import shown, unit
+from actspec.audit.rules.joints import own_figure, shown, unit
 from actspec.readings.artifact import FileKind
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
@@ -42,7 +42,7 @@ class TwoClamps(RuleOver[_Subject]):
             )
             yield Finding(
                 self.code,
-                f"{names[0]} limits this joint to {shown(row, 'effort_limit', lower)}, and the {names[1]} of "
+                f"{names[0]} limits this joint to {own_figure(row, 'effort_limit')}, and the {names[1]} of "
                 f"{shown(row, 'effort_limit', upper)} is never reached",
                 actuator.places.get("forcerange", actuator.span),
                 joint.name,

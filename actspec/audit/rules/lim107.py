@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import is_nobodys, shown, unit
+from actspec.audit.rules.joints import is_nobodys, own_figure, shown, unit
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
@@ -33,7 +33,7 @@ class LineBelowLimit(RuleOver[_Subject]):
         if stall < limit and not nobodys and not math.isclose(stall, limit, rel_tol=1e-3):
             yield Finding(
                 self.code,
-                f"the effort limit of {shown(row, 'effort_limit', limit)} is never reached by what drives the joint: "
+                f"the effort limit of {own_figure(row, 'effort_limit')} is never reached by what drives the joint: "
                 f"the torque-speed line begins at {shown(row, 'effort_limit', stall)}, at standstill",
                 row.place("stall_torque"),
                 row.joint,

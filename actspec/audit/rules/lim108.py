@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import partner_rows, shown, unit
+from actspec.audit.rules.joints import own_figure, partner_rows, shown, unit
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointActuator, Quantity
@@ -52,7 +52,7 @@ class AboveDatasheet(RuleOver[_Subject]):
         source = "" if motor.source is None else f" (source {motor.source})"
         return Finding(
             self.code,
-            f"{shown(row, field, limit)} is {format_number(limit / most, 3)} times the {noun} of "
+            f"{own_figure(row, field)} is {format_number(limit / most, 3)} times the {noun} of "
             f"{shown(row, field, most)} that the "
             f"motor has by its spec{source}: the simulated robot can do what the real one cannot",
             row.place(field),

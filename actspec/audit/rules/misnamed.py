@@ -138,7 +138,7 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
             text: one
             for found in _LETTERS.finditer(name)
             for word in sorted(words)
-            if word != found[0] and nearest(found[0], [word])
+            if word != found[0] and nearest(found[0], [word]) and not are_two_parts(found[0], word)
             for text in (f"{name[: found.start()]}{word}{name[found.end() :]}",)
             for one in drivers
             if text not in names and selects(one, text)
@@ -192,7 +192,7 @@ def _meant(lost: Sequence[str], free: Sequence[str]) -> dict[str, str]:
     name has its words, or is misspelt.
     """
     if len(lost) == 1 == len(free):
-        near = nearest(lost[0], free)
+        near = nearest(lost[0], [other for other in free if _are_near_by_word(lost[0], other)])
         return {lost[0]: near} if near is not None else {}
     near_ones = {
         name: [other for other in free if begin_alike(name, other) or is_misspelt(name, other)]
@@ -223,12 +223,30 @@ def _of_its_side(lost: Sequence[str], free: Sequence[str], names: Sequence[str])
     return {odd[0]: left_out[0]} if any(words <= limb for limb in (LEG_WORDS, ARM_WORDS)) else {}
 
 
+def _are_near_by_word(one: str, other: str) -> bool:
+    """Whether each word of a name is nearly the other's: a tool or a gripper is no ankle of its side."""
+    mine, its = (re.findall(r"[a-z]+|\d+", name.lower()) for name in (one, other))
+    pairs = [pair for pair in zip(mine, its, strict=False) if pair[0] != pair[1]]
+    near = all(nearest(a, [b]) and not are_two_parts(a, b) for a, b in pairs)
+    return near or "".join(mine) == "".join(its)
+
+
 def is_misspelt(one: str, other: str) -> bool:
     """Whether two names differ by a letter inside a word. Sides, axes and numbers tell joints from each other, and are
     shorter than the four letters of a word here, or differ in the first one.
     """
+    if are_two_parts(one, other) or not is_slip(one, [other]):
+        return False
     mine, its = other_word(one, other) or ("", "")
-    return max(len(mine), len(its)) >= 4 and mine[0] == its[0] and is_slip(one, [other])
+    return max(len(mine), len(its)) >= 4 and mine[0] == its[0]
+
+
+def are_two_parts(one: str, other: str) -> bool:
+    """Whether two names are of a wrist and of a waist: of the words in known robots' joints the only two parts whose
+    words a slip would make of each other.
+    """
+    mine, its = one.lower(), other.lower()
+    return mine != its and mine.replace("wrist", "waist") == its.replace("wrist", "waist")
 
 
 def is_swapped(one: str, other: str) -> bool:

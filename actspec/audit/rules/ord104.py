@@ -155,24 +155,22 @@ class PatternMatchesNothing(RuleOver[_Subject]):
     ) -> Iterator[Finding]:
         """Keys of a default position that are for no joint, beside joints that no key is for and that they mean.
 
-        Any other key may be of a part that the model lacks.
+        Any other key may be of a part that the model lacks. Where most are for no joint it may be another robot's pose,
+        unless all of them mean joints: `{"thigh": 0.3, "calf": -1.0}`.
         """
         setting = config.settings.get(POSE)
         keys = _keys(setting) if setting is not None and setting.unknown is None else []
         missing = [key for key in keys if not any(meets(config.framework, POSE, key, name) for name in names)]
-        if setting is None or len(keys) - len(missing) < self.option(case, "share") * len(keys):
+        if setting is None:
             return
         free = [name for name in names if not any(meets(config.framework, POSE, key, name) for key in keys)]
+        every = {key: found for key in missing if (found := _key_meant(config.framework, key, names, free))}
+        fitting = len(keys) - len(missing) >= self.option(case, "share") * len(keys)
+        # In forks of legged_gym keys are parts of names, too.
+        if not fitting and (len(every) < len(missing) or config.framework is Framework.LEGGED_GYM):
+            return
         noun, then = _STARTS[config.framework]
-        for key in missing:
-            found: dict[tuple[str, ...], str] = {}
-            for meant in _respelt(config.framework, key, names):
-                joints = tuple(name for name in names if meets(config.framework, POSE, meant, name))
-                if joints and set(joints) <= set(free):
-                    found.setdefault(joints, meant)
-            if len(found) != 1:
-                continue
-            ((joints, meant),) = found.items()
+        for key, (meant, joints) in every.items():
             for joint in joints:
                 yield Finding(
                     self.code,
@@ -298,6 +296,19 @@ def _respelt(framework: Framework, key: str, names: Sequence[str]) -> Iterator[s
             if key[at - 1].isalnum():
                 yield f"{key[:at]}.{key[at:]}"
         yield f".*{key}"
+
+
+def _key_meant(
+    framework: Framework, key: str, names: Sequence[str], free: Collection[str]
+) -> tuple[str, tuple[str, ...]] | None:
+    """What a key of a pose may have been, with its joints; None: nothing, several things, or joints of other keys."""
+    found: dict[tuple[str, ...], str] = {}
+    for meant in _respelt(framework, key, names):
+        joints = tuple(name for name in names if meets(framework, POSE, meant, name))
+        if joints and set(joints) <= set(free):
+            found.setdefault(joints, meant)
+    ((joints, meant),) = found.items() if len(found) == 1 else (((), ""),)
+    return (meant, joints) if joints else None
 
 
 def _joint_meant(pattern: str, names: Sequence[str]) -> str | None:

@@ -20,7 +20,7 @@ from actspec.diagnostics import SEVERITIES, Severity
 from actspec.fields import FIELDS, LIMITS, is_placeholder
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.called import distinctive
-from actspec.readings.compare import angle_slip
+from actspec.readings.compare import Figure, angle_slip
 from actspec.readings.dynamics import figure
 from actspec.readings.joint import read_joint
 from actspec.readings.ledger import LedgerRow
@@ -294,6 +294,12 @@ def shown(value: float | None, unit: str) -> str:
     return format_quantity(value, unit, 3)
 
 
+def stated(figure: Figure) -> str:
+    """A file's figure for a message, with what a gear makes it of."""
+    text = shown(figure.value, figure.unit)
+    return f"{text} ({figure.made})" if figure.made else text
+
+
 class SourceRule(RuleInParts):
     """What the rules of this family have in common."""
 
@@ -392,8 +398,8 @@ class SourceRule(RuleInParts):
             advice += f"{file} may be of another variant"
         return Finding(
             self.code,
-            f"the {FIELDS[found.field].noun} is {shown(mine.value, mine.unit)} here and "
-            f"{shown(theirs.value, theirs.unit)} in {file}{found.times}: {self.consequence(case, found)}",
+            f"the {FIELDS[found.field].noun} is {stated(mine)} here and {stated(theirs)} in "
+            f"{file}{found.times}: {self.consequence(case, found)}",
             mine.place,
             found.rows[0].joint,
             mine.value,

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import starts_there_alone
-from actspec.audit.rules.source_rule import shown
+from actspec.audit.rules.source_rule import shown, stated
 from actspec.audit.rules.spec_pairs import (
     NO_SPEC,
     SpecJoint,
@@ -115,7 +115,7 @@ class FigureDeparts(RuleOver[SpecJoint]):
         if math.isinf(mine.value):
             text = f"there is no {FIELDS[field].noun}"
         elif mine.stated:
-            text = f"the {FIELDS[field].noun} is {shown(mine.value, mine.unit)}"
+            text = f"the {FIELDS[field].noun} is {stated(mine)}"
         else:
             text = f"the {FIELDS[field].noun} is not written, so {shown(mine.value, mine.unit)}"
         return Finding(

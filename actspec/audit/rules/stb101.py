@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import by_joint, finite, is_driven_by_mjlab, shown
+from actspec.audit.rules.joints import by_joint, finite, is_driven_by_mjlab, own_figure, shown
 from actspec.laws.stability import LIMIT, StepDrive
 from actspec.readings.artifact import Artifact, FileKind, without_comments
 from actspec.readings.ledger import LedgerRow
@@ -101,7 +101,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         row = rows[0]
         if beyond and bounded:
             limit_here = finite(row.effort_limit)
-            of = "" if limit_here is None else f" of {shown(row, 'effort_limit', limit_here)}"
+            of = "" if limit_here is None else f" of {own_figure(row, 'effort_limit')}"
             what += f" as far as the limit{of} lets it"
         return Finding(
             self.code,

@@ -17,6 +17,7 @@ from actspec.audit.rules.joints import (
     is_nobodys,
     is_undriven,
     names_undriven,
+    own_figure,
     partner_rows,
     shown,
     undriven_joints,
@@ -155,10 +156,13 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         # In two files the reader has the place of one side alone before him.
         here = ("", "") if odd.file == other.file else (" here", " on the other side")[:: 1 if first else -1]
         texts = [f"{one}{here[0]} and {its}{here[1]}" for one, its in kinds[:1]]
-        texts += [
-            f"{name.replace('_', ' ')} {shown(left[0], name, one)}{here[0]} and {shown(left[0], name, its)}{here[1]}"
-            for name, one, its in differing
-        ]
+        for name, first_value, second in differing:
+            ends = (
+                [own_figure(row, name) for row in (left[0], right[0])]
+                if name == "effort_limit"
+                else [shown(left[0], name, value) for value in (first_value, second)]
+            )
+            texts.append(f"{name.replace('_', ' ')} {ends[0]}{here[0]} and {ends[1]}{here[1]}")
         dead = 0.0 in (a, b) and field == "effort_limit"
         identified = not kinds and (
             (all(name in _PASSIVE for name, _, _ in differing) and left[0].artifact in case.once(_identified))

@@ -234,16 +234,21 @@ class RangeInDegrees(RuleInParts):
             return
         if not told and not all(math.isclose(2.0 * end, round(2.0 * end), abs_tol=1e-9) for end in ends):
             return
+        # 100 to both sides is what toys and mounts have whose joints shall have no end.
+        guess, or_none = ("it looks like degrees where the file is read in radians", "")
+        if _is_no_range(ends):
+            guess = "degrees, where the file is read in radians, or a stand-in for a joint without an end"
+            or_none = ", or no limit"
         yield Finding(
             self.code,
             f"this hinge may turn from {format_number(ends[0], 4)} to {format_number(ends[1], 4)} rad, "
-            f"{(ends[1] - ends[0]) / _TURN:.2g} full turns: it looks like degrees where the file is read in radians",
+            f"{(ends[1] - ends[0]) / _TURN:.2g} full turns: {guess}",
             joint.places.get("range", joint.span),
             joint.name,
             most,
             "rad",
             most / DEGREES,
-            f"write {_written(ends, 1.0 / DEGREES)}",
+            f"write {_written(ends, 1.0 / DEGREES)}{or_none}",
             confidence=Confidence.MEDIUM,
         )
 

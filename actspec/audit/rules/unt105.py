@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.joints import SLOW, acceleration, joint_pairs, shared_joints, shown, unit
+from actspec.audit.rules.joints import SLOW, acceleration, joint_pairs, own_figure, shared_joints, shown, unit
 from actspec.audit.rules.sym101 import doubted_limits
 from actspec.readings.ledger import LedgerRow
 
@@ -56,7 +56,7 @@ class MilliOrGram(RuleInParts):
         yield Finding(
             self.code,
             f"an armature of {shown(row, 'armature', row.armature)} leaves the joint's whole torque of "
-            f"{shown(row, 'effort_limit', row.effort_limit)} an acceleration of {found:.2g} rad/s^2: it looks "
+            f"{own_figure(row, 'effort_limit')} an acceleration of {found:.2g} rad/s^2: it looks "
             "like another unit",
             row.place("armature"),
             row.joint,

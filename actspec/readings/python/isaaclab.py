@@ -149,7 +149,7 @@ def _robot(draft: Draft, name: str, value: Value) -> None:
     fields = fields_of(value)
     actuators = fields.get("actuators") if isinstance(value.data, Obj) else value
     if actuators is not None:
-        _groups(draft, actuators)
+        _groups(draft, actuators, value.span)
     if not isinstance(value.data, Obj):
         return
     draft.set("soft_joint_pos_limit_factor", fields.get("soft_joint_pos_limit_factor"))
@@ -162,27 +162,48 @@ def _robot(draft: Draft, name: str, value: Value) -> None:
         draft.set("joint_order", order)
 
 
-def _groups(draft: Draft, actuators: Value) -> None:
+def _groups(draft: Draft, actuators: Value, robot: Span) -> None:
     data = actuators.data
-    if isinstance(data, Seq) and len(data.items) == 1 and isinstance(data.items[0].data, Table):
-        # Read all the same: what is wrong with its figures would come to light one run later.
-        draft.refused(
-            "actuators",
-            f"it is a {data.kind} with one dict, of which Isaac Lab cannot make the robot",
-            actuators.span,
-            "take the comma behind the dict away" if data.kind == "tuple" else "write the dict alone",
-        )
-        data = data.items[0].data
-    if not isinstance(data, Table):
+    parts = data.items if isinstance(data, Seq) else [actuators]
+    if not parts or not all(isinstance(one.data, Table) or is_group(one) for one in parts):
         draft.note("actuators", reason_of(data) or "no dict of groups", actuators.span)
         return
-    if data.open is not None:
-        draft.note("actuators", data.open, actuators.span)
-    for key, one in data.items.items():
-        if isinstance(one.data, Obj):
-            _group(draft, str(key), one)
-        elif one.data is not None:
-            draft.note(f"actuators.{key}", reason_of(one.data) or "no actuator cfg", one.span)
+    if wrong := _is_no_dict(actuators):
+        # Read all the same: what is wrong with its figures would come to light one run later.
+        what, help = wrong
+        # One cfg may be written elsewhere, where nothing is wrong with it.
+        place = robot if parts == [actuators] else actuators.span
+        draft.refused("actuators", f"it is {what}, of which Isaac Lab cannot make the robot", place, help)
+    for index, part in enumerate(parts):
+        if not isinstance(part.data, Table):
+            _group(draft, f"actuators[{index}]", part)
+            continue
+        if part.data.open is not None:
+            draft.note("actuators", part.data.open, part.span)
+        for key, one in part.data.items.items():
+            if isinstance(one.data, Obj):
+                _group(draft, str(key), one)
+            elif one.data is not None:
+                draft.note(f"actuators.{key}", reason_of(one.data) or "no actuator cfg", one.span)
+
+
+def _is_no_dict(actuators: Value) -> tuple[str, str] | None:
+    """What stands where Isaac Lab asks for the items of a dict of groups, and what to do; None for a dict.
+
+    Source: Isaac Lab 2.3.2, articulation.py, `_process_actuators_cfg`.
+    """
+    data = actuators.data
+    if isinstance(data, Table):
+        return None
+    if not isinstance(data, Seq):
+        return "one actuator cfg and no dict of them", 'give it a name: `{"legs": cfg}`'
+    dicts = sum(isinstance(one.data, Table) for one in data.items)
+    if dicts == 0:
+        return f"a {data.kind} of actuator cfgs and no dict of them", 'give each a name: `{"legs": cfg}`'
+    if len(data.items) > 1:
+        return f"a {data.kind} and no dict of actuator cfgs", "write one dict with all groups"
+    comma = "take the comma behind the dict away" if data.kind == "tuple" else "write the dict alone"
+    return f"a {data.kind} with one dict", comma
 
 
 def _group(draft: Draft, name: str, value: Value) -> None:

@@ -24,7 +24,7 @@ from actspec.readings.python.settings import (
     is_actuator,
     is_named,
 )
-from actspec.readings.python.values import External, Func, Obj, Seq, Unknown, Value, reason_of
+from actspec.readings.python.values import External, Func, Obj, Seq, Table, Unknown, Value, reason_of
 
 _EVENTS: Events = {
     "pd_gains": ({"kp_range": "kp", "kd_range": "kd"}, "scale"),
@@ -168,6 +168,14 @@ def _articulation(draft: Draft, value: Value, names: Mapping[int, str]) -> None:
             "add a comma behind it: `(cfg,)`",
         )
         several = [actuators]
+    elif isinstance(actuators.data, Table) and actuators.data.items:
+        draft.refused(
+            "actuators",
+            "it is a dict and no tuple of actuator cfgs, of which mjlab cannot make the robot",
+            actuators.span,
+            "write the cfgs alone: `(cfg,)`",
+        )
+        several = [*actuators.data.items.values()]
     elif not isinstance(actuators.data, Seq):
         draft.note("actuators", reason_of(actuators.data) or "no sequence of cfgs", actuators.span)
     for index, one in enumerate(several):
