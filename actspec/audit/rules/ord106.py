@@ -24,6 +24,10 @@ _ALIKE = 0.02
 """Largest difference of an end of the range of one joint in two files [rad or m]. Chosen."""
 
 
+_PARALLEL = 0.9
+"""Least cosine between the axes of one joint in two files. Chosen: files draw a joint some degrees apart."""
+
+
 class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
     code = "ORD106"
     name = "joint-called-otherwise"
@@ -174,7 +178,14 @@ def _places(artifact: Artifact, joint: JointView) -> tuple[JointKind, str, froze
 
 
 def _turn_alike(one: JointView, other: JointView) -> bool:
+    """Whether two joints have one range, and one axis as far as both are known, whichever way it points."""
     if one.range is None or other.range is None:
+        return False
+    if (
+        one.axis
+        and other.axis
+        and abs(sum(a * b for a, b in zip(one.axis, other.axis, strict=True))) < _PARALLEL
+    ):
         return False
     return all(math.isclose(a, b, abs_tol=_ALIKE) for a, b in zip(one.range, other.range, strict=True))
 
