@@ -169,10 +169,10 @@ CHECKS = (
         "in Hz as `decimation`; draws more often than commands.",
         "Steps of 20 us to 40 ms (published: 0.1 to 33 ms), control periods to 0.5 s, delays of 20 us to 0.25 s "
         "(published: to 12.5 ms; 0 is none), also drawn ones, cutoffs of 0.2 Hz to 5 kHz, bandwidths of 2 Hz to 20 "
-        "kHz: a warning outside, an error from ten times on, but for a delay of nearly none. Where joints or groups are "
-        "called like those of legs also policies below 10 Hz, and below 20 Hz where `decimation` is a usual rate that "
-        "the step gives with a whole number of steps (published: 20 to 200 Hz; arms have 3 Hz and more). `every` that "
-        "ends below the control period; 0 is at each command.",
+        "kHz: a warning outside, an error from ten times on, but for a delay of nearly none. Where joints or groups "
+        "are called like those of legs also policies below 10 Hz, and below 20 Hz where `decimation` is a usual rate "
+        "that the step gives with a whole number of steps (published: 20 to 200 Hz; arms have 3 Hz and more). "
+        "`every` that ends below the control period; 0 is at each command.",
     ),
     Check(
         "SPEC187",
