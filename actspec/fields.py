@@ -275,4 +275,14 @@ def is_power_of_ten(figure: float) -> bool:
 
 def is_placeholder(limit: float) -> bool:
     """Whether a limit is nobody's number, because no motor reaches it."""
-    return abs(limit) >= PLACEHOLDER
+    return abs(limit) >= PLACEHOLDER and not is_of_a_machine(abs(limit))
+
+
+def is_of_a_machine(effort: float) -> bool:
+    """Whether an effort above every motor's may be a cylinder's at its lever [N*m or N], as 179800 N*m at a boom.
+
+    Below a million, and three digits or more, which nobody types for none, but for nines.
+    """
+    nearest = float(f"{effort:.1e}")
+    stated = not math.isclose(effort, nearest, rel_tol=1e-4)
+    return PLACEHOLDER <= effort < 10.0 * PLACEHOLDER and stated

@@ -208,7 +208,7 @@ def _above(reading: RobotReading) -> dict[str, frozenset[str]]:
     if robot is None:
         return {}
     free = {joint.name for joint in robot.joints if joint.kind is JointKind.FREE}
-    return {name: chain - free for name, chain in joints_above((robot,)).items() if name not in free}
+    return {name: chain for name, chain in joints_above((robot,)).items() if name not in free}
 
 
 def _left_alone(

@@ -308,8 +308,13 @@ class ModelLists:
 
 
 def named_parents(model: ModelLists, names: Sequence[str]) -> list[str]:
-    """For each joint the nearest named one before it on the way to the world; "" where there is none."""
-    first, count = model.body_jntadr, model.body_jntnum
+    """For each joint the nearest named one before it on the way to the world, but for free ones; "" where there is
+    none.
+    """
+    import mujoco
+
+    free = int(mujoco.mjtJoint.mjJNT_FREE)
+    first, count, kinds = model.body_jntadr, model.body_jntnum, model.jnt_type
     found = [""] * len(names)
     # The nearest named joint at or above each body; a body comes after its parent.
     last = [""] * len(first)
@@ -317,7 +322,7 @@ def named_parents(model: ModelLists, names: Sequence[str]) -> list[str]:
         above = last[parent]
         for joint in range(first[body], first[body] + count[body]):
             found[joint] = above
-            above = names[joint] or above
+            above = above if kinds[joint] == free else names[joint] or above
         last[body] = above
     return found
 

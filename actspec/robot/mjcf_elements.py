@@ -39,7 +39,7 @@ class JointElement:
         owners: Each of its attributes and of those of its default classes, with the element that states it.
         span: Its line; for a copy by `replicate` the line of the outermost `replicate`.
         body: Name of its body.
-        parent: The named joint that it hangs on; "" for a joint of the base.
+        parent: The named joint that it hangs on; "" for a joint of the base, which a free joint moves.
         copied: Whether it is inside a `replicate`, whose copies have names that begin with its own.
     """
 
@@ -54,6 +54,13 @@ class JointElement:
     def name(self) -> str:
         """Its name; "" without one."""
         return self.element.get("name") or ""
+
+    @property
+    def type(self) -> str:
+        """Its type: `hinge` where nothing says."""
+        if self.element.tag == "freejoint":
+            return "free"
+        return (self.owners["type"].get("type") if "type" in self.owners else None) or "hinge"
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +203,7 @@ def _read(document: XmlDocument, models: Mapping[str, XmlDocument], known: dict[
                 span = document.span(element if copied is None else copied)
                 name = body.get("name") or ""
                 joints.append(JointElement(element, owners, span, name, parent, copied is not None))
-                parent = element.get("name") or parent
+                parent = parent if joints[-1].type == "free" else joints[-1].name or parent
             elif element.tag == "attach":
                 prefix, suffix = element.get("prefix") or "", element.get("suffix") or ""
                 key = files.get(element.get("model") or "")

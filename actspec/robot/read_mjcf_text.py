@@ -149,8 +149,7 @@ def _joint(place: JointElement, document: XmlDocument, compiler: Mapping[str, st
     def number(name: str) -> float:
         return (*numbers(get(name), 1), 0.0)[0]
 
-    free = element.tag == "freejoint"
-    kind = JointKind.FREE if free else _KINDS.get(get("type") or "hinge", JointKind.HINGE)
+    kind = _KINDS.get(place.type, JointKind.HINGE)
     angular = kind in (JointKind.HINGE, JointKind.BALL) and compiler.get("angle", "degree") != "radian"
     automatic = _is_automatic(compiler)
     limits = _limits(numbers(get("range"), 2), get("limited"), automatic)

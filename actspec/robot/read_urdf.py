@@ -231,9 +231,9 @@ def _links(document: XmlDocument) -> dict[str, tuple[Element, str]]:
 
 
 def _with_parents(joints: list[JointView], document: XmlDocument) -> list[JointView]:
-    """Each joint with the one that it hangs on, over fixed joints; a circle of links ends where it closes."""
+    """Each joint with the one that it hangs on, over fixed and floating ones; a circle ends where it closes."""
     links = {child: (joint.get("name") or "", parent) for child, (joint, parent) in _links(document).items()}
-    moving = {joint.name for joint in joints}
+    moving = {joint.name for joint in joints if joint.kind is not JointKind.FREE}
     # Link to the joint that it moves with, filled along each way that is walked.
     above: dict[str, str] = {}
     found = []

@@ -68,7 +68,7 @@ def report_turned(written: Written, out: Collector) -> None:
 def _owners(written: Written) -> Iterator[tuple[str, Mapping[str, Element]]]:
     """Joints and actuators: name, and each attribute with the element that states it."""
     for joint in written.joints:
-        if joint.element.tag == "joint" and joint.element.get("type") != "free":
+        if joint.type != "free":
             yield joint.name, joint.owners
     for actuator in written.actuators:
         owners = dict(written.defaults_of(actuator).attributes)

@@ -68,7 +68,8 @@ class JointView:
         springdamper: Whether `springdamper` is in force and overwrites stiffness and damping.
         mimic: Joint that this one follows (URDF); None.
         reference_position: Position in the reference pose (first keyframe, else qpos0) [rad or m].
-        parent: The named joint that it hangs on, over fixed bodies; "" for a joint of the base.
+        parent: The named joint that it hangs on, over fixed bodies; "" for a joint of the base, which a free joint
+            moves.
         places: Name in `stated` to the element that states it (of a default class, or a part of a URDF's
             joint); the others are at `span`.
         unknown: Fields whose value neither the text nor, without its meshes, the compiled model tells; what stands

@@ -240,6 +240,28 @@ def test_dcmotor_of_3_7_has_gains_in_volts() -> None:
     assert (found.kp, found.kd, found.back_emf) == pytest.approx((0.0, 0.2, 0.2), rel=EXACT)
 
 
+@pytest.mark.parametrize(
+    "free",
+    [
+        "<freejoint/>",
+        '<freejoint name="f"/>',
+        '<joint name="f" type="free"/>',
+        '<joint name="f" class="free"/>',
+    ],
+)
+def test_nothing_hangs_on_a_free_joint(free: str) -> None:
+    """It moves the base, with a name and without one, however it is written; a ball is one that others hang on."""
+    text = document(
+        f"""<mujoco><default><default class="free"><joint type="free"/></default></default>
+<worldbody><body>{free}<geom size="0.1"/><body><joint name="hip"/><geom size="0.1"/><body>
+<joint name="ankle" type="ball"/><geom size="0.1"/><body><joint name="toe"/><geom size="0.1"/></body></body></body>
+</body></worldbody></mujoco>"""
+    )
+    for view in (read_mjcf(text.files, text), read_mjcf_text(text, "refused")):
+        found = {joint.name: joint.parent for joint in view.joints if joint.name != "f"}
+        assert found == {"hip": "", "ankle": "hip", "toe": "ankle"}
+
+
 def test_what_only_a_compilation_tells_is_unknown() -> None:
     """dampratio, inheritrange, springdamper and a number that is none are named, and nothing else."""
     actuators = (

@@ -161,6 +161,14 @@ def test_mimic() -> None:
     ]
 
 
+def test_nothing_hangs_on_a_floating_joint() -> None:
+    """The floating base of a URDF is a base."""
+    free = joint(name="root", kind="floating")
+    chain = joint(name="hip", parent="a", child="b") + joint(name="knee", parent="b", child="c")
+    view = read(robot(free + chain, '<link name="c"/>'))
+    assert {one.name: one.parent for one in view.joints} == {"root": "", "hip": "", "knee": "hip"}
+
+
 def test_zero_limits_are_stated_and_warned_of() -> None:
     """effort 0 is a stated 0, which MuJoCo reads as no limit and others as a dead joint."""
     text = robot(joint('<limit effort="0" velocity="0"/>'))

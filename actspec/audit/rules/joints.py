@@ -10,7 +10,13 @@ from itertools import product
 from actspec.audit.case import Case
 from actspec.audit.rules.configs import names_model
 from actspec.diagnostics import Span
-from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEED, PLACEHOLDER_SPEEDS, is_power_of_ten
+from actspec.fields import (
+    PLACEHOLDER,
+    PLACEHOLDER_SPEED,
+    PLACEHOLDER_SPEEDS,
+    is_of_a_machine,
+    is_power_of_ten,
+)
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.dynamics import undriven
@@ -197,6 +203,8 @@ def is_nobodys(row: LedgerRow, field: str, least: float = PLACEHOLDER) -> bool:
     if limit is None:
         return False
     turns = field == "velocity_limit" and row.kind is not JointKind.SLIDE and not is_called_undriven(row)
+    if field == "effort_limit" and is_of_a_machine(limit):
+        return False
     return least <= limit < math.inf or (turns and limit in PLACEHOLDER_SPEEDS)
 
 

@@ -12,6 +12,7 @@ from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_pairs import counts_alike, is_one_machine
 from actspec.audit.rules.source_rule import revision
 from actspec.audit.rules.unt101 import ranges_in_doubt
+from actspec.fields import is_power_of_ten
 from actspec.ir import JointKind
 from actspec.poses import POSE_TOLERANCE
 from actspec.readings.artifact import FileKind, Robot
@@ -23,6 +24,9 @@ _Range = tuple[float, float]
 
 _LOPSIDED = {JointKind.HINGE: 0.2, JointKind.SLIDE: 0.005}
 """What a range's ends add up to where its mirror image is another one [rad or m]. Chosen: as SYM102's."""
+
+_LONGEST = 20.0
+"""Longest slide [m], as SPEC190 has it: rails have 10 m."""
 
 _TURNED = math.radians(150.0)
 """Angle between two axes from which they point against each other. Chosen: frames differ by quarter turns."""
@@ -105,12 +109,18 @@ class RangeDisagrees(RuleOver[tuple[Robot, str]]):
             row.place("position_range"),
             row.joint,
             unit=unit(row, "default_position"),
-            help="find out which file has the joint as the robot has it, and correct range or axis in the other",
+            help=_help(row.kind, wrong.range, right.range),
             related=(other.place("position_range"),),
             severity=Severity.INFO if apart else None,
             confidence=Confidence.LOW if apart else None,
             fields=("position_range",),
         )
+
+
+def _help(kind: JointKind | None, wrong: _Range, right: _Range) -> str:
+    if kind is JointKind.SLIDE and _are_in_mm(wrong, right):
+        return "ranges of slides are in m: find out which file has the joint as the robot has it"
+    return "find out which file has the joint as the robot has it, and correct range or axis in the other"
 
 
 def _has_range(case: Case, row: LedgerRow) -> bool:
@@ -164,10 +174,20 @@ def _is_same(one: LedgerRow, other: LedgerRow) -> bool:
     return all(math.isclose(a, b, abs_tol=most) for a, b in ends)
 
 
-def _worth(case: Case, one: _Stated) -> tuple[int, int, bool, tuple[int, ...]]:
-    """How much speaks for a range: poses, kinds of file, a URDF; of as much the first path, in whatever order."""
+def _worth(case: Case, one: _Stated) -> tuple[int, bool, int, bool, tuple[int, ...]]:
+    """How much speaks for a range: poses, a length that slides have, kinds of file, a URDF; of as much the first path,
+    in whatever order.
+    """
     paths = min(os.path.abspath(case.artifacts[row.artifact].path) for row in one.rows)
-    return one.poses, len(one.kinds), FileKind.URDF in one.kinds, tuple(-ord(letter) for letter in paths)
+    low, high = one.range
+    rail = one.rows[0].kind is not JointKind.SLIDE or high - low <= _LONGEST
+    return (
+        one.poses,
+        rail,
+        len(one.kinds),
+        FileKind.URDF in one.kinds,
+        tuple(-ord(letter) for letter in paths),
+    )
 
 
 def _contrary(kind: JointKind, one: _Range, other: _Range) -> str:
@@ -178,6 +198,8 @@ def _contrary(kind: JointKind, one: _Range, other: _Range) -> str:
         if a
     ):
         return ""
+    if kind is JointKind.SLIDE and _are_in_mm(one, other):
+        return "1000 times apart: one of them is in mm"
     most = POSE_TOLERANCE[kind]
     mirrored = math.isclose(one[0], -other[1], abs_tol=most) and math.isclose(one[1], -other[0], abs_tol=most)
     if mirrored and abs(sum(one)) >= _LOPSIDED[kind]:
@@ -185,6 +207,15 @@ def _contrary(kind: JointKind, one: _Range, other: _Range) -> str:
     if max(one[0], other[0]) >= min(one[1], other[1]):
         return "which have no position in common: one of them has the wrong sign, or counts from another zero"
     return ""
+
+
+def _are_in_mm(one: _Range, other: _Range) -> bool:
+    """Whether two ranges of a slide [m] differ by the mm of a metre; a power of ten for both ends is a placeholder."""
+    wide, narrow = sorted((one, other), key=lambda ends: ends[1] - ends[0], reverse=True)
+    is_open = -wide[0] == wide[1] and is_power_of_ten(wide[1])
+    return not is_open and all(
+        math.isclose(a, 1e3 * b, rel_tol=0.005) for a, b in zip(wide, narrow, strict=True)
+    )
 
 
 def _is_turned(case: Case, one: LedgerRow, other: LedgerRow) -> bool:

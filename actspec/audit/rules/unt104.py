@@ -7,11 +7,13 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import SPEEDS, joint_pairs, shown, unit
 from actspec.diagnostics import Span
-from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEEDS
+from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEEDS, is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.compare import RPM
 from actspec.readings.ledger import LedgerRow
 from actspec.units import format_number
+
+_MM = 1e3
 
 
 class SpeedInRpm(RuleInParts):
@@ -30,28 +32,34 @@ class SpeedInRpm(RuleInParts):
         relative = self.option(case, "relative")
 
         def in_rpm(one: LedgerRow, other: LedgerRow) -> list[tuple[LedgerRow, str, float, float, Span]]:
-            if JointKind.SLIDE in (one.kind, other.kind):
+            slides = JointKind.SLIDE in (one.kind, other.kind)
+            if slides and one.kind is not other.kind:
                 return []
             return [
                 (mine, *ratio)
                 for mine, its in ((one, other), (other, one))
                 for ratio in _speed_ratios(mine, its)
-                if math.isclose(ratio[1] / ratio[2], RPM, rel_tol=relative)
+                if math.isclose(ratio[1] / ratio[2], _MM if slides else RPM, rel_tol=relative)
+                # 1000 m/s for 1 is a placeholder.
+                and not (slides and is_power_of_ten(ratio[1]))
             ]
 
         for one, other in joint_pairs(case, _speed_figures, lambda one, other: bool(in_rpm(one, other))):
             for mine, field, limit, right, place in in_rpm(one, other):
                 reported.add((mine.place(field), mine.joint))
+                slides = mine.kind is JointKind.SLIDE
+                factor, name = ("1000", "mm/s") if slides else ("9.55", "rpm")
+                si = format_number(limit / (_MM if slides else RPM), 3)
                 found = Finding(
                     self.code,
-                    f"{shown(mine, field, limit, 4)} is 9.55 times the {shown(mine, field, right, 4)} in "
-                    f"{place.path}: a figure in rpm",
+                    f"{shown(mine, field, limit, 4)} is {factor} times the {shown(mine, field, right, 4)} in "
+                    f"{place.path}: a figure in {name}",
                     mine.place(field),
                     mine.joint,
                     limit,
                     unit(mine, field),
                     right,
-                    f"{format_number(limit, 4)} rpm is {format_number(limit / RPM, 3)} rad/s",
+                    f"{format_number(limit, 4)} {name} is {si} {unit(mine, field)}",
                     (place,),
                     fields=(field,),
                 )

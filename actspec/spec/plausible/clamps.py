@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from actspec.diagnostics import Path, Span
 from actspec.fields import is_power_of_ten
-from actspec.ir import JointActuator, JointKind, Origin
+from actspec.ir import Command, JointActuator, JointKind, Origin
 from actspec.poses import POSE_TOLERANCE, ROUNDED_ANGLE, far_words, is_round_angle, outside_words
 from actspec.spec.document import SourceMap
 from actspec.spec.models import ListedJoint, SpecModel
@@ -126,15 +126,35 @@ def _is_part(low: float, high: float, own: tuple[float, float]) -> bool:
     return inside and high - low >= PART * (own[1] - own[0])
 
 
-def pose_found(joint: JointActuator, written: Mapping[Span, SpecValue]) -> Iterator[Found]:
+def is_posed(joint: JointActuator, poses: Span | None) -> bool:
+    """Whether a joint's default position is one that the spec has: itself, or as the 0 of a joint that it leaves out.
+
+    A spec without `default_pose` may be of an arm for which zero is no pose, such as a Panda. Speeds and torques are
+    not added to a pose.
+
+    Args:
+        joint: The joint.
+        poses: Where the spec states default positions; None: it states none.
+    """
+    stated = joint.default_position.origin is Origin.AUTHORED
+    return stated or (poses is not None and joint.command is Command.POSITION)
+
+
+def pose_found(
+    joint: JointActuator, written: Mapping[Span, SpecValue], poses: Span | None
+) -> Iterator[Found]:
     """A default position outside of the range (published: to 0.02 rad, a B2), or beyond a turn if it has none.
 
     Args:
         joint: The joint.
         written: Numbers as they are written, by where.
+        poses: As in `is_posed`.
     """
     pose, kind, limits = joint.default_position, joint.kind, joint.position_range
-    if pose.value is None or pose.origin is not Origin.AUTHORED:
+    if pose.value is None or not is_posed(joint, poses):
+        return
+    if pose.origin is not Origin.AUTHORED:
+        yield from _left_out(joint, pose.value, poses)
         return
     value = None if pose.span is None else written.get(pose.span)
     own = "" if value is None else amount_of(value)[1]
@@ -150,3 +170,17 @@ def pose_found(joint: JointActuator, written: Mapping[Span, SpecValue]) -> Itera
     error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
     doubt = Doubt("SPEC190", message, "robot.default_pose", pose.span, help, error=error)
     yield Found(doubt, joint.joint, beyond, False)
+
+
+def _left_out(joint: JointActuator, zero: float, poses: Span | None) -> Iterator[Found]:
+    """A joint that `default_pose` leaves out, and that is at 0 for that, outside of its range."""
+    limits, unit = joint.position_range, joint.default_position.unit
+    if limits is None or (beyond := max(limits[0] - zero, zero - limits[1])) <= POSE_TOLERANCE[joint.kind]:
+        return
+    ends = " to ".join(format_quantity(end, unit, 4) for end in limits)
+    message = f"no default position is stated, so that it is 0 {unit}, outside of the joint's range, {ends}"
+    middle = format_quantity(sum(limits) / 2.0, unit, 4)
+    help = (
+        f"name it here with the position of zero action; `{joint.joint}: {middle}` is the middle of its range"
+    )
+    yield Found(Doubt("SPEC190", message, "robot.default_pose", poses, help), joint.joint, beyond)

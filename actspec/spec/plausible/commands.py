@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from actspec.diagnostics import Span
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.poses import POSE_TOLERANCE
-from actspec.spec.plausible.clamps import PART, WIDE, clamp_words, is_open, turned_words
+from actspec.spec.plausible.clamps import PART, WIDE, clamp_words, is_open, is_posed, turned_words
 from actspec.spec.plausible.relations import DEGREE, RPM
 from actspec.spec.plausible.swing import SOFT_ERROR
 from actspec.spec.plausible.table import Found, found_at, is_stated, shown
@@ -31,8 +32,13 @@ def own_speed(joint: JointActuator) -> Quantity | None:
     return None if line is None else line.no_load_speed if line.curve is None else line.curve.no_load_speed
 
 
-def command_range_found(joint: JointActuator) -> Iterator[Found]:
-    """A clamp of commands that is many times as wide as what the joint has, in another unit, or elsewhere."""
+def command_range_found(joint: JointActuator, poses: Span | None) -> Iterator[Found]:
+    """A clamp of commands that is many times as wide as what the joint has, in another unit, or elsewhere.
+
+    Args:
+        joint: The joint.
+        poses: As in `is_posed`.
+    """
     clamp, own, hinge = joint.command_range, joint.position_range, joint.kind is JointKind.HINGE
     if clamp is None or not is_stated(clamp[0]):
         return
@@ -52,7 +58,7 @@ def command_range_found(joint: JointActuator) -> Iterator[Found]:
     ends = "" if own is None else " to ".join(format_quantity(end, unit, 4) for end in own)
     where = f"actuators.{joint.group}.command_range"
     if words is None:
-        yield from _elsewhere(joint, clamp[0], (low, high), message, ends, where)
+        yield from _elsewhere(joint, poses, (low, high), message, ends, where)
         return
     ratio, help = words
     far = format_quantity(ratio, "", 3)
@@ -63,7 +69,7 @@ def command_range_found(joint: JointActuator) -> Iterator[Found]:
 
 
 def _elsewhere(
-    joint: JointActuator, number: Quantity, clamp: tuple[float, float], message: str, ends: str, where: str
+    joint: JointActuator, poses: Span | None, clamp: tuple[float, float], message: str, ends: str, where: str
 ) -> Iterator[Found]:
     """A clamp that lies outside of the joint's range, or keeps the command from the default position.
 
@@ -71,7 +77,8 @@ def _elsewhere(
     A pose outside of the joint's own range is told itself.
     """
     pose, own, tolerance = joint.default_position, joint.position_range, POSE_TOLERANCE[joint.kind]
-    (low, high), (least, most) = clamp, own or (-math.inf, math.inf)
+    assert joint.command_range is not None
+    (low, high), (least, most), number = clamp, own or (-math.inf, math.inf), joint.command_range[0]
     help = "it clamps the command itself, not its difference from the default position"
     help += "" if own is None else "; `command_range: joint` is the joint's own range"
     apart = max(low - most, least - high)
@@ -79,11 +86,12 @@ def _elsewhere(
         message += f" has nothing in common with the joint's range, {ends}"
         yield found_at(joint, "SPEC190", where, apart, message, help, number)
         return
-    if pose.value is None or pose.origin is not Origin.AUTHORED:
+    if pose.value is None or not is_posed(joint, poses):
         return
     beyond = max(low - pose.value, pose.value - high)
     if beyond > tolerance and least - tolerance <= pose.value <= most + tolerance:
         message += f" keeps the joint from its default position, {shown(pose)}"
+        message += ", which no default_pose states" if pose.origin is Origin.DEFAULT else ""
         yield found_at(joint, "SPEC190", where, beyond, message, help, number, pose)
 
 

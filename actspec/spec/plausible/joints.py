@@ -305,8 +305,10 @@ def _joint_doubts(
     spans: SourceMap,
     kept: Kept,
 ) -> Iterator[Found]:
-    yield from pose_found(joint, written)
-    for check in (command_range_found, scale_found, velocity_found, _stribeck, unreached_limit):
+    poses = spans.value(("robot", "default_pose")) if model.robot.default_pose else None
+    yield from pose_found(joint, written, poses)
+    yield from command_range_found(joint, poses)
+    for check in (scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"
     yield from slow_found(joint, motor)

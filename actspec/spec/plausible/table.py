@@ -167,11 +167,12 @@ CHECKS = (
         "time-scale",
         "A time step, control period, delay, cutoff or bandwidth that is no robot's: seconds for milliseconds, a rate "
         "in Hz as `decimation`; draws more often than commands.",
-        "Steps of 20 us to 40 ms (published: 0.1 to 33 ms), control periods to 0.5 s, delays to 0.25 s (0 to 12.5 "
-        "ms), also drawn ones, cutoffs of 0.2 Hz to 5 kHz, bandwidths of 2 Hz to 20 kHz: a warning outside, an error "
-        "from ten times on. Where joints or groups are called like those of legs also policies below 10 Hz, and below "
-        "20 Hz where `decimation` is a usual rate that the step gives with a whole number of steps (published: 20 to "
-        "200 Hz; arms have 3 Hz and more). `every` that ends below the control period; 0 is at each command.",
+        "Steps of 20 us to 40 ms (published: 0.1 to 33 ms), control periods to 0.5 s, delays of 20 us to 0.25 s "
+        "(published: to 12.5 ms; 0 is none), also drawn ones, cutoffs of 0.2 Hz to 5 kHz, bandwidths of 2 Hz to 20 "
+        "kHz: a warning outside, an error from ten times on, but for a delay of nearly none. Where joints or groups "
+        "are called like those of legs also policies below 10 Hz, and below 20 Hz where `decimation` is a usual rate "
+        "that the step gives with a whole number of steps (published: 20 to 200 Hz; arms have 3 Hz and more). "
+        "`every` that ends below the control period; 0 is at each command.",
     ),
     Check(
         "SPEC187",
@@ -236,11 +237,13 @@ CHECKS = (
     Check(
         "SPEC190",
         "pose-outside-the-range",
-        "A default position outside of the joint's range, or beyond a full turn where it has none; a command range "
-        "many times as wide, in another unit, outside of the joint's range or without its default position; a range "
-        "of `robot.joints` in degrees or mm, or in rad as degrees.",
+        "A default position outside of the joint's range, also the 0 of a joint that `default_pose` leaves out, or "
+        "beyond a full turn where it has none; a command range many times as wide, in another unit, outside of the "
+        "joint's range or without its default position; a range of `robot.joints` in degrees or mm, or in rad as "
+        "degrees.",
         "A warning from 0.05 rad (5 mm) beyond an end on, an error from the width of the range, or pi, beyond it. "
-        "Published: to 0.02 rad beyond (calf of the B2). A range of position commands above 12 times the joint's own "
+        "Published: to 0.02 rad beyond (calf of the B2). Of a joint that is left out only where `default_pose` has "
+        "others, and positions are commanded. A range of position commands above 12 times the joint's own "
         "(chosen: degrees are 57 times, mm 1000), or its own in degrees; powers of ten for both ends are "
         "placeholders. Also one that is 0.05 rad (5 mm) from the joint's range, or from a default position inside of "
         "that (of 4549 published servos one by 0.016 rad, and one of 1942 with a position by 0.012). Of a hinge "

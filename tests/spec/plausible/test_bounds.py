@@ -316,7 +316,12 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("delay: 251 ms", ["SPEC186"]),
         ("delay: 2.6 s", ["SPEC186!"]),
         ("delay: 0 s", []),
+        ("delay: 20 us", []),
+        ("delay: 19 us", ["SPEC186"]),
+        ("delay: 1 us", ["SPEC186"]),
         ("delay: {nominal: 5 ms, range: [0, 0.3 s]}", ["SPEC186"]),
+        ("delay: {nominal: 5 ms, range: [4 us, 8 ms]}", []),
+        ("delay: {nominal: 4 us, range: [2 us, 8 us]}", ["SPEC186"]),
         ("command_filter: {cutoff: 0.1 Hz}", ["SPEC186"]),
         ("randomize: {kd: {scale: [0.3, 10]}}", []),
         ("randomize: {kd: {scale: [0.9, 11]}}", ["SPEC188"]),
@@ -608,6 +613,53 @@ def test_a_command_range_without_the_default_position() -> None:
     assert found.where == "robot.default_pose"
 
 
+@pytest.mark.parametrize(
+    ("pose", "fields", "message"),
+    [
+        ("hip: 0.1 rad", "", "calf: no default position is stated, so that it is 0 rad, outside of the joint's range, "
+         "-2.2 rad to -0.4 rad"),
+        # Stated, as far beyond as that, and of no joint at all.
+        ("hip: 0.1 rad, calf: -0.36 rad", "", None),
+        ("", "", None),
+        # What is commanded is no position, or it is clamped to another one.
+        ("hip: 0.1 rad", "command: velocity", None),
+        ("hip: 0.1 rad", "command_range: joint", "calf: no default position is stated, so that it is 0 rad, outside of "
+         "the joint's range, -2.2 rad to -0.4 rad"),
+    ],
+)  # fmt: skip
+def test_a_joint_that_the_default_pose_leaves_out(pose: str, fields: str, message: str | None) -> None:
+    gains = "kd: 0.2" if "velocity" in fields else "kp: 8, kd: 0.2"
+    calf = ", ".join(filter(None, ("joints: [calf], level: ideal_pd", gains, fields)))
+    text = spec_of(
+        f"hips: {{joints: [hip], level: ideal_pd, kp: 8, kd: 0.2}}, calves: {{{calf}}}",
+        robot=f"name: leg, model: robot.xml, default_pose: {{{pose}}}",
+    )
+    link = '<joint name="calf" axis="0 1 0" range="-2.2 -0.4"/><geom size="0.1" mass="1"/>'
+    found = said(text, MODEL.replace("</body>", f"<body>{link}</body></body>"))
+    assert [item.message for item in found] == ([] if message is None else [message])
+    for item in found:
+        assert (item.code, item.severity, item.where) == ("SPEC190", Severity.WARNING, "robot.default_pose")
+        assert item.help == (
+            "name it here with the position of zero action; `calf: -1.3 rad` is the middle of its range"
+        )
+
+
+@pytest.mark.parametrize(("pose", "told"), [("", False), ("calf: 0.1 rad", True)])
+def test_a_command_range_without_the_zero_of_a_joint_that_has_no_pose(pose: str, told: bool) -> None:
+    """-1 to 0.5 rad have 0, and the command cannot: a joint that `default_pose` leaves out is there at zero action."""
+    legs = "joints: [hip], level: ideal_pd, kp: 8, kd: 0.2, command_range: [-0.9 rad, -0.1 rad]"
+    text = spec_of(
+        f"legs: {{{legs}}}, calves: {{joints: [calf], level: ideal_pd, kp: 8, kd: 0.2}}",
+        robot=f"name: leg, model: robot.xml, default_pose: {{{pose}}}",
+    )
+    link = '<joint name="calf" axis="0 1 0" range="-1 1"/><geom size="0.1" mass="1"/>'
+    found = said(text, MODEL.replace("</body>", f"<body>{link}</body></body>"))
+    assert [item.message for item in found] == [
+        "hip: a command range of -0.9 rad to -0.1 rad keeps the joint from its default position, 0 rad, which no "
+        "default_pose states"
+    ][: int(told)]
+
+
 def test_a_gear_that_makes_a_joint_slow() -> None:
     """5e-5 x 6^2 x 50^2 = 4.5 kg*m^2 beside links of 0.1: kp 20 makes 2.09 rad/s, and 14.1 with the links alone."""
     text = spec_of(
@@ -705,7 +757,7 @@ def test_timing(timing: str, expected: list[str]) -> None:
         ("50 ms", "did you mean 5 ms?"),
         ("5 s", "did you mean 5 ms?"),
         ("0.3 s", "did you mean 30 ms?"),
-        ("5 us", "look for a wrong unit, or the point in the wrong place"),
+        ("5 us", "did you mean 5 ms?"),
     ],
 )
 def test_what_a_step_was_meant_to_be(step: str, help: str | None) -> None:

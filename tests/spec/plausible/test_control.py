@@ -125,6 +125,8 @@ def test_groups(fields: str, expected: list[str]) -> None:
             "randomize.delay.add[1]",
             "did you mean 10 ms?",
         ),
+        ("delay: 4 us", "delay", "did you mean 4 ms?"),
+        ("delay: {nominal: 4 us, range: [2 us, 8 us]}", "delay.nominal", "did you mean 4 ms?"),
         # One end of two.
         ("randomize: {kd: {scale: [0.5, 1500]}}", "randomize.kd.scale[1]", "did you mean 1.5?"),
         # 0.00436 / 0.0174533 = 0.2498.
