@@ -20,7 +20,7 @@ from actspec.resolution.stated import joint_inputs, stated_of
 from actspec.robot.view import RobotView
 from actspec.spec.document import Breaches
 from actspec.spec.fields import CONTROL_PERIOD
-from actspec.spec.plausible.joints import check_joints
+from actspec.spec.plausible.joints import check_joints, forget_unfit
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -71,6 +71,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         for item in stated
     ]
     reports.tell(collector)
+    forget_unfit(spec.model, collector)
     collector.raise_if_failed(ResolveError)
 
     armatures = [armature_of(inputs) for inputs in said]

@@ -113,10 +113,13 @@ def check_ranges(actuators: ActuatorSet, collector: Collector) -> None:
     # A number that is told itself is not told by its range again.
     told = [item.where for item in actuators.diagnostics]
     for actuator in actuators.joints:
+        outside = False
         for field, entry in own_ranges(actuator).items():
             for fault in _faults(actuator, entry):
                 found.setdefault((actuator.group, field, fault), []).append(actuator)
-        for fault in _friction_fault(actuator):
+                outside |= fault.code == "RND006" and field.startswith("friction.")
+        # A range that leaves the nominal out is the wrong one, whatever it meets.
+        for fault in () if outside else _friction_fault(actuator):
             found.setdefault((actuator.group, "friction.coulomb", fault), []).append(actuator)
     for (group, field, fault), joints in found.items():
         entry_of = own_ranges(joints[0])
@@ -142,7 +145,7 @@ def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
                 return
         elif field == "gains" and None in [one.value for one in _parts(actuator, field)]:
             yield _Fault("RND001", f"{field}: kp or kd is unknown", "state kp and kd")
-        yield from _outside(entry, 1.0, "1")
+        yield from _outside(entry, 1.0, "1", None)
         return
     if (idle := _idle(actuator, entry)) is not None:
         yield idle
@@ -181,7 +184,7 @@ def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
             if entry.operation == "abs"
             else format_number(neutral)
         )
-        yield from _outside(entry, neutral, text)
+        yield from _outside(entry, neutral, text, nominal)
 
 
 _WORDS = {"scale": "a factor on", "add": "an offset on"}
@@ -230,16 +233,25 @@ def _absent(actuator: JointActuator, field: str) -> _Fault:
     )
 
 
-def _outside(entry: Randomization, neutral: float, text: str) -> Iterator[_Fault]:
+def _outside(entry: Randomization, neutral: float, text: str, nominal: float | None) -> Iterator[_Fault]:
+    """A range without its neutral value: a nominal, or a factor or offset on that, which changes nothing."""
     low, high = drawn_ends(entry)
     # Ends come from decimal text and the nominal from a formula: a rounding apart is not outside.
     slack = 1e-9 * max(abs(low), abs(high), abs(neutral))
     if not low - slack <= neutral <= high + slack:
+        help = "widen the range" + ", or correct the nominal" * (entry.operation == "abs")
+        readings = [("scale", "factors", 1.0), ("abs", "values", nominal)]
+        meant = [
+            f"are they {what}? Then write `{other}: [{format_number(entry.low)}, {format_number(entry.high)}]`"
+            for other, what, own in readings
+            if other != entry.operation and own and low < own < high and entry.field != "encoder_bias"
+        ]
+        help = "; or ".join(meant) or help
         yield _Fault(
             "RND006",
             f"{text} is outside of the range of {entry.field}, {format_number(low)} to {format_number(high)}: "
             "the nominal robot is never drawn",
-            "widen the range, or correct the nominal",
+            help,
             False,
         )
 

@@ -224,6 +224,15 @@ _MISNOMERS = {
     "rated_current": "the continuous current is `nominal_current`",
     "gains": "`kp` and `kd` stand in the group itself, each on a line of its own",
     "gear": "gears are the motor's `gear_ratio`, and `reduction` from its output to the joint",
+    **dict.fromkeys(
+        ("planetary", "sun", "ring"),
+        "a planetary gear is a stage: `gearbox: [{planetary: {sun: 18, ring: 90}}]` of the motor",
+    ),
+    **dict.fromkeys(
+        ("belt", "pulleys", "teeth", "driving", "driven"),
+        "wheels and belts are stages, `{teeth: {driving: 20, driven: 32}}`, of the motor's `gearbox` or, behind its "
+        "output, of the group's `transmission`",
+    ),
     "saturation": "the torque at zero speed is the motor's `stall_torque`",
     "latency": "the delay of the command is `delay`",
     "timestep": "the simulation's step is `timing: {physics_dt: ...}`",

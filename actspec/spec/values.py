@@ -424,6 +424,13 @@ def _without_value(given: Mapping[str, Any], kind: Kind) -> PydanticCustomError:
     if kind is Kind.RATIO and list(given) == ["ratio"]:
         # As of a stage.
         return fault(f"must be a ratio, got {short(given)}", f"write `{short(given['ratio'])}`")
+    for stage, keys in _STAGES.items() if kind is Kind.RATIO else ():
+        if given.keys() & {stage, *keys}:
+            whole = _written(given if stage in given else {stage: given})
+            help = (
+                f"teeth stand in a stage, of the motor's `gearbox: [{whole}]` or the group's `transmission`"
+            )
+            return fault(f"must be a ratio, got {short(given)}", help)
     for key, item in given.items():
         if nearest(key, VALUE_KEYS) is not None:
             continue
@@ -437,6 +444,10 @@ def _without_value(given: Mapping[str, Any], kind: Kind) -> PydanticCustomError:
             return fault(message, help, (key,))
     check_keys(given, VALUE_KEYS, "a value")
     return fault("a value needs its key 'value'", "write {value: 33.5 N*m, source: ...}")
+
+
+_STAGES = {"planetary": ("sun", "ring"), "teeth": ("driving", "driven")}
+"""Stages that are stated by numbers of teeth, with their keys."""
 
 
 def _one_number(given: Any) -> str | None:

@@ -86,3 +86,31 @@ def test_a_stage_in_another_form(tmp_path: Path, line: str, message: str, help: 
         right = f"[{right}]" if given.startswith("[9") else right
         path.write_text(GEARED.replace("@", f"{key}: {right}"), encoding="utf-8")
         load_spec(str(path))
+
+
+PLANETARY = "{planetary: {sun: 18, ring: 90}}"
+TEETH = "{teeth: {driving: 20, driven: 32}}"
+
+
+@pytest.mark.parametrize(
+    ("field", "where", "right"),
+    [
+        ("gear_ratio: {sun: 18, ring: 90}", "gear_ratio", f"gearbox: [{PLANETARY}]"),
+        (f"gear_ratio: {PLANETARY}", "gear_ratio", f"gearbox: [{PLANETARY}]"),
+        ("gear_ratio: {driving: 20, driven: 32}", "gear_ratio", f"gearbox: [{TEETH}]"),
+        ("planetary: {sun: 18, ring: 90}", "planetary", f"gearbox: [{PLANETARY}]"),
+        ("teeth: {driving: 20, driven: 32}", "teeth", TEETH),
+        ("belt: {driving: 20, driven: 32}", "belt", TEETH),
+    ],
+)
+def test_teeth_in_place_of_a_ratio(tmp_path: Path, field: str, where: str, right: str) -> None:
+    """One message with the stage to write, which is right."""
+    path = tmp_path / "r.yaml"
+    text = GEARED.replace(", @", "")
+    path.write_text(text.replace("gear_ratio: 6", field), encoding="utf-8")
+    (found,) = said_of(path)
+    assert found.where == f"motors.m.{where}"
+    assert f"`{right}`" in (found.help or "")
+    right = right if right.startswith("gearbox") else f"gearbox: [{right}]"
+    path.write_text(text.replace("gear_ratio: 6", right), encoding="utf-8")
+    load_spec(str(path))

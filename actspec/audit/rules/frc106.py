@@ -6,6 +6,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import (
     by_joint,
+    finite,
     keeps_for_model,
     limiting_row,
     own_figure,
@@ -47,18 +48,22 @@ class ViscousTakesTheLimit(RuleOver[_Subject]):
                 continue
             limit = limiting.effort_limit
             assert limit is not None
-            yield row, viscous, limiting, speed, limit
+            if not _is_told(case, row):
+                yield row, viscous, limiting, speed, max(limit, _given(case, row))
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare viscous friction at the joint's speed with the limit."""
         row, viscous, limiting, speed, limit = subject
         if viscous * speed < self.option(case, "share") * limit:
             return
+        whose = f"an effort limit of {own_figure(limiting, 'effort_limit')}"
+        if limit != limiting.effort_limit:
+            whose = f"the drive's {shown(row, 'effort_limit', limit)}"
         yield Finding(
             self.code,
             f"the viscous friction of {shown(row, 'kd', viscous)} takes "
             f"{shown(row, 'effort_limit', viscous * speed)} at the joint's "
-            f"{shown(row, 'velocity_limit', speed)}, of an effort limit of {own_figure(limiting, 'effort_limit')}",
+            f"{shown(row, 'velocity_limit', speed)}, of {whose}",
             row.place("joint_damping"),
             row.joint,
             viscous,
@@ -67,6 +72,28 @@ class ViscousTakesTheLimit(RuleOver[_Subject]):
             "torque-speed line belongs to the motor, not to friction",
             related=(limiting.place("effort_limit"),),
         )
+
+
+def _given(case: Case, row: LedgerRow) -> float:
+    """What the drive is known to give [N*m or N], to which a lower limit is a choice; 0: nothing is known."""
+    known = [row.stall_torque]
+    for one in (row, *partner_rows(case, row, FileKind.SPEC)):
+        spec = case.artifacts[one.artifact].spec
+        actuator = None if spec is None else spec.joint(one.joint)
+        known += [] if actuator is None else [actuator.peak_torque.value, actuator.continuous_torque.value]
+    return max((torque for torque in map(finite, known) if torque is not None), default=0.0)
+
+
+def _is_told(case: Case, row: LedgerRow) -> bool:
+    """Whether the spec, which is told when it is read, has this friction."""
+    for one in (row, *partner_rows(case, row, FileKind.SPEC)):
+        spec = case.artifacts[one.artifact].spec
+        told = () if spec is None else spec.diagnostics
+        if one.joint_damping == row.joint_damping and any(
+            (item.code, item.span) == (ViscousTakesTheLimit.code, one.place("joint_damping")) for item in told
+        ):
+            return True
+    return False
 
 
 def _has_solvers_limit(case: Case, row: LedgerRow) -> bool:

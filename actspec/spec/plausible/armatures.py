@@ -10,6 +10,7 @@ from actspec.diagnostics import Span
 from actspec.ir import JointActuator, JointKind, Origin
 from actspec.spec.models import Motor
 from actspec.spec.plausible.drive import gear_of, number
+from actspec.spec.plausible.driven import given_at
 from actspec.spec.plausible.groups import turns
 from actspec.spec.plausible.slips import in_si
 from actspec.spec.plausible.swing import SOFT
@@ -113,7 +114,10 @@ def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> I
                 motor,
             )
             return
-    rate = limit.value / value if limit.value else None
+    rate, given = limit.value / value if limit.value else None, given_at(joint)
+    # What the drive gives turns it, too, where less is allowed.
+    turned = None if rate is None else (given.value or 0.0) / value
+    slow = turned is not None and turned < ARMATURE_RATE[0]
     links = None if joint.inertia_held is None else joint.inertia_held.high - value
     words = None
     # Rotor and gear are judged by themselves (SPEC185). What turns with an exoskeleton's joint stands in no model.
@@ -124,28 +128,33 @@ def _armature_found(joint: JointActuator, drive: Motor | None, alone: bool) -> I
     unknown = links is None and joint.motor is not None
     line = joint.motor_line
     fast = None if line is None or line.no_load_speed is None else line.no_load_speed.value
-    if rate and fast and fast < SPIN_UP * rate < SPIN_UP * ARMATURE_RATE[0]:
+    if turned and fast and fast < SPIN_UP * turned < SPIN_UP * ARMATURE_RATE[0]:
         return
     # A cylinder or a voice coil has no rotor that may be before a gear: what moves is stated as it is.
     rotor = drive is None or drive.rotor_inertia is not None or turns(drive)
     if rate is not None and (
-        rate < ARMATURE_RATE[0]
-        or (rotor and ((rate > ARMATURE_RATE[1] and large) or (rate > ROTOR_ALONE and unknown)))
+        slow or (rotor and ((rate > ARMATURE_RATE[1] and large) or (rate > ROTOR_ALONE and unknown)))
     ):
+        torque = (
+            f"the drive's {shown(given)}"
+            if slow and given is not limit
+            else f"the effort limit of {shown(limit)}"
+        )
+        unit_of_rate = "rad/s^2" if joint.kind is JointKind.HINGE else "m/s^2"
         words = (
-            f"an armature of {shown(armature)}: the effort limit of {shown(limit)} would turn the rotor alone with "
-            f"{format_quantity(rate, 'rad/s^2' if joint.kind is JointKind.HINGE else 'm/s^2', 3)}"
+            f"an armature of {shown(armature)}: {torque} would turn the rotor alone with "
+            f"{format_quantity(turned if slow else rate, unit_of_rate, 3)}"
         )
     elif large and links is not None:
         most = TOO_HEAVY_OF_MOTOR if armature.origin is Origin.DERIVED else TOO_HEAVY
-        heavy = HEAVY if rate is not None and rate < HEAVY_RATE and not of_rotor else most
+        heavy = HEAVY if turned is not None and turned < HEAVY_RATE and not of_rotor else most
         if value >= heavy * links:
             words = (
                 f"an armature of {shown(armature)} is {format_quantity(value / links, '', 3)} times the inertia of "
                 f"the links that the joint moves, at most {format_quantity(links, unit, 3)}"
             )
     stall = 0.0 if line is None or line.stall_torque is None else line.stall_torque.value or 0.0
-    strong, kp = max(limit.value or 0.0, stall), 0.0 if joint.kp is None else joint.kp.value or 0.0
+    strong, kp = max(given.value or 0.0, stall), 0.0 if joint.kp is None else joint.kp.value or 0.0
     if words is None and not of_rotor and fast and 0.0 < strong < math.inf and joint.kind is JointKind.HINGE:
         takes = value * fast / strong
         heavy = value >= DOMINANT * links if links is not None and large else 0.0 < kp < SOFT**2 * value

@@ -147,30 +147,30 @@ def scale_found(joint: JointActuator) -> Iterator[Found]:
             return
         if torque is not None and limit.value and torque <= SCALE * limit.value:
             return
-        size, unit = reach / span / SCALE, joint.default_position.unit
+        most, size, unit = limit, reach / span / SCALE, joint.default_position.unit
         words = (
             f"one unit of action is {format_quantity(reach, unit, 4)} of command, "
             f"{format_quantity(reach / span, '', 3)} times the joint's whole range"
         )
         if torque is not None and limit.value:
             words += f", and asks for {format_quantity(torque, limit.unit, 3)} of {shown(limit)}"
+        readings = [(DEGREE, "degrees") if joint.kind is JointKind.HINGE else (1e-3, "mm")]
     else:
         most = _most(joint)
         if not most.value or reach <= RATE_SCALE * most.value:
             return
-        size = reach / most.value / RATE_SCALE
+        span, size = most.value, reach / most.value / RATE_SCALE
         words = f"one unit of action is {format_quantity(reach, most.unit, 4)} of command, the joint has {shown(most)}"
-    readings = [(0.01, "is it in %")] if size >= 5.0 else []
-    if joint.command is Command.VELOCITY:
-        readings += [
-            (by, f"is it in {unit}") for by, unit in _slips(joint) if by * reach <= (most.value or 0.0)
-        ]
-    if joint.command is Command.POSITION and joint.kind is JointKind.HINGE:
-        readings.insert(0, (DEGREE, "is it in degrees"))
-        if joint.kp is not None and joint.kp.value and limit.value:
-            share = joint.kp.value * reach / limit.value
-            readings.sort(key=lambda reading: abs(math.log(share * reading[0] / USUAL_SHARE)))
-    help = "; or ".join(f"{asked}? Then write {scale.value * factor:.6g}" for factor, asked in readings)
+        readings = _slips(joint) if joint.command is Command.VELOCITY else []
+    readings += [(0.01, "%")] if size >= 5.0 else []
+    # What would be beyond the joint again is not meant.
+    readings = [reading for reading in readings if reading[0] * reach <= span]
+    if joint.command is Command.POSITION and joint.kp is not None and joint.kp.value and limit.value:
+        share = joint.kp.value * reach / limit.value
+        readings.sort(key=lambda reading: abs(math.log(share * reading[0] / USUAL_SHARE)))
+    help = "; or ".join(
+        f"is it in {unit}? Then write {scale.value * factor:.6g}" for factor, unit in readings
+    )
     yield found_at(
         joint,
         "SPEC193",
@@ -180,6 +180,7 @@ def scale_found(joint: JointActuator) -> Iterator[Found]:
         help or None,
         scale,
         joint.kp,
+        most,
         error=size >= HOPELESS_SCALE,
     )
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.models import Motor
-from actspec.spec.plausible.drive import figure_at, number
+from actspec.spec.plausible.drive import LEAST_DRIVEN, figure_at, number
 from actspec.spec.plausible.driven import CURRENT_RATIO
 from actspec.spec.plausible.relations import MET, RARE, RPM, Relation, Repair
 from actspec.spec.plausible.slips import amount_of, in_unit, multiplied, slips_of
@@ -23,6 +23,10 @@ KV_OFF = 1.6
 inverse of its number, which agrees then, tells that from phases and amplitudes, which make up to 1.73."""
 ONE_FACTOR = 1.15
 """Currents and voltage say the same of it by this factor, and it is what the inverse of the number makes."""
+PAIRS = 3
+"""Pairs of figures that make a constant: of two currents and of the voltage."""
+OF_PHASE = 1.06
+"""By this factor all three make the root of three. Chosen: of an EC 90 flat they make 1.67 to 1.74 then."""
 PROVED = 1.25
 """A torque is what its current gives if they agree by this factor; then it was not exchanged for another."""
 REFUTED = 2.0
@@ -33,10 +37,15 @@ is the same, nothing else tells it."""
 REACHED = (0.4, 1.35)
 """A no-load speed, corrected, over what voltage and constant give: nearly all of it is reached, and hardly more.
 Published: 1.29 (AK70-10: 0.123 N*m/A, 4800 rpm, 48 V; its KV of 100 gives 0.0955)."""
+AGAINST = 8.0
+"""What it costs that currents or voltage are farther than that from a constant, as `RARE`, a power of ten."""
 SECOND = 0.05
 """What the second of two readings of a speed costs of which nothing tells which it is, as `RARE`."""
 STALLED = 1.05
 """A current gives the stall torque by this factor."""
+NO_LIKELIER = 0.01
+"""What it costs, beyond a wrong point, that a constant is wrong which with its current gives the stall torque: the
+voltage stands first then, and a winding's stall torque may be any."""
 NEARLY_TEN = 1.2
 """A gear is about ten by this factor: nothing tells it from a wrong point."""
 SPEEDS: tuple[Path, ...] = (("no_load_speed",), ("curve", "no_load_speed"))
@@ -44,6 +53,8 @@ SPEEDS: tuple[Path, ...] = (("no_load_speed",), ("curve", "no_load_speed"))
 CURRENTS = (0.1, 200.0)
 VOLTAGES = (3.0, 120.0)
 """Of drives of robots [A, V]. Chosen: from hobby servos to humanoids."""
+FED = 100.0
+"""Power without losses over the voltage that drives of robots' direct motors have [A]. Published: 60 (U15 II)."""
 ANY_CURRENT = (5e-3, 2000.0)
 ANY_VOLTAGE = (1.0, 1000.0)
 """Of any motor [A, V]. Chosen: from micro motors to those of vehicles."""
@@ -55,12 +66,12 @@ def constant_relations(name: str, motor: Motor) -> Iterator[Relation]:
     constant = motor.torque_constant
     travels = constant is not None and bool(constant.linear)
     # Of a winding the stall torque is many times what the drive's current gives.
-    most = (0.0, CURRENT_RATIO[1]), (0.02, 2.0)
+    high, usual_of_winding = CURRENT_RATIO[1], (0.02, 2.0)
     for field, product, key, bounds, usual in (
         ("peak_current", "gives", "peak_torque", CURRENT_RATIO, (0.5, 2.0)),
         ("nominal_current", "gives", "continuous_torque", CURRENT_RATIO, (0.5, 2.0)),
-        ("peak_current", "gives", "stall_torque", *most),
-        ("nominal_current", "gives", "stall_torque", *most),
+        ("peak_current", "gives", "stall_torque", (LEAST_DRIVEN, high), usual_of_winding),
+        ("nominal_current", "gives", "stall_torque", (0.0, high), usual_of_winding),
         ("no_load_speed", "needs", "nominal_voltage", VOLTAGE_RATIO, (0.3, 2.0)),
     ):
         factor: SpecValue | None = getattr(motor, field)
@@ -133,29 +144,46 @@ def by_kv(motor: Motor) -> float | None:
     return 1.0 / RPM / amount if amount > 0.0 else None
 
 
+def told_of(motor: Motor) -> list[tuple[float, str, str]]:
+    """What currents and voltage say of a torque constant: it over what they make, and of which two figures."""
+    found = []
+    for field, key in (
+        ("nominal_current", "continuous_torque"),
+        ("peak_current", "peak_torque"),
+        ("no_load_speed", "nominal_voltage"),
+    ):
+        share = _share(motor.torque_constant, getattr(motor, field), getattr(motor, key))
+        if share is not None:
+            found.append((share, field, key))
+    return found
+
+
+def off_by(motor: Motor, factor: float = 1.0) -> float:
+    """How far a torque constant, so many times as large, is at most from what currents and voltage make [powers of
+    ten]; 0 where they make none."""
+    return max((abs(math.log10(share * factor)) for share, _, _ in told_of(motor)), default=0.0)
+
+
+def contradicted(motor: Motor, factor: float) -> float:
+    """What a torque constant that is so many times as large costs, by what currents and voltage say, as `RARE`."""
+    return AGAINST * max(0.0, off_by(motor, factor) - math.log10(REACHED[1]))
+
+
 def is_at_rotor(motor: Motor) -> bool:
     """Whether the motor's figures are those of its rotor."""
     return motor.side == "motor" or (motor.gearbox is None and number(motor.gear_ratio) == 1.0)
 
 
 def _inverse(path: Path, motor: Motor) -> Iterator[Relation]:
-    """A torque constant that is off by one factor for currents and voltage, which the inverse of its number is not."""
-    meant, constant = by_kv(motor), number(motor.torque_constant)
-    if not meant or not constant or motor.torque_constant is None or not is_at_rotor(motor):
+    """A torque constant that is off by one factor for currents and voltage: the inverse of its number is not, or it is
+    that of a phase."""
+    meant, constant = by_kv(motor) if is_at_rotor(motor) else None, number(motor.torque_constant)
+    told, off = told_of(motor), phase_factor(motor)
+    if not constant or motor.torque_constant is None or len(told) < 2 or told[-1][1] != "no_load_speed":
         return
-    told = [
-        (constant * first / second, field, key)
-        for field, key in (
-            ("nominal_current", "continuous_torque"),
-            ("peak_current", "peak_torque"),
-            ("no_load_speed", "nominal_voltage"),
-        )
-        if (first := number(getattr(motor, field))) and (second := number(getattr(motor, key)))
-    ]
-    off = constant / meant
-    if len(told) < 2 or told[-1][1] != "no_load_speed" or 1.0 / KV_OFF < off < KV_OFF:
-        return
-    if all(1.0 / ONE_FACTOR < share / off < ONE_FACTOR for share, _, _ in told):
+    if meant and not 1.0 / KV_OFF < (own := constant / meant) < KV_OFF:
+        off = own if all(1.0 / ONE_FACTOR < share / own < ONE_FACTOR for share, _, _ in told) else off
+    if off is not None:
         pairs = listed([f"{field} and {key}" for _, field, key in told], 3)
         yield Relation(
             "SPEC181",
@@ -168,6 +196,16 @@ def _inverse(path: Path, motor: Motor) -> Iterator[Relation]:
             None,
             about="kv",
         )
+
+
+def phase_factor(motor: Motor) -> float | None:
+    """The root of three, or its inverse, if both currents and the voltage say that the constant is that of another
+    number of phases; None: they do not."""
+    told = told_of(motor)
+    for off in (math.sqrt(3.0), 1.0 / math.sqrt(3.0)) if len(told) == PAIRS else ():
+        if all(1.0 / OF_PHASE < share / off < OF_PHASE for share, _, _ in told):
+            return off
+    return None
 
 
 def proof(motor: Motor, field: str) -> float | None:
@@ -191,6 +229,12 @@ def is_reached(motor: Motor) -> bool:
     """Whether the motor's no-load speed is what its voltage and constant give."""
     shares = [_share_reached(motor, path) for path in SPEEDS]
     return any(share is not None and REACHED[0] <= share <= REACHED[1] for share in shares)
+
+
+def is_fed(motor: Motor, watts: float) -> bool:
+    """Whether a drive of the motor's voltage has the current for a power [W]."""
+    volts = number(motor.nominal_voltage)
+    return volts is not None and watts <= FED * volts
 
 
 def is_refuted(motor: Motor, path: Path) -> bool:
@@ -290,6 +334,11 @@ def _in_own(speed: SpecValue, factor: float) -> str:
     return meant if unit in ("", speed.unit) else f"{format_quantity(amount * factor, unit, 4)} ({meant})"
 
 
+def is_tenfold(factor: float) -> bool:
+    """Whether nothing tells a factor from a point in the wrong place."""
+    return 1.0 / NEARLY_TEN < factor / 10.0 ** round(math.log10(factor)) < NEARLY_TEN
+
+
 def or_twice(value: SpecValue, gear: float, slip: tuple[float, str, float]) -> tuple[float, str, float]:
     """A constant with its point moved, where the gear, counted twice, is about as much."""
     factor, help, rare = slip
@@ -300,6 +349,37 @@ def or_twice(value: SpecValue, gear: float, slip: tuple[float, str, float]) -> t
         f"{help}; or is the gear in it twice? Then it is {in_unit(multiplied(value, 1.0 / gear))}",
         rare,
     )
+
+
+def constant_slips(motor: Motor, value: SpecValue, gear: float | None) -> Iterator[tuple[float, str, float]]:
+    """Slips in a motor's torque constant, and a Kv in its place.
+
+    Args:
+        motor: The motor.
+        value: Its constant.
+        gear: The gear that may be in it; None: it has none, or none is known.
+    """
+    off = phase_factor(motor)
+    from_kv = of_kv(motor) if off is None and is_at_rotor(motor) else None
+    own, by_volt = value.value or 1.0, 1.0 / (amount_of(value)[0] or math.inf)
+    if from_kv:
+        help = "is it Kv, in rpm/V? Then the constant is 60 / (2 pi Kv), "
+        yield from_kv / own, help + format_quantity(from_kv, value.unit, 3), 0.0
+    elif is_at_rotor(motor) and 0.0 < off_by(motor, by_volt / own) < math.log10(PROVED):
+        help = f"is it Kv, in rad/s/V? Then the constant is 1 / Kv, {format_quantity(by_volt, value.unit, 3)}"
+        yield by_volt / own, help, SECOND
+    if off is not None:
+        meant = format_quantity(own / off, value.unit, 3)
+        help = (
+            "is it that of a phase, and the currents and voltage of two terminals, or the other way round? "
+        )
+        yield 1.0 / off, f"{help}With those it is {meant}", 0.0
+    for slip in slips_of(value):
+        factor, help, rare = slip if gear is None else or_twice(value, gear, slip)
+        if from_kv and factor == 1e-3:
+            continue
+        rare = max(rare, RARE + NO_LIKELIER) if gives_stall(motor) else rare
+        yield factor, help, rare + contradicted(motor, factor)
 
 
 def of_kv(motor: Motor) -> float | None:

@@ -53,6 +53,9 @@ AGREES = 1.25
 """The same of a corrected figure."""
 JUST = 1e-3
 """Two numbers are one by this part."""
+NEVER_GIVEN = 2.0
+"""The same where it does not act. Chosen: nothing gives more at standstill, but a line through a rated point may end
+below what the drive gives."""
 NEVER_REACHED = 1.25
 """Effort limit over the end of a torque-speed line that acts. Chosen: a gear of 0.8 in one of the two makes so much."""
 SLOWED = 0.5
@@ -73,6 +76,8 @@ _WORDS = ("continuous", "peak")
 MOST_PLANETARY = 15.0
 """Ratio of a planetary stage. Three planets touch each other where planet / sun is sin 60 deg / (1 - sin 60 deg), 6.46:
 from 1 + ring / sun = 2 + 2 x 6.46 = 14.9 on. Catalogues have 3 to 10; published: 4.5 (motors of the G1)."""
+FEWEST_TEETH = 10.0
+"""Wheels of gears have more, mostly. Chosen: pinions have 12 and more, of micro gearboxes 8."""
 LONGEST_ARM = 3.0
 """Lever arm of a transmission [m]. Chosen: cylinders of large excavators have 1."""
 
@@ -97,7 +102,10 @@ def gear_doubts(stages: Sequence[Stage], path: Path, spans: SourceMap) -> Iterat
             if _is_whole(size):
                 continue
             broken = True
-            tens = [size * power for power in (10.0, 100.0) if _is_whole(size * power)]
+            # Ten times of what is a usual number already is no likelier.
+            tens = [
+                size * power for power in (10.0, 100.0) if _is_whole(size * power) and size < FEWEST_TEETH
+            ]
             help = f"did you mean {tens[0]:.6g}?" if tens else "write `ratio` where the teeth are not known"
             message = f"{key} has {teeth.written} teeth: wheels have whole numbers of them"
             yield at(spans, "SPEC182", message, (*path, index, kind, key), help)
@@ -381,36 +389,37 @@ def is_round(size: float) -> bool:
     return math.isclose(size, float(f"{size:.{ROUND_DIGITS}g}"), rel_tol=1e-6)
 
 
+def given_at(joint: JointActuator) -> Quantity:
+    """The larger of a joint's effort limit and its drive's peak torque: to that a lower limit is a choice."""
+    known = (joint.effort_limit, joint.peak_torque, joint.continuous_torque)
+    return max(known, key=lambda torque: torque.value or 0.0)
+
+
 def unreached_limit(joint: JointActuator) -> Iterator[Found]:
-    """An effort limit above all that the joint's torque-speed line gives, as rule LIM107 of the audit."""
-    limit, end = joint.effort_limit, joint.stall_torque
-    if joint.curve is not None:
-        end = max(joint.curve.drive_torque, joint.curve.brake_torque, key=lambda torque: torque.value or 0.0)
-    if (
-        joint.level is not Level.DC_MOTOR
-        or limit.origin is not Origin.AUTHORED
-        or end is None
-        or not end.value
-    ):
+    """An effort limit above all that the joint's torque-speed line gives, as rule LIM107 of the audit where it acts."""
+    limit, line = joint.effort_limit, joint.motor_line
+    acts = joint.level is Level.DC_MOTOR
+    end, curve = (None, None) if line is None else (line.stall_torque, line.curve)
+    if curve is not None:
+        end = max(curve.drive_torque, curve.brake_torque, key=lambda torque: torque.value or 0.0)
+    if limit.origin is not Origin.AUTHORED or end is None or not end.value:
         return
     ratio, free = limit.require() / end.value, joint.no_load_speed
-    if ratio > NEVER_REACHED:
+    if ratio > (NEVER_REACHED if acts else NEVER_GIVEN):
         if free is not None and free.value and math.isclose(free.value, limit.require(), rel_tol=JUST):
             # The limit says of which number the line begins.
             yield _exchanged(joint, end, free, limit)
             return
-        found = found_at(
-            joint,
-            "SPEC187",
-            f"actuators.{joint.group}.effort_limit",
-            ratio,
-            f"an effort limit of {shown(limit)} is never reached: the torque-speed line begins at {shown(end)}, at "
-            "standstill",
-            "are the two swapped, or is the line another motor's? Its end is the larger figure, the limit the one "
-            "below it",
-            limit,
-            end,
-        )
+        message = f"an effort limit of {shown(limit)} is never reached: the torque-speed line begins at "
+        message += f"{shown(end)}, at standstill"
+        help = "are the two swapped, or is the line another motor's? Its end is the larger figure, the limit the one "
+        help += "below it"
+        if not acts:
+            message = f"an effort limit of {shown(limit)} is {format_quantity(ratio, '', 3)} times the {shown(end)} "
+            message += "that the motor gives at standstill, where it gives the most"
+            help = "look for a wrong unit or power of ten here or in the motor's stall torque"
+        where = f"actuators.{joint.group}.effort_limit"
+        found = found_at(joint, "SPEC187", where, ratio, message, help, limit, end)
         # What is doubted of the motor itself is told there.
         yield replace(found, derived=True)
 

@@ -34,8 +34,6 @@ STRONGER = 3.0
 """The same of what a motor gives. Published: 1.25; chosen: no batch of motors and batteries has twice the torque."""
 DIGIT = 50.0
 """Above it two factors are in per cent, below it they are without their points."""
-SPREAD = 10.0
-"""Standard deviation over value. Chosen: of what a fit hardly sees it is 1 to 3."""
 MULTIPLIED = 4.0
 """What multiplies a motor may be the wrong number from it on. Published: reductions to 2.2, and 2 motors."""
 MULTIPLIERS = {
@@ -249,26 +247,6 @@ def group_doubts(
                     yield from replaced or _rubbing(entry, field, place, limited, rub, spans)
 
 
-def std_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
-    """Standard deviations far above their values; an encoder's error may be 0, with any."""
-    parts: list[tuple[Path, Any]] = [(("motors", name), motor) for name, motor in model.motors.items()]
-    for path, fields, _ in layers(model):
-        parts += [(path, fields), ((*path, "friction"), fields.friction)]
-    for path, part in parts:
-        for key in () if part is None else sorted(part.model_fields_set - {"encoder_bias"}):
-            stated = getattr(part, key)
-            if not isinstance(stated, SpecValue) or not stated.value or not stated.std:
-                continue
-            ratio = stated.std / abs(stated.value)
-            if ratio > SPREAD:
-                message = (
-                    f"a standard deviation of {format_quantity(stated.std, stated.unit, 4)} is "
-                    f"{format_quantity(ratio, '', 3)} times the value of {stated.written}"
-                )
-                help = "look for a wrong unit, or the point in the wrong place"
-                yield at(spans, "SPEC188", message, (*path, key, "std"), help, (*path, key))
-
-
 class _Most(NamedTuple):
     """What a joint has at most.
 
@@ -436,11 +414,17 @@ def _replaced(
         factors = least / known, most / known
         if factors[0] > FACTOR or factors[1] < 1.0 / FACTOR:
             ten = 10.0 ** round(math.log10(math.sqrt(factors[0] * factors[1])))
-            meant = _all(format_quantity(end / ten, low.unit, 4) for end in (least, most)[: 2 - gaussian])
+            help = "look for a wrong unit, or another joint's range"
+            if least < 1.0 < most:
+                help = f"are they factors? Then write `scale: [{least:g}, {most:g}]`"
+            elif gaussian or least <= known * ten <= most:
+                # What leaves the nominal out again is not meant.
+                meant = (format_quantity(end / ten, low.unit, 4) for end in (least, most)[: 2 - gaussian])
+                help = f"did you mean {_all(meant)}?"
             far = f"{format_quantity(factors[0], '', 3)} to {format_quantity(factors[1], '', 3)}"
             message = f"{written} in place of the nominal {nominal.written} is {far} times as much"
             place = (*path[:-2], *field.split("."))
-            yield at(spans, "SPEC188", message, first, f"did you mean {meant}?", second, place)
+            yield at(spans, "SPEC188", message, first, help, second, place)
 
 
 def _nominal(field: str, group: Actuators) -> SpecValue | None:

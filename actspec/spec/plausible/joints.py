@@ -17,7 +17,7 @@ from actspec.spec.plausible.armatures import armature_found, beside, odd_armatur
 from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
-from actspec.spec.plausible.driven import AGREES, UNREACHED, unreached_limit
+from actspec.spec.plausible.driven import AGREES, UNREACHED, given_at, unreached_limit
 from actspec.spec.plausible.gains import blamed
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
 from actspec.spec.plausible.limits import levers_of, slow_found, velocity_found
@@ -115,6 +115,21 @@ def check_joints(
     # Another variant may need what this one does not.
     if accepted and not model.variants:
         _check_kept(accepted, joints, model, document, collector, mass)
+
+
+def forget_unfit(model: SpecModel, collector: Collector) -> None:
+    """Take back what is judged by a number of the wrong kind of joint (RES001), of its group and of the group's motor.
+
+    Args:
+        model: The spec.
+        collector: Has what was reported of it.
+    """
+    unfit = _sections(item for item in collector if item.code == "RES001")
+    for path, fields, group in layers(model):
+        ends = {".".join(map(str, path[:2])), f"motors.{fields.motor or group.motor}"}
+        unfit |= ends if not unfit.isdisjoint(ends) else set()
+    judged = (item for item in collector if item.code in BY_CODE and _sections([item]) <= unfit)
+    collector.forget(BY_CODE, {item.where for item in judged})
 
 
 def doubted_drives(joints: Iterable[JointActuator], diagnostics: Iterable[Diagnostic]) -> frozenset[str]:
@@ -435,9 +450,10 @@ def _viscous(
 
     Where no line acts also at a stated velocity limit; what the robot's file has as well is not mistyped.
     """
-    viscous, limit = joint.friction_viscous, joint.effort_limit
-    if not is_stated(viscous) or not viscous.value or not limit.value:
+    viscous, limit = joint.friction_viscous, given_at(joint)
+    if not is_stated(viscous) or not viscous.value or not limit.value or not joint.effort_limit.value:
         return
+    whose = "an effort limit of" if limit is joint.effort_limit else "the drive's"
     line = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
     clamp, motors = joint.velocity_limit, own_speed(joint) if line is None else line
     asked = [] if motors is None else [(motors, UNREACHED if line is None else VISCOUS_SHARE)]
@@ -450,7 +466,7 @@ def _viscous(
     lined = speed is not clamp
     message = (
         f"the viscous friction of {shown(viscous)} takes {format_quantity(torque, limit.unit, 3)} at the joint's "
-        f"{'' if lined else 'velocity limit of '}{shown(speed)}, of an effort limit of {shown(limit)}"
+        f"{'' if lined else 'velocity limit of '}{shown(speed)}, of {whose} {shown(limit)}"
     )
     # Any of them may be: a figure would be a guess.
     times = "times 57.3, " if joint.kind is JointKind.HINGE else ""

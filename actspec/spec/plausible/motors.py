@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from actspec.diagnostics import Path
 from actspec.spec.models import Motor
-from actspec.spec.plausible.currents import ROUNDING, constant_relations, is_reached
+from actspec.spec.plausible.currents import ROUNDING, constant_relations, is_fed, is_reached
 from actspec.spec.plausible.drive import (
     GEARED,
     Drive,
@@ -76,8 +76,8 @@ FASTEST_MICRO = 15708.0
 FASTEST_BY_TORQUE = 1000.0
 """No-load speed times the root of the torque, at the output [rad/s (N*m)^0.5]."""
 FASTEST_DIRECT = 3000.0
-"""The same without a gear, of a wheel, or where constant and voltage make the speed. Chosen: hobby motors are sold
-with 1081 (mj5208) and 1185 (D6374), and ten times those are a wrong unit."""
+"""The same without a gear, of a wheel, or where voltage and constant, or current, make it. Chosen: hobby motors have
+1081 (mj5208) and 1185 (D6374), and ten times those are a wrong unit."""
 SLOWEST_BY_OUTPUT = 40.0
 """Of a rotor by the speed of its output [rad/s], which is often what the drive allows. Chosen: 100 x 0.5 rad/s."""
 ROTOR_ACCELERATION = (1500.0, 5e6)
@@ -368,7 +368,8 @@ def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
         about="output",
     )
     if output.torque and drive.hinges:
-        direct = not behind and (drive.wheels or is_reached(motor))
+        fed = motor.torque_constant is None and is_fed(motor, output.torque * output.speed)
+        direct = not behind and (drive.wheels or is_reached(motor) or fed)
         yield Relation(
             "SPEC184",
             joint * math.sqrt(output.torque * torque),
@@ -391,7 +392,12 @@ def _beyond(drive: Drive, output: Output, said: bool) -> Iterator[Relation]:
         return
     others = (output.speed_path, (*root, "gear_ratio"), (*root, "side"))
     help = "look for a wrong unit: mN*m as N*m, rpm as rad/s"
-    this = f"this is {format_quantity(torque, 'N*m', 3)}"
+    given = (
+        "torque_constant x peak_current"
+        if output.torque_path[-1] == "peak_current"
+        else output.torque_path[-1]
+    )
+    this = f"{'this' if given == output.torque_path[-1] else given} is {format_quantity(torque, 'N*m', 3)}"
     slow = (output.gear or 0.0) > MOST_TURNS
     largest = LARGEST_OF_SLOW if slow else LARGEST_TORQUE
     behind = f" of {format_quantity(output.gear, '', 4)} turns" if slow else ""
@@ -433,7 +439,7 @@ def _beyond(drive: Drive, output: Output, said: bool) -> Iterator[Relation]:
             (0.0, most),
             (0.1, WINDING * 500.0),
             f"{output.winding_path[-1]} is {format_quantity(output.winding, 'N*m', 3)} at the gearbox output, and "
-            f"{output.torque_path[-1]} {format_quantity(torque, 'N*m', 3)}",
+            f"{given} {format_quantity(torque, 'N*m', 3)}",
             output.winding_path,
             help,
             others,

@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
-from actspec.diagnostics import Collector, did_you_mean, listed
+from actspec.diagnostics import Collector, Path, did_you_mean, listed
 from actspec.ir import JointActuator
 from actspec.spec.document import Document, SourceMap
 from actspec.spec.models import SpecModel
@@ -15,15 +16,20 @@ from actspec.spec.plausible.contradicted import contradictions
 from actspec.spec.plausible.driven import gear_doubts
 from actspec.spec.plausible.exchanges import exchanges
 from actspec.spec.plausible.gearing import multiplier_doubts
-from actspec.spec.plausible.groups import group_doubts, layers, std_doubts
+from actspec.spec.plausible.groups import group_doubts, layers
 from actspec.spec.plausible.linkages import linkage_doubts
 from actspec.spec.plausible.repairs import motor_doubts
 from actspec.spec.plausible.rubbing import rubbed_doubts
-from actspec.spec.plausible.table import BY_CODE, Doubt, Kept, by_number, kept_of, tell
+from actspec.spec.plausible.table import BY_CODE, Doubt, Kept, at, by_number, kept_of, tell
 from actspec.spec.plausible.times import time_doubts
 from actspec.spec.plausible.witnesses import file_doubts, witnessed
 from actspec.spec.rules.motors import sided_figures
 from actspec.spec.rules.robot import SPEC_ITSELF
+from actspec.spec.values import SpecValue
+from actspec.units import format_quantity
+
+SPREAD = 10.0
+"""Standard deviation over value. Chosen: of what a fit hardly sees it is 1 to 3."""
 
 _BY_FILE = frozenset(("FRC101", "SPEC135", "SPEC180"))
 _CODE = re.compile("[A-Za-z]{2,}[0-9]+")
@@ -91,7 +97,7 @@ def number_doubts(
     doubted = {place for doubt in doubts for place in (doubt.where, doubt.span)}
     doubts += linkage_doubts(model, spans, joints, doubted)
     doubts += [*range_doubts(model, spans), *time_doubts(model, spans, (joint.joint for joint in joints))]
-    doubts += std_doubts(model, spans)
+    doubts += _std_doubts(model, spans)
     return list(_one_of_gains([*doubts, *group_doubts(model, spans, doubted, kept)]))
 
 
@@ -118,3 +124,23 @@ def _gears(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
         yield from gear_doubts(motor.gearbox or (), ("motors", name, "gearbox"), spans)
     for path, fields, _ in layers(model):
         yield from gear_doubts(fields.transmission or (), (*path, "transmission"), spans)
+
+
+def _std_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
+    """Standard deviations far above their values; an encoder's error may be 0, with any."""
+    parts: list[tuple[Path, Any]] = [(("motors", name), motor) for name, motor in model.motors.items()]
+    for path, fields, _ in layers(model):
+        parts += [(path, fields), ((*path, "friction"), fields.friction)]
+    for path, part in parts:
+        for key in () if part is None else sorted(part.model_fields_set - {"encoder_bias"}):
+            stated = getattr(part, key)
+            if not isinstance(stated, SpecValue) or not stated.value or not stated.std:
+                continue
+            ratio = stated.std / abs(stated.value)
+            if ratio > SPREAD:
+                message = (
+                    f"a standard deviation of {format_quantity(stated.std, stated.unit, 4)} is "
+                    f"{format_quantity(ratio, '', 3)} times the value of {stated.written}"
+                )
+                help = "look for a wrong unit, or the point in the wrong place"
+                yield at(spans, "SPEC188", message, (*path, key, "std"), help, (*path, key))

@@ -13,15 +13,17 @@ from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
 from actspec.spec.models import Motor
 from actspec.spec.plausible.currents import (
+    NO_LIKELIER,
     REFUTED,
     SPEEDS,
     by_peer,
+    constant_slips,
+    contradicted,
     gives_stall,
-    is_at_rotor,
     is_proved_by,
     is_refuted,
-    of_kv,
-    or_twice,
+    is_tenfold,
+    off_by,
     proof,
     speed_slips,
     stalled,
@@ -43,6 +45,7 @@ from actspec.spec.plausible.motors import GEAR_INVERSE, is_gear_apart, relations
 from actspec.spec.plausible.relations import (
     ALIKE,
     KGF_CM,
+    MET,
     POINT,
     RARE,
     Relation,
@@ -95,9 +98,6 @@ ODD = 0.4
 """What it costs that a limit is the odd one beside motor and file, where no slip makes it theirs, as `RARE`."""
 BY_CURRENT = 0.25
 """What it costs that a torque is what its current gives, where no slip makes it so, as `RARE`."""
-NO_LIKELIER = 0.01
-"""What it costs, beyond a wrong point, that a constant is wrong which with its current gives the stall torque: the
-voltage stands first then, and a winding's stall torque may be any."""
 
 TORQUES: tuple[Path, ...] = (
     ("stall_torque",),
@@ -326,15 +326,8 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
         value: SpecValue | None = getattr(motor, field)
         if value is not None and any_number(value):
             slips = [by_peer(motor, field, slip) for slip in slips_of(value)]
-            if field == "torque_constant" and across is not None:
-                slips = [or_twice(value, gear or 1.0, slip) for slip in slips]
-            if field == "torque_constant" and is_at_rotor(motor) and (from_kv := of_kv(motor)):
-                help = "is it Kv, in rpm/V? Then the constant is 60 / (2 pi Kv), "
-                help += format_quantity(from_kv, value.unit, 3)
-                yield moved([(field,)], from_kv / (value.value or 1.0), help)
-                slips = [slip for slip in slips if slip[0] != 1e-3]
-            if field == "torque_constant" and gives_stall(motor):
-                slips = [(factor, help, max(rare, RARE + NO_LIKELIER)) for factor, help, rare in slips]
+            if field == "torque_constant":
+                slips = list(constant_slips(motor, value, None if across is None else gear))
             yield from _apart((slip[0], moved([(field,)], *slip)) for slip in slips)
             if field == "torque_constant" and across is not None:
                 # What the current proves is no matter of the side.
@@ -343,7 +336,12 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
                 rare = 0.0 if ours else RARE + SIDED
                 if gives_stall(motor):
                     rare = max(rare, RARE + NO_LIKELIER)
-                yield sided((field,), across, lossy=True, rare=rare)
+                costs = off_by(motor, factor), off_by(motor, across)
+                lossy = costs[0] <= costs[1]
+                # What is just that through a gear which is no power of ten is no accident.
+                just = 0.0 < min(costs) < math.log10(MET) and not is_tenfold(across)
+                rare += contradicted(motor, factor if lossy else across) - THROUGH * just
+                yield sided((field,), across, lossy, rare)
     plain = [path for path in torques if len(path) == 1]
     for one, two in itertools.combinations(plain, 2):
         result = with_figure(with_figure(motor, one, figure_at(motor, two)), two, figure_at(motor, one))

@@ -75,7 +75,7 @@ def inertias(value: SpecValue) -> Iterator[tuple[float, str, float]]:
     pair.pop(unit, None)
     if unit in ("", "kg*m^2"):
         amount, units = f"{size:g}", sheets
-    elif size and sheets.keys().isdisjoint(pair):
+    elif size and (unit not in sheets or sheets.keys().isdisjoint(pair)):
         # Nobody's sheet has g*mm^2.
         units = {other: float(amount) * factor / size for other, factor in sheets.items()}
     else:

@@ -68,13 +68,13 @@ CHECKS = (
         "Torque constant times current far from the torque, or times no-load speed far from the voltage; a speed "
         "constant in its place; a nominal current above the peak current.",
         "N*m/A and V*s/rad are one unit, as N/A and V*s/m. A warning outside of 0.4 to 2.5 times the torque: "
-        "amplitudes for effective "
-        "values, phases for lines, losses and saturation make up to 2. A stall torque that stands alone is a "
-        "winding's, unless it is in kgf*cm, to 1 %, what constant, current and effort limit agree on. Outside of 0.2 "
-        "to 3 times the voltage: field weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it. "
-        "From 1.6 times on where currents and voltage say so by one factor, to 1.15, with which it is the inverse of "
-        "the number that stands there: Kv in rpm/V. "
-        "Of any motor 1 to 1000 V and 5 mA to 2000 A (chosen: from micro motors to those of vehicles).",
+        "amplitudes for effective values, phases for lines, losses and saturation make up to 2. A stall torque that "
+        "stands alone is a winding's, unless it is in kgf*cm, to 1 %, what constant, current and effort limit agree "
+        "on. Outside of 0.2 to 3 times the voltage: field weakening and the load of the gear. "
+        "robots/motors/feetech.yaml has 0.97 of it. From 1.6 times on where currents and voltage say so by one "
+        "factor, to 1.15, with which it is the inverse of the number that stands there: Kv in rpm/V; or the root of "
+        "three, to 1.06, as of a phase. Of any motor 1 to 1000 V and 5 mA to 2000 A (chosen: from micro motors to "
+        "those of vehicles).",
     ),
     Check(
         "SPEC182",
@@ -105,7 +105,8 @@ CHECKS = (
         "kW), or 20 kW where the voltage is below 100 V. A torque that the robot's file agrees with, to a quarter, is "
         "none too large. An error above 1e6 N*m or 1 MW (chosen). Largest published of legged and humanoid robots: "
         "494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). A stall torque beside "
-        "a peak torque is a winding's, and may be ten times that, or 10 kN*m. Chosen: 300 kN and 3000 N*m behind a "
+        "a peak torque, or torque constant and peak current, is a winding's, and may be ten times that, or 10 kN*m. "
+        "Chosen: 300 kN and 3000 N*m behind a "
         "transmission. Of robots with six hinges or more also the effort limit of a joint with a motor that would "
         "hold the whole robot on a lever of more than 4 m, an error from 40 m (1.55 m, arm Z1), and of a robot of four "
         "joints and 5 kg or more that of a slide which would lift it 75 times over, an error from 750 (21, roller "
@@ -131,8 +132,9 @@ CHECKS = (
         "(chosen: belts reach 10 m/s; a screw above 5, as fast ones reach 2.5), "
         "as a motor that travels, or one of 200 kW (20 kW below 100 V); a lever arm "
         "above 3 m (chosen: large excavators have 1); a joint, behind reduction and transmission, above 1000 rad/s "
-        "divided by the root of its torque in N*m (3000 without a gear, of a wheel or where constant and voltage make "
-        "the speed; hobby motors have 1081 and 1185); a velocity limit above 3 times the motor's speed at the joint, "
+        "divided by the root of its torque in N*m (3000 without a gear, of a wheel, or where constant and voltage make "
+        "the speed or, without a constant, the power is no more than 100 A of the voltage; hobby motors have 1081 and"
+        " 1185); a velocity limit above 3 times the motor's speed at the joint, "
         "and where none is known of a hinge above 200 rad/s or that 1000 rad/s, of a slide above 30 m/s; where the "
         "robot's file has it too, from 3 times that. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs "
         "to 40 rad/s, speed times root of torque to 560 (shoulder of the Qinglong, which has 110 rad/s; ankle of the "
@@ -177,23 +179,22 @@ CHECKS = (
     Check(
         "SPEC187",
         "limit-of-motor",
-        "An effort limit far from what the motor gives at the joint, or at level `dc_motor` above the end of its "
-        "torque-speed line; or a torque far from the limit of the robot's file.",
+        "An effort limit far from what the motor gives at the joint, or above the end of its torque-speed line; or a "
+        "torque far from the limit of the robot's file.",
         "A warning above 3 times its peak torque, or the largest of its torques where none is stated, an error above "
-        "30 times, and at level dc_motor above 1.25 times the end of the torque-speed line (chosen: a gear's "
-        "efficiency of 0.8 in one of the two makes so much); a warning below an eighth of the least of peak and "
-        "continuous torque, or a fiftieth of a stall torque that stands alone and of what it gives behind a "
-        "transmission, and where it is peak or continuous torque at the rotor to the digit. Published: 0.59 "
-        "(STS3215) to 1.003 (Spot's hips). A torque against the robot's file as "
-        "SPEC184, or with a line of another motor exchanged where both are more than 1.25 times off and agree to 1.05 "
-        "then; of one motor stall torque and no-load speed, where the limit is the number of the speed and the line "
-        "begins below it. An effort limit from 5 times above the file's on where it has no source and no motor's "
-        "torque is known, from 30 times on in any case; below it only what is a power of ten off or, by the gear "
-        "ratio, the rotor's, to 2 %: less is often right. Where no "
-        "slip explains a motor's torque, it is told if it is 5 times off for every joint of a group, and those are "
-        "given it. Behind a lead or radius, force and speed that are both off by the same factor of 1.5 or more, one "
-        "above and one below, are the length's. 0, powers of ten and one figure for all joints are placeholders of a "
-        "file.",
+        "30 times, and above 1.25 times the end of the torque-speed line at level dc_motor (chosen: a gear's "
+        "efficiency of 0.8 in one of the two makes so much), twice the end at others; a warning below an eighth of "
+        "the least of peak and continuous torque, or a fiftieth of a stall torque that stands alone and of what it "
+        "gives behind a transmission, and where it is peak or continuous torque at the rotor to the digit. Published:"
+        " 0.59 (STS3215) to 1.003 (Spot's hips). A torque against the robot's file as SPEC184, or with a line of "
+        "another motor exchanged where both are more than 1.25 times off and agree to 1.05 then; of one motor stall "
+        "torque and no-load speed, where the limit is the number of the speed and the line begins below it. An effort"
+        " limit from 5 times above the file's on where it has no source and no motor's torque is known, from 30 times"
+        " on in any case; below it only what is a power of ten off or, by the gear ratio, the rotor's, to 2 %: less "
+        "is often right. Where no slip explains a motor's torque, it is told if it is 5 times off for every joint of "
+        "a group, and those are given it. Behind a lead or radius, force and speed that are both off by the same "
+        "factor of 1.5 or more, one above and one below, are the length's. 0, powers of ten and one figure for all "
+        "joints are placeholders of a file.",
     ),
     Check(
         "SPEC188",
@@ -227,7 +228,8 @@ CHECKS = (
         "FRC106",
         "viscous-takes-the-limit",
         "Viscous friction that takes half of the effort limit at the motor's no-load speed, or, at another level than "
-        "`dc_motor`, three times the limit there or all of it at a stated velocity limit.",
+        "`dc_motor`, three times the limit there or all of it at a stated velocity limit; of the motor's peak torque, "
+        "where that is more.",
         "A warning from 0.5 times the limit on where the torque-speed line acts. Published: to 0.43 (ANYmal D, PACE). "
         "Elsewhere from 3 times on, as a joint may never come near that speed (a sound belt takes 1.24), and from 1 "
         "times on at a velocity limit that the spec states, but for powers of ten and for friction that the robot's "
@@ -259,17 +261,17 @@ CHECKS = (
         "joints of its group.",
         "Outside of 0.3 to 3 times what rotor inertia and gears give; of an identified one, which holds what the "
         "motor's figures lack, of 0.1 to 10 times (fitted to a Go2: 2.8 to 5.7); above 300 times where no model has "
-        "the links, as what is coupled to the rotor may be meant. Without those: effort limit over armature below 5 "
-        "(unless the motor's speed is reached in 0.2 s) or, but of a motor that travels, above 3e5 rad/s^2 (where the "
-        "links are not known 3e6 below 20 N*m; published of 20 N*m and more: to 2e4); from 50 times the links' "
-        "inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from 300 times on in any case (1000 "
-        "where it follows from rotor and gear: a bare flange of a KR 210 has 507), or from ten times "
-        "above or below three or more other joints of its group, which are alike, on. Also one that the motor's "
-        "torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where it is ten times the links' inertia "
-        "or, of unknown links, kp swings it alone below 6 rad/s. What is just rotor inertia times gear squared is the "
-        "motor's matter (SPEC185), and judged by the 300 or 1000 times alone: an exoskeleton's wearer is in no model. "
-        "Published: 10 (fingers of the H1) to 30000 rad/s^2, "
-        "and 124 times the links at 150 rad/s^2 (gymnasium's ant).",
+        "the links, as what is coupled to the rotor may be meant. Without those: effort limit, or the motor's peak "
+        "torque, over armature below 5 (unless the motor's speed is reached in 0.2 s) or, but of a motor that "
+        "travels, above 3e5 rad/s^2 (where the links are not known 3e6 below 20 N*m; published of 20 N*m and more: to"
+        " 2e4); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from 300 times "
+        "on in any case (1000 where it follows from rotor and gear: a bare flange of a KR 210 has 507), or from ten "
+        "times above or below three or more other joints of its group, which are alike, on. Also one that the motor's"
+        " torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where it is ten times the links' inertia"
+        " or, of unknown links, kp swings it alone below 6 rad/s. What is just rotor inertia times gear squared is "
+        "the motor's matter (SPEC185), and judged by the 300 or 1000 times alone: an exoskeleton's wearer is in no "
+        "model. Published: 10 (fingers of the H1) to 30000 rad/s^2, and 124 times the links at 150 rad/s^2 "
+        "(gymnasium's ant).",
     ),
     Check(
         "SPEC192",

@@ -215,12 +215,17 @@ def _check_ratio(path: Path, motor: Motor, stages: Sequence[Stage], breaches: Br
         return
     product = math.prod(ratio for ratio in ratios if ratio is not None)
     if abs(stated.value - product) > SAME_RATIO * product:
+        made, several = f"the stage of the gearbox makes {format_number(product)}", len(ratios) > 1
+        if several:
+            factors = " x ".join(format_quantity(ratio, "") for ratio in ratios)
+            made = f"the stages of the gearbox make {factors} = {format_number(product)}"
         breaches.error(
             "SPEC137",
-            f"gear_ratio is {stated.written}, the stages of the gearbox make "
-            f"{' x '.join(format_quantity(ratio, '') for ratio in ratios)} = {format_number(product)}",
+            f"gear_ratio is {stated.written}, {made}",
             (*path, "gear_ratio"),
-            "remove gear_ratio: it follows from the stages; or correct the stage that is wrong",
+            "remove gear_ratio: it follows from the stages; or correct the stage that is wrong"
+            if several
+            else "remove gear_ratio: it follows from the stage; or correct that",
         )
 
 

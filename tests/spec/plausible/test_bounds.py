@@ -229,14 +229,16 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("motor: m, velocity_limit: 30 rad/s", []),
         ("motor: m, velocity_limit: 31 rad/s", ["SPEC184"]),
         ("motor: m, velocity_limit: 16 rad/s, reduction: 2", ["SPEC184"]),
-        ("motor: m, effort_limit: 60", []),
+        # Twice what it has at standstill, which is the most, though no line acts.
+        ("motor: m, effort_limit: 40", []),
+        ("motor: m, effort_limit: 41", ["SPEC187"]),
         ("motor: m, effort_limit: 61", ["SPEC187"]),
         # Three times its peak of 20 N*m, though the winding has 200.
         ("motor: wound, effort_limit: 60", []),
         ("motor: wound, effort_limit: 61", ["SPEC187"]),
-        # A hinge behind a belt of 2: 120 N*m and 15 rad/s, three times what the motor gives there.
-        ("motor: m, transmission: [{ratio: 2}], effort_limit: 120, velocity_limit: 15 rad/s", []),
-        ("motor: m, transmission: [{ratio: 2}], effort_limit: 121", ["SPEC187"]),
+        # A hinge behind a belt of 2: 80 N*m and 15 rad/s, twice and three times what the motor gives there.
+        ("motor: m, transmission: [{ratio: 2}], effort_limit: 80, velocity_limit: 15 rad/s", []),
+        ("motor: m, transmission: [{ratio: 2}], effort_limit: 81", ["SPEC187"]),
         ("motor: m, transmission: [{ratio: 2; efficiency: 0.9}], effort_limit: 109", ["SPEC187"]),
         ("motor: m, transmission: [{ratio: 2}], motors_per_joint: 2, effort_limit: 121", []),
         ("motor: m, transmission: [{ratio: 2}], velocity_limit: 15.1 rad/s", ["SPEC184"]),

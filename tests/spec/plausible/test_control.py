@@ -462,6 +462,36 @@ def test_validate_tells_what_the_target_would(
     assert told == expected
 
 
+@pytest.mark.parametrize(
+    ("entry", "code", "help"),
+    [
+        # Of 60 N*m/rad a tenth or a hundredth of that is none; 1 lies between them.
+        ("kp: {abs: [0.8, 1.2]}", "SPEC188", "are they factors? Then write `scale: [0.8, 1.2]`"),
+        # No tenth of these has 2 or 60 in it.
+        ("kd: {abs: [48, 72]}", "SPEC188", "look for a wrong unit, or another joint's range"),
+        ("kp: {abs: [610, 720]}", "SPEC188", "look for a wrong unit, or another joint's range"),
+        ("kp: {abs: [4.8, 5.9]}", "SPEC188", "look for a wrong unit, or another joint's range"),
+        ("kp: {abs: [0.48, 0.72]}", "SPEC188", "did you mean 48 N*m/rad and 72 N*m/rad?"),
+        # An armature of 0.0125 kg*m^2; it has a nominal of the motor alone.
+        ("armature: {abs: [0.9, 1.1]}", "RND006", "are they factors? Then write `scale: [0.9, 1.1]`"),
+        ("friction.coulomb: {scale: [0.2, 0.6]}", "RND006", "are they values? Then write `abs: [0.2, 0.6]`"),
+        ("friction.coulomb: {scale: [0.5, 0.7]}", "RND006", "widen the range"),
+        # Factors, and not above the static friction of 0.65 N*m as well (RND007).
+        ("friction.coulomb: {abs: [0.5, 1.5]}", "RND006", "are they factors? Then write `scale: [0.5, 1.5]`"),
+        ("kp: {abs: [65, 70]}", "RND006", "widen the range, or correct the nominal"),
+    ],
+)
+def test_a_range_that_is_offered_has_the_nominal_in_it(
+    entry: str, code: str, help: str, tmp_path: object, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fields = f"friction: {{coulomb: 0.4, static: 0.65}}, randomize: {{{entry}}}"
+    text = of_group(f"kp: 60, kd: 2, {fields}", more=RANDOM)
+    text = text.replace("side: joint, ", "side: joint, reflected_inertia: 0.0125, ")
+    _, output = validated(text, tmp_path, capsys)
+    assert [word for word in output.split() if word.startswith(("RND0", "SPEC1"))] == [code]
+    assert f"  help: {help}\n" in output
+
+
 def test_a_gaussian_that_looks_like_a_range(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:
     """0.8 and 1.2 rise like two ends; 1 and 0.5 do not."""
     for ends, asked in (("[0.8, 1.2]", True), ("[1, 0.5]", False)):

@@ -40,11 +40,12 @@ SERVO = "side: joint, peak_torque: 25, rotor_inertia: 0.139e-4, gearbox: "
     [
         ("[{planetary: {sun: 18, ring: 46}}]", []),
         ("[{planetary: {sun: 1.8, ring: 46}}]", [("sun", "did you mean 18?")]),
-        ("[{teeth: {driving: 20, driven: 36.5}}]", [("driven", "did you mean 365?")]),
+        # 365 teeth would be a stage of 18.
         (
-            "[{teeth: {driving: 20, driven: 36.512}}]",
+            "[{teeth: {driving: 20, driven: 36.5}}]",
             [("driven", "write `ratio` where the teeth are not known")],
         ),
+        ("[{teeth: {driving: 3.6, driven: 40}}]", [("driving", "did you mean 36?")]),
         # 1 + 139/10 = 14.9 and 1 + 141/10 = 15.1.
         ("[{planetary: {sun: 10, ring: 139}}]", []),
         (

@@ -437,10 +437,17 @@ def test_speed_voltage_and_current(sheet: str, change: tuple[str, str], where: s
     assert re.sub(r"\(\S+:[0-9]+:[0-9]+\)", "(PLACE)", found.help or "") == help
 
 
-@pytest.mark.parametrize("constant", ["100 mN*m/A", "122 mN*m/A", "41 mN*m/A"])
+@pytest.mark.parametrize("constant", ["100 mN*m/A", "50 mN*m/A"])
 def test_a_constant_that_is_no_kv(constant: str) -> None:
-    """By phases or amplitudes a constant is 1.41 or 1.73 times another; 9.549 / 0.122 is 78 and not 70.5 mN*m/A."""
+    """By amplitudes a constant is 1.41 times another, either way."""
     assert said(MAXON, ("70.5 mN*m/A", constant)) == []
+
+
+@pytest.mark.parametrize("constant", ["122 mN*m/A", "41 mN*m/A"])
+def test_a_constant_of_a_phase(constant: str) -> None:
+    """By phases it is 1.73 times another; 9.549 / 0.122 is 78 and not 70.5 mN*m/A."""
+    (found,) = said(MAXON, ("70.5 mN*m/A", constant))
+    assert (found.code, (found.help or "")[:25]) == ("SPEC181", "is it that of a phase, an")
 
 
 def test_a_stall_current_is_no_peak_current() -> None:
