@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -266,6 +267,16 @@ def test_a_gear_of_one_file_is_no_cause_of_what_another_has_alone() -> None:
     assert _after(gear, beside, known)[1:] == [("SRC101", "info", "GEA101"), ("KNW101", "warning", "")]
 
 
+def test_a_gear_explains_no_figure_from_which_it_leads_away() -> None:
+    """23.5 N*m for 45.43: beside 35.55, or 454.3, the 45.43 is nearer; beside 3.555 it is not."""
+    at = {"unit": "N*m", "path": "cfg.py"}
+    gear = _of("GEA101", held="b.urdf", value=23.5, expected=45.43, **at)
+    for third, cause in ((35.55, "GEA101"), (454.3, "GEA101"), (3.555, "")):
+        other = _of("SRC101", path="go2.urdf", held="cfg.py", unit="N*m", value=third, expected=23.5)
+        turned = _of("SRC101", held="go2.urdf", value=23.5, expected=third, **at)
+        assert [_after(gear, one)[1][2] for one in (other, turned)] == [cause, cause]
+
+
 def test_which_of_two_sides_is_wrong_nobody_knows() -> None:
     """`b.urdf` has one figure: it speaks against the left side, or the right. Against both, it is another fault."""
     sides = _of("SYM101", "right", line=2, related=(Span("a.xml", 1, 1),))
@@ -476,17 +487,8 @@ GO2_XML = (
 )
 
 
-@pytest.mark.parametrize(
-    "beside", [("go2_description.urdf",), ("cfg.py",), ("go2_description.urdf", "cfg.py")]
-)
-def test_a_slip_in_one_leg_is_told_there(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, beside: tuple[str, ...]
-) -> None:
-    """A digit is missing in one calf of a URDF whose calves have another gear than the maker's, 35.55 N*m at 20.07.
-
-    The other three calves tell of the gear, as before; the configuration has the hip's 23.7 N*m on every joint.
-    """
-    monkeypatch.chdir(tmp_path)
+def _two_revisions() -> dict[str, str]:
+    """Writes the maker's URDF, one of another gear, and a configuration with the hip's limits on every joint."""
     uniform = GO2_CFG.replace("effort_limit=45.43", "effort_limit=23.7")
     for name, figure in {**FIGURES, "STALL": "23.7", "SPEED": "30.1"}.items():
         uniform = uniform.replace(f"@{name}@", figure)
@@ -496,6 +498,41 @@ def test_a_slip_in_one_leg_is_told_there(
     texts = {"go2_description.urdf": chain, "cfg.py": uniform, "go2.urdf": revision}
     for name, text in texts.items():
         Path(name).write_text(text)
+    return texts
+
+
+@pytest.mark.parametrize("order", list(permutations(("cfg.py", "go2.urdf", "go2_description.urdf"))))
+def test_a_gear_is_told_by_the_file_with_the_published_figure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, order: tuple[str, ...]
+) -> None:
+    """In whatever order the files are named: 45.43 N*m of a Go2's calf, and the other file beside it."""
+    monkeypatch.chdir(tmp_path)
+    _two_revisions()
+    found = [item.finding for item in audit(order, Settings(select=("GEA101",))).findings]
+    assert {(one.span.path, one.expected) for one in found} == {("cfg.py", 45.43), ("go2.urdf", 45.43)}
+    assert len(found) == 8
+    beside = "; go2.urdf gives it 35.55 N*m at 20.07 rad/s: one of the two is of another robot or revision"
+    assert [one.message.endswith(beside) for one in found] == [one.span.path == "cfg.py" for one in found]
+
+
+@pytest.mark.parametrize(
+    "beside",
+    [
+        ("go2_description.urdf",),
+        ("cfg.py",),
+        ("go2_description.urdf", "cfg.py"),
+        ("cfg.py", "go2_description.urdf"),
+    ],
+)
+def test_a_slip_in_one_leg_is_told_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, beside: tuple[str, ...]
+) -> None:
+    """A digit is missing in one calf of a URDF whose calves have another gear than the maker's, 35.55 N*m at 20.07.
+
+    The other three calves tell of the gear, as before; the configuration has the hip's 23.7 N*m on every joint.
+    """
+    monkeypatch.chdir(tmp_path)
+    revision = _two_revisions()["go2.urdf"]
 
     def told() -> set[tuple[str, str, str, str, float | None]]:
         found = audit(["go2.urdf", *beside], Settings()).at_or_above(WARNING)
