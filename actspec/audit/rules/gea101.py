@@ -154,10 +154,15 @@ class HiddenGear(RuleInParts):
 
 
 def _told_once(case: Case, found: Sequence[_Told]) -> Finding:
-    """Of one figure: by the file whose figure is published, else by the first; another file has another gear."""
+    """Of one figure: by the file whose figure is published, else by the first path; another file has another gear."""
     efforts = _published(case, found[0].joint, also=False)[1]
-    first = min(found, key=lambda one: not any(is_published(one.right.effort, effort) for effort in efforts))
-    others = [one.right for one in found if not same(one.right.effort, first.right.effort)]
+
+    def rank(one: _Told) -> tuple[bool, tuple[str, int]]:
+        known = any(is_published(one.right.effort, effort) for effort in efforts)
+        return not known, _order(case, one.right)
+
+    first, *rest = sorted(found, key=rank)
+    others = [one.right for one in rest if not same(one.right.effort, first.right.effort)]
     if not others:
         return first.finding
     other = others[0]
