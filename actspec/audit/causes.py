@@ -38,6 +38,7 @@ told a second time."""
 
 _ALONE_BY = {
     **dict.fromkeys(("SGN102", "ORD104", "LIM106"), frozenset[str]()),
+    "SYM101": frozenset(ORDER[1 : ORDER.index("SYM101")]) - {"GEA101"},
     "SPC101": frozenset({"SPC107"}),
     "LIM108": frozenset({"SPC107"}),
     "SRC103": frozenset({"SGN101", "SGN102", "ORD102", "ORD103", "UNT103", "UNT107", "SYM101"}),
@@ -117,33 +118,43 @@ class _Findings:
         self._whose = whose
         self._ranks = {code: rank for rank, code in enumerate(ORDER)}
         self._near: dict[_Key, list[int]] = {}
-        self._codes: dict[Span, set[str]] = {}
+        # What stands at a place and no rule before `_SIDES` tells.
+        self._standing: dict[Span, list[Finding]] = {}
         for at, item in enumerate(found):
             one = item.finding
             if one.code in self._ranks and one.fields and item.severity is not Severity.INFO:
                 for key in _keys(one):
                     self._near.setdefault(key, []).append(at)
-                for span in (one.span, *one.related):
-                    self._codes.setdefault(span, set()).add(one.code)
 
     def causes(self, counts: Callable[[Reported], bool]) -> dict[int, int]:
         """Index of each finding that is explained to that of what explains it, which nothing explains."""
+        ranked = sorted({at for group in self._near.values() for at in group}, key=self._rank)
+        for at in ranked:
+            if not self._able(at, counts, {}, self._ranks[_SIDES]):
+                one = self._found[at].finding
+                for span in (one.span, *one.related):
+                    self._standing.setdefault(span, []).append(one)
         causes: dict[int, int] = {}
-        indices = {at for group in self._near.values() for at in group}
-        for at in sorted(indices, key=self._rank):
-            near = {other for key in _keys(self._found[at].finding) for other in self._near[key]}
-            able = [
-                other
-                for other in near
-                if self._rank(other) < self._rank(at)
-                and counts(self._found[other])
-                and self._explains(self._found[other].finding, self._found[at].finding)
-                and _is_of_its_file(self._found[causes.get(other, other)].finding, self._found[at].finding)
-            ]
+        for at in ranked:
+            able = self._able(at, counts, causes, self._rank(at))
             if able:
                 first = min(able, key=lambda other: (self._rank(other), other))
                 causes[at] = causes.get(first, first)
         return causes
+
+    def _able(
+        self, at: int, counts: Callable[[Reported], bool], causes: Mapping[int, int], before: float
+    ) -> list[int]:
+        """What explains a finding, of the rules before a rank and its own."""
+        one = self._found[at].finding
+        return [
+            other
+            for other in {other for key in _keys(one) for other in self._near[key]}
+            if self._rank(other) < min(before, self._rank(at))
+            and counts(self._found[other])
+            and self._explains(self._found[other].finding, one)
+            and _is_of_its_figure(self._found[causes.get(other, other)].finding, one)
+        ]
 
     def _rank(self, at: int) -> float:
         one = self._found[at].finding
@@ -170,7 +181,7 @@ class _Findings:
 
     def _explains(self, one: Finding, other: Finding) -> bool:
         """Whether what one finding says is why the other, at one of its places, is there."""
-        if self._apart(one, other) or _leaves_unpublished(one, other):
+        if self._apart(one, other) or _leaves_unpublished(one, other) or _leads_away(one, other):
             return False
         if one.code not in _ALONE_BY.get(other.code, {one.code}):
             return False
@@ -206,7 +217,16 @@ class _Findings:
             if {other.span, *other.related} <= set(both):
                 # Two files are the sides, whose joints have one name.
                 return one.joint == other.joint
-            return not all(other.code in self._codes[span] for span in both)
+            # The odd side speaks for itself where another file than that one contradicts the right one.
+            odd = one.joint == other.joint
+            beside = _files(other) - {span.path for span in both} if odd else frozenset()
+            return not all(
+                any(
+                    its.code == other.code and (not beside or beside & _files(its))
+                    for its in self._standing.get(span, ())
+                )
+                for span in both
+            )
         if one.code.startswith("SRC") and other.code.startswith("SRC"):
             # Two files that differ from each other say nothing of a third; one that differs from two, of either.
             mine, its = _files(one), _files(other)
@@ -234,6 +254,22 @@ def _leaves_unpublished(one: Finding, other: Finding) -> bool:
     return not any(least <= figure <= PUBLISHED * published for figure in told)
 
 
+def _leads_away(one: Finding, other: Finding) -> bool:
+    """Whether a file with the gear that it left out is farther from the figure of a third one than without: of 23.5 N*m
+    for 45.43 the 3.555 of another file is another fault.
+    """
+    wrong, right, figures = one.value, one.expected, (other.value, other.expected)
+    if (
+        one.code != _GEAR
+        or not other.code.startswith("SRC")
+        or one.unit != other.unit
+        or wrong not in figures
+    ):
+        return False
+    third = figures[1 - figures.index(wrong)]
+    return None not in (wrong, right, third) and (third or 0.0) < (wrong or 0.0) < (right or 0.0)
+
+
 def _keys(finding: Finding) -> set[_Key]:
     """What findings of one fault have in common: joint and file, or a place of which nobody knows if it is the wrong
     side.
@@ -242,13 +278,14 @@ def _keys(finding: Finding) -> set[_Key]:
     return {*((finding.joint, span.path) for span in places), *places}
 
 
-def _is_of_its_file(one: Finding, other: Finding) -> bool:
-    """Whether the file that departs by one finding is one that the other is about.
+def _is_of_its_figure(one: Finding, other: Finding) -> bool:
+    """Whether the joint and the file that depart by one finding are among those that the other is about.
 
-    Of two files that differ nobody knows which departs. A gear, or the other side, is taken from a file that is right,
-    and another unit, or a placeholder, is one whatever the other file has.
+    Of two files, or sides, that differ nobody knows which departs, unless a third finding tells. A gear, or the other
+    side, is taken from a file that is right, and another unit, or a placeholder, is one whatever the other file has.
     """
-    return one.code not in _OF_ONE_FILE or one.span.path in _files(other)
+    its_joint = one.joint == other.joint or _SIDES in (one.code, other.code)
+    return its_joint and (one.code not in _OF_ONE_FILE or one.span.path in _files(other))
 
 
 def _files(finding: Finding) -> frozenset[str]:

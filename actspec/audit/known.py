@@ -72,6 +72,7 @@ class KnownJoint:
         maker: Whether the maker of the robot states torque and velocity.
         also: Torques that the maker states elsewhere for the same joint [N*m].
         top_speed: Largest that any source gives: a limit, or the end of a torque-speed line [rad/s]; None: none does.
+        slower: Smaller ones that other sources give [rad/s], to their titles.
         gear: Speed of the motor over that of the joint [-]; None where nobody publishes it.
         sources: Titles of the sources of `armature` and `top_speed`, where they have others.
     """
@@ -83,6 +84,7 @@ class KnownJoint:
     maker: bool
     also: tuple[float, ...] = ()
     top_speed: float | None = None
+    slower: Mapping[float, str] = field(default_factory=dict)
     gear: float | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
 
@@ -161,6 +163,7 @@ def known_robots() -> tuple[KnownRobot, ...]:
                         row.get("maker", False),
                         tuple(row.get("also", ())),
                         max(filter(None, (row.get("velocity"), row.get("speed"))), default=None),
+                        {float(speed): title for speed, title in row.get("slower", {}).items()},
                         row.get("gear"),
                         row.get("sources", {}),
                     )

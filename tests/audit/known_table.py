@@ -46,8 +46,11 @@ def _faster(
         rest = [joint for joint in rest if joint not in mine]
         if mine:
             # The torque of the robot's own source, the speed of the other one.
-            titles = {**row.get("sources", {}), "speed": _title(sources[other["source"]])}
-            yield {**row, "joints": mine, "speed": speed, "sources": titles}
+            own = row.get("sources", {})
+            titles = {**own, "speed": _title(sources[other["source"]])}
+            slower = {str(row["speed"]): own.get("speed", row["source"])} if row.get("speed") else {}
+            more = {"slower": slower} if slower else {}
+            yield {**row, "joints": mine, "speed": speed, **more, "sources": titles}
     if rest:
         yield {**row, "joints": rest}
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -265,6 +267,16 @@ def test_a_gear_of_one_file_is_no_cause_of_what_another_has_alone() -> None:
     assert _after(gear, beside, known)[1:] == [("SRC101", "info", "GEA101"), ("KNW101", "warning", "")]
 
 
+def test_a_gear_explains_no_figure_from_which_it_leads_away() -> None:
+    """23.5 N*m for 45.43: beside 35.55, or 454.3, the 45.43 is nearer; beside 3.555 it is not."""
+    at = {"unit": "N*m", "path": "cfg.py"}
+    gear = _of("GEA101", held="b.urdf", value=23.5, expected=45.43, **at)
+    for third, cause in ((35.55, "GEA101"), (454.3, "GEA101"), (3.555, "")):
+        other = _of("SRC101", path="go2.urdf", held="cfg.py", unit="N*m", value=third, expected=23.5)
+        turned = _of("SRC101", held="go2.urdf", value=23.5, expected=third, **at)
+        assert [_after(gear, one)[1][2] for one in (other, turned)] == [cause, cause]
+
+
 def test_which_of_two_sides_is_wrong_nobody_knows() -> None:
     """`b.urdf` has one figure: it speaks against the left side, or the right. Against both, it is another fault."""
     sides = _of("SYM101", "right", line=2, related=(Span("a.xml", 1, 1),))
@@ -274,11 +286,39 @@ def test_which_of_two_sides_is_wrong_nobody_knows() -> None:
     assert _after(sides, left)[1] == ("SRC101", "info", "SYM101")
     assert _after(sides, right)[1] == ("SRC101", "info", "SYM101")
     assert [cause for *_, cause in _after(sides, left, right)] == ["", "", ""]
+    # A third file contradicts the left side: that the right one, which is told as the odd one, differs is the sides'.
+    third = replace(left, related=(Span("c.urdf", 1, 1),))
+    assert [cause for *_, cause in _after(sides, third, right)] == ["", "", "SYM101"]
     # A mapping of a configuration has both sides at one place: there the joint tells.
     place = Span("a.xml", 1, 1)
     mapping, other = replace(sides, span=place, related=(place,)), replace(right, span=place)
     assert _after(mapping, left)[1] == ("SRC101", "warning", "")
     assert _after(mapping, (other, ERROR)) == [("SYM101", "error", ""), ("SRC101", "info", "SYM101")]
+
+
+def test_what_other_joints_lack_is_no_cause_of_a_slip() -> None:
+    """The left calf has 3.555 N*m for 35.55; the right one has the gear of another revision, as the rear ones have."""
+    gear = _of("GEA101", "right", line=2, held="b.urdf")
+    sides = _of("SYM101", "left", line=1, related=(Span("a.xml", 2, 1),))
+    left, right = (_of("SRC101", joint, line=at, held="b.urdf") for at, joint in ((1, "left"), (2, "right")))
+    slip = [(left, ERROR), sides, _of("KNW101", "left", line=1)]
+    told = [("SRC101", "info", "SYM101"), ("SYM101", "error", ""), ("KNW101", "info", "SYM101")]
+    assert _after(*slip, gear) == [*told, ("GEA101", "warning", "")]
+    # That the right one departs from the other file is the gear's, and leaves the left one's to the sides.
+    assert _after(*slip, gear, right) == [*told, ("GEA101", "warning", ""), ("SRC101", "info", "GEA101")]
+    assert _after(gear, replace(sides, joint="right", span=gear.span, related=(left.span,)))[1][2] == ""
+
+
+def test_why_sides_differ_says_nothing_of_the_right_one() -> None:
+    """The right side's figure is in another unit; what the left one differs in from another file is another fault."""
+    unit = _of("UNT103", "right", line=2, held="b.urdf")
+    sides = _of("SYM101", "left", line=1, related=(Span("a.xml", 2, 1),))
+    left = _of("SRC101", "left", line=1, held="b.urdf")
+    assert _after(unit, sides, left) == [
+        ("UNT103", "warning", ""),
+        ("SYM101", "info", "UNT103"),
+        ("SRC101", "warning", ""),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -445,6 +485,66 @@ GO2_XML = (
     )
     + "</actuator></mujoco>"
 )
+
+
+def _two_revisions() -> dict[str, str]:
+    """Writes the maker's URDF, one of another gear, and a configuration with the hip's limits on every joint."""
+    uniform = GO2_CFG.replace("effort_limit=45.43", "effort_limit=23.7")
+    for name, figure in {**FIGURES, "STALL": "23.7", "SPEED": "30.1"}.items():
+        uniform = uniform.replace(f"@{name}@", figure)
+    chain = re.sub(r'link="base"(/><child link="(..)_thigh)', r'link="\2_hip_joint_link"\1', GO2_URDF)
+    chain = re.sub(r'link="base"(/><child link="(..)_calf)', r'link="\2_thigh_joint_link"\1', chain)
+    revision = chain.replace('effort="45.43" velocity="15.7"', 'effort="35.55" velocity="20.07"')
+    texts = {"go2_description.urdf": chain, "cfg.py": uniform, "go2.urdf": revision}
+    for name, text in texts.items():
+        Path(name).write_text(text)
+    return texts
+
+
+@pytest.mark.parametrize("order", list(permutations(("cfg.py", "go2.urdf", "go2_description.urdf"))))
+def test_a_gear_is_told_by_the_file_with_the_published_figure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, order: tuple[str, ...]
+) -> None:
+    """In whatever order the files are named: 45.43 N*m of a Go2's calf, and the other file beside it."""
+    monkeypatch.chdir(tmp_path)
+    _two_revisions()
+    found = [item.finding for item in audit(order, Settings(select=("GEA101",))).findings]
+    assert {(one.span.path, one.expected) for one in found} == {("cfg.py", 45.43), ("go2.urdf", 45.43)}
+    assert len(found) == 8
+    beside = "; go2.urdf gives it 35.55 N*m at 20.07 rad/s: one of the two is of another robot or revision"
+    assert [one.message.endswith(beside) for one in found] == [one.span.path == "cfg.py" for one in found]
+
+
+@pytest.mark.parametrize(
+    "beside",
+    [
+        ("go2_description.urdf",),
+        ("cfg.py",),
+        ("go2_description.urdf", "cfg.py"),
+        ("cfg.py", "go2_description.urdf"),
+    ],
+)
+def test_a_slip_in_one_leg_is_told_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, beside: tuple[str, ...]
+) -> None:
+    """A digit is missing in one calf of a URDF whose calves have another gear than the maker's, 35.55 N*m at 20.07.
+
+    The other three calves tell of the gear, as before; the configuration has the hip's 23.7 N*m on every joint.
+    """
+    monkeypatch.chdir(tmp_path)
+    revision = _two_revisions()["go2.urdf"]
+
+    def told() -> set[tuple[str, str, str, str, float | None]]:
+        found = audit(["go2.urdf", *beside], Settings()).at_or_above(WARNING)
+        ones = ((item.finding, item.severity.value) for item in found)
+        return {(one.code, severity, one.span.path, one.joint, one.expected) for one, severity in ones}
+
+    whole = told()
+    Path("go2.urdf").write_text(revision.replace('effort="35.55"', 'effort="3.555"', 1))
+    slipped = told()
+    assert slipped - whole == {("SYM101", "error", "go2.urdf", "FL_calf_joint", None)}
+    assert {code for code, *_ in slipped} >= {"GEA101"}
+    assert {joint for _, _, _, joint, _ in whole - slipped} == {"FL_calf_joint"}
 
 
 @pytest.mark.parametrize(

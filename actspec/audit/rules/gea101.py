@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from actspec.audit.known import likenesses
 from actspec.audit.known import same as is_published
@@ -19,10 +20,26 @@ from actspec.audit.rules.reductions import (
     states_speed,
 )
 from actspec.audit.rules.sym101 import unlike_sides
+from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
 _MODELS = (FileKind.MJCF, FileKind.URDF, FileKind.SPEC)
+
+
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What is said of one joint of a file beside one other file.
+
+    Attributes:
+        finding: It.
+        joint: The figures that depart.
+        right: Those of the other file.
+    """
+
+    finding: Finding
+    joint: Figures
+    right: Figures
 
 
 class HiddenGear(RuleInParts):
@@ -43,6 +60,7 @@ class HiddenGear(RuleInParts):
             above = limbs_of(case, robot)
             # Several files may have the same reduction: one of them is enough.
             seen: set[tuple[str, str, float]] = set()
+            told: dict[tuple[Span, str], list[_Told]] = {}
             for reference in robot.artifacts:
                 found = list(reductions(known.get(reference, {}), above))
                 has_speed = any(joint.speed is not None for joint in known.get(reference, {}).values())
@@ -52,17 +70,20 @@ class HiddenGear(RuleInParts):
                     if has_speed:
                         yield ()
                     for reduction in found:
-                        finding = self._compare(case, known, reduction, other)
-                        if finding is None:
+                        one = self._compare(case, known, reduction, other)
+                        if one is None:
                             continue
-                        key = (finding.span.path, finding.joint, round(reduction.ratio, 1))
+                        place = one.finding.span
+                        key = (place.path, one.finding.joint, round(reduction.ratio, 1))
                         if key not in seen:
                             seen.add(key)
-                            yield (finding,)
+                            told.setdefault((place, one.finding.joint), []).append(one)
+            for figure in told.values():
+                yield (_told_once(case, figure),)
 
     def _compare(
         self, case: Case, known: Mapping[int, Mapping[str, Figures]], reduction: Reduction, other: int
-    ) -> Finding | None:
+    ) -> _Told | None:
         there = known[other]
         joint, base = there.get(reduction.joint.row.joint), there.get(reduction.base.row.joint)
         if joint is None or base is None or (other, joint.row.joint) in case.once(unlike_sides):
@@ -75,7 +96,7 @@ class HiddenGear(RuleInParts):
             twins = urdf and case.artifacts[other].kind is FileKind.URDF
             if twins or _confirmed(case, known, joint) or _is_published_alone(case, joint, reduction.joint):
                 return None
-            return self._left_out(case, joint, reduction)
+            return _Told(self._left_out(case, joint, reduction), joint, reduction.joint)
         powers = [one.effort * one.speed for one in (joint, base) if one.speed is not None]
         consistent = len(powers) == 2 and math.isclose(*powers, rel_tol=SAME)
         # Told once, whatever the files' order: at the later path, unless what is published tells.
@@ -84,7 +105,7 @@ class HiddenGear(RuleInParts):
         sides = (joint, base), (reduction.joint, reduction.base)
         if _is_published_alone(case, joint, reduction.joint, also=False):
             sides = sides[::-1]
-        return self._different(*sides)
+        return _Told(self._different(*sides), sides[0][0], sides[1][0])
 
     def _left_out(self, case: Case, joint: Figures, reduction: Reduction) -> Finding:
         right, ratio = reduction.joint, reduction.ratio
@@ -130,6 +151,27 @@ class HiddenGear(RuleInParts):
             confidence=Confidence.MEDIUM,
             fields=("effort_limit",),
         )
+
+
+def _told_once(case: Case, found: Sequence[_Told]) -> Finding:
+    """Of one figure: by the file whose figure is published, else by the first path; another file has another gear."""
+    efforts = _published(case, found[0].joint, also=False)[1]
+
+    def rank(one: _Told) -> tuple[bool, tuple[str, int]]:
+        known = any(is_published(one.right.effort, effort) for effort in efforts)
+        return not known, _order(case, one.right)
+
+    first, *rest = sorted(found, key=rank)
+    others = [one.right for one in rest if not same(one.right.effort, first.right.effort)]
+    if not others:
+        return first.finding
+    other = others[0]
+    return replace(
+        first.finding,
+        message=f"{first.finding.message}; {other.place.path} gives it {_limits(other)}: one of the two is of another "
+        "robot or revision",
+        related=(*first.finding.related, *(one.place for one in others)),
+    )
 
 
 def _is_equal(joint: Figures, base: Figures) -> bool:

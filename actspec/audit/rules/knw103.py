@@ -109,6 +109,10 @@ class FarFromPublished(RuleOver[Likeness]):
         limit = best.top_speed or 0.0
         if mine < times * limit:
             return
+        source = best.source_of("speed")
+        if _slip(mine, limit) is None:
+            slipped = {speed: title for speed, title in best.slower.items() if _slip(mine, speed) is not None}
+            limit, source = next(iter(slipped.items()), (limit, source))
         field = next(name for name in SPEEDS if getattr(row, name) == mine)
         text = shown(row, field, limit)
         noun = "velocity limit" if field == "velocity_limit" else "no-load speed"
@@ -121,7 +125,7 @@ class FarFromPublished(RuleOver[Likeness]):
             mine,
             unit(row, field),
             limit,
-            help=f"{_meant(mine, row, field, limit)}{text}: {best.source_of('speed')}",
+            help=f"{_meant(mine, row, field, limit)}{text}: {source}",
             fields=(field,),
         )
 
@@ -158,8 +162,8 @@ def _with_speed(subject: Likeness, names: tuple[str, ...]) -> list[KnownJoint]:
 def _beyond_any(case: Case, subject: Likeness, row: LedgerRow) -> float | None:
     """A hinge's speed limit that no joint reaches [rad/s], where it is no placeholder.
 
-    Those are powers of ten, or one figure for all joints of a file: unless it is at each of them what a wrong unit
-    makes of the published one.
+    Those are powers of ten, or one figure for all joints of a file: unless it is at each of them what a wrong unit, or
+    a point in the wrong place, makes of a published one.
     """
     limit = finite(row.velocity_limit)
     if limit is None or limit >= PLACEHOLDER or row.kind is JointKind.SLIDE or is_exporters(row):
@@ -170,9 +174,7 @@ def _beyond_any(case: Case, subject: Likeness, row: LedgerRow) -> float | None:
     every = {one.velocity_limit for one in rows if one.kind is not JointKind.SLIDE and one.velocity_limit}
     of_known = [_with_speed(subject, names) for _, names in subject.read(*SPEEDS)]
     if len(every) == 1 and not all(
-        any(_slip(limit, joint.top_speed or 0.0) for joint in published)
-        for published in of_known
-        if published
+        any(_is_any(limit, joint) for joint in published) for published in of_known if published
     ):
         return None
     return limit
@@ -186,10 +188,22 @@ makers round to three digits, and files to two."""
 
 def _slip(speed: float, published: float) -> str | None:
     """What makes a speed of another one: a unit; "" of the point; None: nothing does."""
-    for times, words in (*_SLIPS, (10.0, "")):
+    for times, words in (*_SLIPS, (10.0, ""), (100.0, "")):
         if published and math.isclose(speed, times * published, rel_tol=_SLIP):
             return words
     return None
+
+
+def _is_any(speed: float, joint: KnownJoint) -> bool:
+    """Whether a speed is a published one in another unit, or with the point in the wrong place.
+
+    One with a single digit, as 200 or 3000, may be what somebody wrote who meant no figure.
+    """
+    top = joint.top_speed or 0.0
+    told = len(str(int(speed)).rstrip("0")) > 1
+    return bool(_slip(speed, top)) or (
+        told and any(_slip(speed, each) is not None for each in (top, *joint.slower))
+    )
 
 
 def _meant(speed: float, row: LedgerRow, field: str, published: float) -> str:

@@ -22,6 +22,7 @@ from actspec.audit.rules.source_rule import (
     is_times_off,
     shown,
 )
+from actspec.audit.rules.sym101 import doubted_limits
 from actspec.diagnostics import SEVERITIES, Severity
 from actspec.fields import PLACEHOLDER, is_placeholder
 from actspec.ir import JointKind
@@ -67,7 +68,12 @@ class EffortLimit(SourceRule):
         for item in disagreements:
             sides = {(side.rows[0].artifact, _is_slide(side.rows[0])): side for side in (item, item.turned)}
             one = [which for which in sides if which in case.once(_of_one_limit)]
-            if len(one) == 1 and not is_small(item) and item.field == "effort_limit":
+            # Of a limit that is far from the other side's, another file's one limit is not what is wrong.
+            is_slip = any(
+                (row.artifact, row.joint) in case.once(doubted_limits)
+                for row in (item.rows[0], item.others[0])
+            )
+            if len(one) == 1 and not is_small(item) and not is_slip and item.field == "effort_limit":
                 uniform.setdefault(one[0], []).append((item, sides[one[0]]))
             else:
                 alone.append(item)

@@ -293,7 +293,7 @@ def _is_meant(
     stating: list[set[FileKind]] = []
     for field, *figures in differing:
         kinds: set[FileKind] = set()
-        if min(map(abs, figures)) * _ABSURD <= max(map(abs, figures)):
+        if _is_absurd(*figures):
             return False
         for index in case.robot_of(left.artifact).artifacts:
             rows = [case.joints.get((index, row.joint), ()) for row in (left, right)]
@@ -340,9 +340,13 @@ def _follows(case: Case, row: LedgerRow) -> bool:
 
 def doubted_limits(case: Case) -> frozenset[tuple[int, str]]:
     """Joints, each with its artifact, whose effort limit is far from that of the other side: evidence of nothing."""
-    return _of_unlike_efforts(
-        case, lambda one, other: one != other and max(one, other) >= _ABSURD * min(one, other)
-    )
+    return _of_unlike_efforts(case, lambda one, other: one != other and _is_absurd(one, other))
+
+
+def _is_absurd(one: float, other: float) -> bool:
+    """Whether two figures are a digit apart, as 35.55 and 3.555 are."""
+    ends = sorted((abs(one), abs(other)))
+    return ends[0] * _ABSURD <= ends[1] * (1.0 + 1e-9)
 
 
 def unlike_sides(case: Case) -> frozenset[tuple[int, str]]:
