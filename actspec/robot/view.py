@@ -291,6 +291,7 @@ class RobotView:
         timestep: The file's step [s]; None when the format has none.
         integrator: MuJoCo's name, e.g. `Euler`, `implicitfast`; "" when the format has none.
         keyframes: Names of the keyframes, in order ("" for one without a name).
+        pose_at: Where the first of them is written; None: there is none, or nobody knows.
         inertia: Mass matrices over poses; None when they cannot be known without the meshes, say.
         inertia_reason: Why `inertia` is None; "" otherwise.
         files: The main file first, then its includes in order.
@@ -316,6 +317,7 @@ class RobotView:
     timestep: float | None = None
     integrator: str = ""
     keyframes: tuple[str, ...] = ()
+    pose_at: Span | None = None
     inertia: PoseInertia | None = None
     inertia_reason: str = ""
     files: tuple[ModelFile, ...] = ()
