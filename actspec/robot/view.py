@@ -291,7 +291,6 @@ class RobotView:
         timestep: The file's step [s]; None when the format has none.
         integrator: MuJoCo's name, e.g. `Euler`, `implicitfast`; "" when the format has none.
         keyframes: Names of the keyframes, in order ("" for one without a name).
-        pose_at: Where the first of them is written; None: there is none, or nobody knows.
         inertia: Mass matrices over poses; None when they cannot be known without the meshes, say.
         inertia_reason: Why `inertia` is None; "" otherwise.
         files: The main file first, then its includes in order.
@@ -305,6 +304,7 @@ class RobotView:
         packages: ROS package to its folder, as the spec has them.
         mass: Of all links together, as far as it is known [kg]; None: it is not.
         uncompiled: Whether a compilation would tell more, of inertia above all.
+        pose_at: Where the first keyframe is written; None: there is none, or nobody knows.
         coupled: Joints that an equality or a closed loop couples with others, so that they do not move alone (MJCF).
         pose: Where joints stand in place of the reference pose's on a bench [rad or m]; no file says it.
     """
@@ -317,7 +317,6 @@ class RobotView:
     timestep: float | None = None
     integrator: str = ""
     keyframes: tuple[str, ...] = ()
-    pose_at: Span | None = None
     inertia: PoseInertia | None = None
     inertia_reason: str = ""
     files: tuple[ModelFile, ...] = ()
@@ -331,6 +330,7 @@ class RobotView:
     packages: Mapping[str, str] = field(default_factory=dict)
     coupled: frozenset[str] = frozenset()
     mass: float | None = None
+    pose_at: Span | None = None
     uncompiled: bool = False
     pose: Mapping[str, float] = field(default_factory=dict)
 
