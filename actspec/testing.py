@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NoReturn, SupportsFloat
@@ -122,7 +123,8 @@ def assert_agrees(
         missing: What becomes of figures that the file does not state: `ignore`, they are in the result; or `error`.
         robot: Name of the robot, where the file has several and it is not clear which one is meant; the file's or
             the spec's.
-        target: What the file is for, `NAME==VERSION`, or several: `isaaclab==2.3` decides what its `friction` is.
+        target: What the file is for, `NAME==VERSION`, or several: `isaaclab==2.3` decides what its `friction` is. A
+            release that actspec does not know yet is a `UserWarning` (AUD018 of the audit).
 
     Returns: What was compared, `str()` of which lists what was not.
 
@@ -166,13 +168,16 @@ def compared(
     from actspec.audit.build import case_of
     from actspec.audit.difference import read_all
     from actspec.audit.same_robot import of_robot, one_robot
-    from actspec.audit.settings import named_versions
+    from actspec.audit.settings import beyond_known, named_versions
     from actspec.patterns import match_names
     from actspec.readings.dynamics import dynamics_of
 
     out = Collector()
     versions = named_versions([target] if isinstance(target, str) else target, out)
     out.raise_if_failed(AuditError)
+    for item in beyond_known(versions):
+        # pytest shows it with the test that calls `assert_agrees`.
+        warnings.warn(f"{item.where}: {item.message} ({item.code}): {item.help}", stacklevel=3)
     if not (isinstance(tolerance, SupportsFloat) and 0.0 <= tolerance < math.inf):
         raise ValueError(f"tolerance is a number of 0 or more, got {tolerance!r}")
     names = _field_names((fields,) if isinstance(fields, str) else fields)

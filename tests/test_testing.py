@@ -457,6 +457,28 @@ def test_wrong_arguments(leg: Path) -> None:
         assert_agrees("leg.yaml", "none.xml")
 
 
+def test_a_release_that_nobody_knows_is_told(leg: Path) -> None:
+    """It is taken for the last one that is known; it was, without a word."""
+    with pytest.warns(
+        UserWarning, match=r"^isaaclab==9: actspec knows Isaac Lab up to .*, and takes 9 for that"
+    ) as said:
+        assert_agrees("leg.yaml", "leg.xml", target="isaaclab==9")
+    assert [Path(one.filename).name for one in said] == ["test_testing.py"]
+
+
+def test_the_place_of_a_keyframes_pose(leg: Path) -> None:
+    """It is the key's, where an actuator drives the joint too; a ratio of two signs is none: 2.5 beside -1.5 rad."""
+    key = '<keyframe>\n<key name="home" qpos="0.5 2.5"/></keyframe></mujoco>'
+    text = MODEL.replace("</mujoco>", key)
+    (leg / "leg.xml").write_text(text)
+    line = text[: text.index("<key name")].count("\n") + 1
+    pose = "  default_pose:\n    hip: 0.5 rad\n    knee: -1.5 rad\n"
+    (leg / "leg.yaml").write_text(SPEC.replace("actuators:", f"{pose}actuators:"))
+    assert compared("leg.yaml", "leg.xml").wrong() == [
+        f"knee: the default position is 2.5 rad (leg.xml:{line}:1), -1.5 rad (leg.yaml:7:11) in the spec"
+    ]
+
+
 def test_lists_without_names_say_why_joints_are_missing(leg: Path) -> None:
     """A deploy file of lists alone has the joints, and does not name them: what to add is said."""
     (leg / "leg_deploy.yaml").write_text("kp: [40, 41]\nkd: [2, 3]\n")

@@ -73,8 +73,8 @@ def audit(
     globs = files.exclude.globs if isinstance(files.exclude, Exclude) else ()
     ignored = [(glob, settings.folder) for glob, _ in settings.per_file_ignores]
     said = (
-        *unfit(globs, files.named, files.met),
-        *unfit(ignored, files.named, files.met, "per-file-ignores", _fits_file),
+        *unfit(globs, files.named, files.met, settings.exclude_at),
+        *unfit(ignored, files.named, files.met, settings.ignores_at, "per-file-ignores", _fits_file),
         *beyond_known(settings.versions),
         *not_read(settings),
     )

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from actspec.diagnostics import Diagnostic, Severity
+from actspec.diagnostics import Diagnostic, Severity, Span
 
 _NEAR = 0.8
 """Likeness from which a name is a glob's, misspelt. Chosen: one letter of five."""
@@ -53,6 +53,7 @@ def unfit(
     globs: Iterable[tuple[str, str]],
     named: Iterable[str],
     met: Iterable[str],
+    places: Mapping[str, Span],
     setting: str = "exclude",
     fits: Callable[[str, str, str], bool] | None = None,
 ) -> Iterator[Diagnostic]:
@@ -66,6 +67,7 @@ def unfit(
         globs: Globs, each with the folder that it is relative to.
         named: What the user named.
         met: Paths of all files and folders that were found, those that are passed over too.
+        places: Where globs are written, those of a settings file.
         setting: What the globs are of.
         fits: Whether a glob, below a folder, fits a path; default: as of `exclude`, a file or folder.
     """
@@ -90,7 +92,8 @@ def unfit(
         near = next((one for one in able if any(fit(one, folder, path) for path in own)), None)
         if near:
             message = f"the glob {glob!r} of {setting} fits nothing here"
-            yield Diagnostic("AUD017", Severity.WARNING, message, help=f"did you mean {near!r}?")
+            help = f"did you mean {near!r}?"
+            yield Diagnostic("AUD017", Severity.WARNING, message, span=places.get(glob), help=help)
 
 
 def _deeper(glob: str, base: str) -> Iterator[str]:

@@ -64,6 +64,8 @@ class Settings:
         as_named: Whether the files of a folder are judged as if each was named.
         folder: Folder that globs are relative to.
         passed_over: A settings file beside theirs that is not read; None: there is none.
+        exclude_at: Glob of `exclude` to where it is written.
+        ignores_at: The same of `per_file_ignores`.
     """
 
     select: tuple[str, ...] = (ALL,)
@@ -81,6 +83,8 @@ class Settings:
     as_named: bool = False
     folder: str = "."
     passed_over: str | None = None
+    exclude_at: Mapping[str, Span] = field(default_factory=dict, compare=False)
+    ignores_at: Mapping[str, Span] = field(default_factory=dict, compare=False)
 
 
 def load_settings(rules: Sequence[type[Rule]], config: str | None = None, start: str = ".") -> Settings:
@@ -259,7 +263,18 @@ class _Reader:
             if key in readers:
                 name, read = readers[key]
                 taken[name] = read(value, (*way, key))
-        return Settings() if self.out.failed else Settings(folder=self.folder, **taken)
+        if self.out.failed:
+            return Settings()
+        for name, key, globs in (
+            ("exclude_at", "exclude", enumerate(taken.get("exclude", ()))),
+            (
+                "ignores_at",
+                "per-file-ignores",
+                ((glob, glob) for glob, _ in taken.get("per_file_ignores", ())),
+            ),
+        ):
+            taken[name] = {glob: self._span((*way, key, item)) for item, glob in globs}
+        return Settings(folder=self.folder, **taken)
 
     def _span(self, way: Path) -> Span:
         """Where a key or an item is written, or the nearest that it is in."""

@@ -263,18 +263,21 @@ def natural(text: str) -> int:
 
 
 def configured_versions(targets: Sequence[str]) -> Versions:
-    """The versions of the settings file, with those that a user names in their place.
+    """The versions of the settings file, with those that a user names in their place; a newer one than known is told.
 
     Raises: AuditError: either is wrong.
     """
     from actspec.audit.rules import all_rules
-    from actspec.audit.settings import load_settings, named_versions
+    from actspec.audit.settings import beyond_known, load_settings, named_versions
     from actspec.diagnostics import AuditError, Collector
+    from actspec.report.terminal import print_diagnostics
 
     out = Collector()
     named = named_versions(targets, out)
     out.raise_if_failed(AuditError)
-    return overridden(load_settings(all_rules()).versions, named)
+    versions = overridden(load_settings(all_rules()).versions, named)
+    print_diagnostics(beyond_known(versions))
+    return versions
 
 
 def overridden(versions: Versions, by: Versions) -> Versions:

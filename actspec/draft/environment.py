@@ -36,6 +36,9 @@ def in_environments(
     Returns: The parts, an environment of another file among them where it is the one whose word is taken, and what is
         to be remarked on each; "" for nothing.
     """
+    meant = [part for part in parts if part.name == named and part.config and is_environment(part.config)]
+    parts = [_without_robot(part, parts) for part in parts if not any(_is_beside(part, one) for one in meant)]
+    every = [_without_robot(one, parts) for one in every]
     found = [_in_environment(part, every, named) for part in parts]
     robots = [part for part in parts if part.config is not None and part.config.groups]
     used = {(env.path, env.name): env for _, _, env in found if env is not None and _is_alone(env)}
@@ -53,6 +56,24 @@ def in_environments(
     return [part for part, _ in kept], [remark for _, remark in kept]
 
 
+def _is_beside(part: Artifact, meant: Artifact) -> bool:
+    """Whether a part is another environment of the robot of the one that the user names."""
+    if part.config is None or part.name == meant.name or not is_environment(part.config):
+        return False
+    return are_one(part, meant)
+
+
+def _without_robot(env: Artifact, parts: Sequence[Artifact]) -> Artifact:
+    """An environment whose robot is a part of another file, as if that import were not followed: else as it is."""
+    config = env.config
+    robot = next((one for one in parts if _is_robot_of(one, env)), None)
+    if config is None or robot is None or not is_environment(config):
+        return env
+    settings = {name: one for name, one in config.settings.items() if name in _OF_TRAINING}
+    elsewhere = {**config.elsewhere, "robot": robot.name}
+    return replace(env, config=replace(config, groups=(), settings=settings, elsewhere=elsewhere))
+
+
 def _in_environment(
     part: Artifact, every: Sequence[Artifact], named: str | None
 ) -> tuple[Artifact, str, Artifact | None]:
@@ -66,23 +87,32 @@ def _in_environment(
     if config is None or not config.groups:
         return part, "", None
     family = {one.name: one for one in every if one.path == part.path and one.config and are_one(part, one)}
-    trained = {name: one for name, one in family.items() if one.config and _is_environment(one.config)}
-    own, where = _is_environment(config), "in its file"
+    trained = {name: one for name, one in family.items() if one.config and is_environment(one.config)}
+    own, where = is_environment(config), "in its file"
     if own:
         name = next((name for name in family if name not in trained), part.name)
         config = replace(config, name=name)
         part = replace(part, name=name, config=config)
     elif not trained:
         others = [one for one in every if one.path != part.path and _may_train(one, part, every)]
-        trained = {one.name: one for one in others}
+        names_of = [one.name for one in others]
+        trained = {
+            one.name if names_of.count(one.name) == 1 else f"{one.name} of {os.path.basename(one.path)}": one
+            for one in others
+        }
         where = f"in {listed(dict.fromkeys(one_line(os.path.basename(one.path)) for one in others), 4)}"
     if not trained:
         return part, "", None
     if named in trained:
         trained = {named: trained[named]}
-    names = listed(map(one_line, trained), 4)
     # A base leaves something to what is derived from it, and one for playing has no ranges.
     training = {name: _training(one) for name, one in trained.items()}
+    derived = [training[name].keys() for name, one in trained.items() if not _leaves_robot(one)]
+    # One that a named environment of the robot is derived from is none beside it: that one says all of it.
+    for name in [name for name, one in trained.items() if _leaves_robot(one)]:
+        if any(training[name].keys() <= said for said in derived):
+            del trained[name], training[name]
+    names = listed(map(one_line, trained), 4)
     first = max(training, key=lambda name: len(training[name]))
     told, fullest = training[first], trained[first]
     unlike = [
@@ -122,6 +152,11 @@ def _in_environment(
     return part, remark, fullest if said else None
 
 
+def _leaves_robot(part: Artifact) -> bool:
+    """Whether an environment leaves its robot to those that are derived from it."""
+    return part.config is not None and part.config.robot_missing is not None
+
+
 def _without(config: RobotConfig, names: Container[str]) -> RobotConfig:
     """A configuration without some of what an environment says, by the names of `_OF_TRAINING`."""
     return replace(
@@ -134,7 +169,7 @@ def _without(config: RobotConfig, names: Container[str]) -> RobotConfig:
 
 def _is_robot_of(one: Artifact, env: Artifact) -> bool:
     """Whether a part of another file is the robot that an environment imports."""
-    if one.path == env.path or one.config is None or _is_environment(one.config):
+    if one.path == env.path or one.config is None or is_environment(one.config):
         return False
     return bool(one.config.groups) and are_one(one, env)
 
@@ -145,7 +180,7 @@ def _may_train(env: Artifact, part: Artifact, every: Sequence[Artifact]) -> bool
     if mine is None or its is None or its.framework is not mine.framework:
         return False
     if not _is_alone(env):
-        return _is_environment(its) and are_one(part, env)
+        return is_environment(its) and are_one(part, env)
     of = set(its.elsewhere.values()) & {one.name for one in every}
     return not of or part.name in of
 
@@ -155,7 +190,7 @@ def _is_alone(part: Artifact) -> bool:
     config = part.config
     if config is None or config.groups or config.framework not in (Framework.ISAACLAB, Framework.MJLAB):
         return False
-    return _is_environment(config)
+    return is_environment(config)
 
 
 def _training(part: Artifact) -> dict[str, object]:
@@ -172,7 +207,7 @@ def _training(part: Artifact) -> dict[str, object]:
     return said
 
 
-def _is_environment(config: RobotConfig) -> bool:
+def is_environment(config: RobotConfig) -> bool:
     """Whether a configuration says how its robot is trained."""
     return bool(config.randomize or config.actions) or any(name in config.settings for name in _OF_TRAINING)
 

@@ -547,9 +547,11 @@ def _common(parts: Sequence[list[str]], *, legs: bool) -> Iterator[str]:
     if not _AXES.issuperset(end):
         yield from _keys(end)
     # Of a waist and what is mounted on it, the waist.
-    heads = [word for word in heads if word in _PART_OF.keys() - _AMBIGUOUS] or heads
-    if len(heads) <= 3:
-        yield from _keys(heads)
+    told = [word for word in heads if word in _PART_OF.keys() - _AMBIGUOUS] or heads
+    # Of a head, hips, knees and what else (`sho`, `ank`) they are not all.
+    some = len(told) < len(heads) and len({_PART_OF.get(word) for word in told}) > 1
+    if len(told) <= 3 and not some:
+        yield from _keys(told)
 
 
 def _shared(parts: Sequence[list[str]]) -> list[str]:

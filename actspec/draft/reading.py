@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 from actspec.diagnostics import (
     AuditError,
@@ -53,6 +54,7 @@ from actspec.readings.joint_names import joint_names, matching
 from actspec.readings.motor_names import NAMELESS
 from actspec.readings.named import PendingFiles, named_as_run
 from actspec.readings.pair import pair
+from actspec.readings.read import PYTHON, read_file
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 from actspec.units import format_quantity
@@ -94,7 +96,9 @@ def read_robot_files(
             message = "is a link to no file" if broken else "there is no such file"
             out.error("DRF004", message, span=Span(path), help=None if broken else _near(path))
     out.raise_if_failed(AuditError)
-    with PendingFiles(list(dict.fromkeys(paths)), keep_matrices=False) as pending:
+    programs = tuple(dict.fromkeys(path for path in paths if path.lower().endswith(PYTHON)))
+    read = partial(read_file, named=programs)
+    with PendingFiles(list(dict.fromkeys(paths)), keep_matrices=False, read=read) as pending:
         readings = pending.finish()
     for reading in readings:
         _check(reading, out)

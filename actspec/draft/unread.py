@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, Diagnostic, Severity, one_line
+from actspec.draft.environment import is_environment, written_once
 from actspec.lift import lift
 from actspec.readings.artifact import Artifact, Framework, RobotConfig
 
@@ -17,9 +18,12 @@ _ROBOTS = ("robot", "robot_cfg", "scene")
 def with_drives(parts: Sequence[Artifact]) -> list[Artifact]:
     """A robot whose actuators are not known gets those of the one other file that has drives and no robot.
 
+    Of a file whose drives a robot imports that is the robot's part alone.
+
     Args:
         parts: What the files have of one robot.
     """
+    parts = [part for part in parts if not any(_imports(other, part) for other in parts)]
     lacking = [part for part in parts if part.config is not None and any(_unread(part.config, (_DRIVES,)))]
     having = [part for part in parts if part.config is not None and part.config.groups]
     if len(lacking) != 1 or len(having) != 1:
@@ -32,6 +36,16 @@ def with_drives(parts: Sequence[Artifact]) -> list[Artifact]:
     notes = tuple(note for note in mine.notes if note not in _unread(mine, (_DRIVES,)))
     whole = replace(robot, config=replace(mine, groups=theirs.groups, notes=(*notes, *theirs.notes)))
     return [whole if part is robot else part for part in parts if part is not drives]
+
+
+def _imports(robot: Artifact, drives: Artifact) -> bool:
+    """Whether a configuration is a robot whose drives are all of those of another file, which has nothing else."""
+    mine, theirs = robot.config, drives.config
+    if mine is None or theirs is None or theirs.settings or robot.path == drives.path:
+        return False
+    if not mine.settings or is_environment(mine):
+        return False
+    return written_once(mine, theirs)
 
 
 def check_drives(parts: Sequence[Artifact], out: Collector) -> None:

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from actspec.diagnostics import Span, listed
+from actspec.diagnostics import listed
 from actspec.ir import (
     ActuatorSet,
     Command,
@@ -49,13 +49,12 @@ def lift_robot(view: RobotView) -> Lifted:
     actuators: list[JointActuator] = []
     alone: list[LeftAlone] = []
     notes: dict[str, tuple[str, ...]] = {}
-    pose = _first_key(document)
     for reading in read_joints(view).values():
         left = unsupported(view, reading, held)
         if left is not None:
             alone.append(left)
             continue
-        found = _Joint(view, reading, pose).actuator()
+        found = _Joint(view, reading).actuator()
         actuators.append(found)
         said = tuple(_notes(reading, found.command))
         if said:
@@ -84,15 +83,6 @@ def _document(view: RobotView) -> XmlDocument | None:
     return parse_document(view.files)
 
 
-def _first_key(document: XmlDocument | None) -> Span | None:
-    """Where the pose of the first keyframe is written; None without one."""
-    for section in () if document is None else document.sections("keyframe"):
-        for key in section.children:
-            if key.tag == "key":
-                return None if document is None else document.span(key)
-    return None
-
-
 def _physics_dt(view: RobotView, document: XmlDocument | None) -> Quantity:
     if view.timestep is None:
         return unknown("s", "the format has no time step")
@@ -106,14 +96,13 @@ def _physics_dt(view: RobotView, document: XmlDocument | None) -> Quantity:
 class _Joint:
     """One joint of a robot file that a spec can describe."""
 
-    def __init__(self, view: RobotView, reading: JointReading, pose: Span | None) -> None:
+    def __init__(self, view: RobotView, reading: JointReading) -> None:
         self.view = view
         self.reading = reading
         self.joint = reading.joint
         self.units = reading.units
         self.own = reading.acting
         self.first = self.own[0] if self.own else None
-        self.pose = pose
 
     def actuator(self) -> JointActuator:
         joint, units, reading = self.joint, self.units, self.reading
@@ -248,9 +237,9 @@ class _Joint:
     def _default_position(self) -> Quantity:
         joint, unit = self.joint, self.units.position
         if "reference_position" in joint.unknown:
-            return unknown(unit, NOT_IN_FILE, self.pose)
-        if self.view.keyframes and self.pose is not None:
-            return stated(joint.reference_position, unit, self.pose, note="the first keyframe")
+            return unknown(unit, NOT_IN_FILE, self.view.pose_at)
+        if self.view.pose_at is not None:
+            return stated(joint.reference_position, unit, self.view.pose_at, note="the first keyframe")
         return assumed(joint.reference_position, unit, "the file has no pose: its zero")
 
 

@@ -83,6 +83,22 @@ def names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
     return own | inside, folder
 
 
+def words_of(artifact: Artifact, named: str) -> frozenset[str]:
+    """Telling words of what an artifact and a path are called, with those of a folder where these tell but its kind.
+
+    Args:
+        artifact: A robot or its configuration.
+        named: Path of its file from the folder that somebody named, or of the asset that it names; "" without one.
+    """
+    named = named.replace("\\", "/")
+    own, folder = names_of(artifact)
+    own |= telling(stem_of(named))
+    if own - KINDS:
+        return own
+    folders = map(telling, reversed(named.split("/")[:-1]))
+    return own | next(filter(None, folders), folder)
+
+
 def _included(artifact: Artifact) -> frozenset[str]:
     """Telling words of the files that a model includes: a scene is of the robot in it."""
     files = () if artifact.robot is None else artifact.robot.files[1:]

@@ -116,9 +116,13 @@ def ratio_of(one: float | None, other: float | None) -> float | None:
 
 
 def times(one: float | None, other: float | None) -> str:
-    """The ratio for a message: ` (x0.517)`, or nothing."""
+    """The ratio for a message: ` (x0.517)`, or nothing; of the other sign only where that is the whole difference."""
     ratio = ratio_of(one, other)
-    return "" if ratio is None else f" (x{format_number(ratio, 3)})"
+    return (
+        ""
+        if ratio is None or (ratio < 0.0 and not math.isclose(ratio, -1.0, rel_tol=0.01))
+        else f" (x{format_number(ratio, 3)})"
+    )
 
 
 def compare(

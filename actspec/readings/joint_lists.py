@@ -16,6 +16,7 @@ import yaml
 from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.called import agreement, are_two, shared_words, words_of
 from actspec.readings.deploy import MOST_JOINTS
 from actspec.readings.deploy_keys import NAMES
 from actspec.readings.deploy_motors import SDK_NAMES
@@ -49,11 +50,15 @@ class JointList:
         joints: In its order, no name twice.
         of: What has them, for a message: `leg.urdf`, of a folder `robots/leg.urdf`.
         changed: How the names were changed; "": they are as they stand there.
+        path: The file, of a folder's; "" for one that was named itself, which is the robot's whatever it is called.
+        words: Telling words of what a folder's file is called.
     """
 
     joints: Joints
     of: str
     changed: str = ""
+    path: str = ""
+    words: frozenset[str] = frozenset()
 
 
 _USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -61,7 +66,11 @@ _ROBOT_FILES = (".xml", ".urdf", ".mjcf", ".xacro", ".py")
 _XML = re.compile(rb"(?:\xef\xbb\xbf)?\s*<")
 _ENDING = "_joint"
 """That USD files of robots leave out, or have, where the URDF is the other way round."""
+_DOF = re.compile(r"\d+dof")
 _CONSTANT = re.compile(r"(?:^|_)joint_names$", re.IGNORECASE)
+_SAME_END = 0.01
+"""Difference of ends of one range in two files of a robot [rad or m]. Chosen: 1.57 for a quarter turn."""
+_NAME_ONE = "name the file of the robot: --joints FILE"
 _MOST_NAMES = 10 * MOST_JOINTS
 """Chosen: names in all lists of a file; the patterns are held against each list."""
 _KNOWN = (*_ROBOT_FILES, ".json", ".txt", ".csv", ".list", ".toml", ".ipynb", ".log", ".md", *YAML, *_USD)
@@ -165,12 +174,14 @@ def _number(node: yaml.Node) -> float | None:
     return number if 0.0 < number < math.inf else None
 
 
-def fitting(lists: Sequence[JointList], configs: Sequence[RobotConfig]) -> JointList | None:
+def fitting(lists: Sequence[JointList], robot: Sequence[Artifact], named: str) -> JointList | None:
     """The list on which most patterns of configurations match a joint; None where none does.
 
     Of several it is the one on which most keys of poses, gains and limits do: `.*_joint` fits every robot. Of those it
-    is one without a joint that the pose has no key for, if there is one that has half of the joints or more of any that
-    has all of its own, and then the longest.
+    is one that is called as the robot, of a folder's files, where all quadrupeds of a maker may have the same names;
+    one that is called as another robot is none. Then it is one without a joint that the pose has no key for, if there
+    is one that has half of the joints or more of any that has all of its own, the longest, the one called as the
+    asset, and the one with as many degrees of freedom in its name.
 
     A robot file's joints may differ from those of the USD by their ending alone. They are called as the patterns have
     it where none selects one of them otherwise, or every pattern then does. Listed names may share what is before
@@ -178,8 +189,30 @@ def fitting(lists: Sequence[JointList], configs: Sequence[RobotConfig]) -> Joint
 
     Args:
         lists: Of one robot or several, whole or parts of them.
-        configs: With patterns.
+        robot: Configurations with patterns.
+        named: Where the lists are from, as the user named it.
+
+    Raises:
+        AuditError: files of a folder are called as other robots, or as this one and differ in joints.
     """
+    pairs = [(one, one.config) for one in robot if one.config is not None]
+    words = frozenset(word for one, config in pairs for word in words_of(one, config.model or ""))
+    strangers = [one for one in lists if one.path and are_two((words,), (one.words,))]
+    configs = [config for _, config in pairs]
+    found = _best([one for one in lists if one not in strangers], configs, words, named)
+    meant = strangers if found is None else ()
+    if called := [one for one in meant if _best([one], configs, words, named) is not None]:
+        message = f"all of its files with these joints are called as other robots: {_shown(called)}"
+        raise _refusal(message, named, _NAME_ONE)
+    return found
+
+
+def _best(
+    lists: Sequence[JointList], configs: Sequence[RobotConfig], words: frozenset[str], named: str
+) -> JointList | None:
+    """As `fitting`, of files of which none is another robot's; words: what the robot is called."""
+    if not lists:
+        return None
     patterns = [(c.framework, p) for c in configs for group in c.groups for p in group.joints or ()]
 
     keys = [
@@ -190,43 +223,76 @@ def fitting(lists: Sequence[JointList], configs: Sequence[RobotConfig]) -> Joint
         for key in setting.keys or ()
     ]
 
+    dof = {word for c in configs for said in (c.name, c.model or "") for word in _DOF.findall(said.lower())}
     every = [frozenset(names_of(one.joints)) for one in lists]
 
     def is_a_part(names: frozenset[str]) -> bool:
         return any(names < other and 2 * len(names) < len(other) for other in every)
 
-    def worth(one: JointList) -> tuple[int, int, bool, int]:
+    def worth(one: JointList) -> tuple[int, int, bool, bool, int, int, int]:
         names = names_of(one.joints)
         met = sum(bool(matching(style, pattern, names)) for style, pattern in patterns)
         of_keys = [{name for name in names if meets(*key, name)} for key in keys]
         posed = set().union(*(own for key, own in zip(keys, of_keys, strict=True) if key[1] == POSE))
         covered = len(posed) == len(names) and not is_a_part(frozenset(names))
-        return met, sum(map(bool, of_keys)), covered, len(names)
+        called = bool(shared_words(words, one.words))
+        asset = max((agreement(config.model or "", one.path) for config in configs if one.path), default=0)
+        same_dof = len(dof & {*_DOF.findall(os.path.basename(one.path).lower())})
+        return met, sum(map(bool, of_keys)), called, covered, len(names), asset, same_dof
 
-    best = max((max(_bare(one), one, key=worth) for one in lists), key=worth)
+    def best_of(some: Sequence[JointList]) -> JointList:
+        top = max(map(worth, some))
+        equal = [one for one in some if worth(one) == top]
+        files = [one for one in equal if one.path]
+        unlike: list[JointList] = []
+        for one in files:
+            if not any(_are_same(one.joints, other.joints) for other in unlike):
+                unlike.append(one)
+        if top[0] and len(unlike) > 1:
+            message = "which of its files is the robot's is not told, and their joints differ: "
+            raise _refusal(f"{message}{_shown(unlike)}", named, _NAME_ONE)
+        return equal[0]
+
+    best = best_of([max(_bare(one), one, key=worth) for one in lists])
     # What somebody listed are the names themselves: only a file of another format may have others.
     renamed = [
-        JointList(
-            tuple(replace(view, name=name) for view, name in zip(own, names, strict=True)),
-            one.of,
-            f"{how} the ending {_ENDING}, as the configuration's patterns have them",
+        replace(
+            one,
+            joints=tuple(replace(view, name=name) for view, name in zip(own, names, strict=True)),
+            changed=f"{how} the ending {_ENDING}, as the configuration's patterns have them",
         )
         for one in lists
         for own in [[joint for joint in one.joints if not isinstance(joint, str)]]
         for how, names in other_endings(names_of(own))
     ]
     if renamed:
-        other = max(renamed, key=worth)
+        other = best_of(renamed)
         if worth(best)[0] < worth(other)[0] and (worth(best)[0] == 0 or worth(other)[0] == len(patterns)):
             return other
     return best if worth(best)[0] else None
+
+
+def _shown(lists: Sequence[JointList]) -> str:
+    return listed([one_line(one.of) for one in lists], 4)
+
+
+def _are_same(joints: Joints, others: Joints) -> bool:
+    """Whether two lists give a spec the same joints: in order, names, kinds and ranges."""
+    told, wanted = (
+        [(one, "", None) if isinstance(one, str) else (one.name, one.kind, one.range) for one in each]
+        for each in (joints, others)
+    )
+    return [one[:2] for one in told] == [one[:2] for one in wanted] and all(
+        mine == its or (mine and its and max(abs(a - b) for a, b in zip(mine, its, strict=True)) < _SAME_END)
+        for (_, _, mine), (_, _, its) in zip(told, wanted, strict=True)
+    )
 
 
 def _bare(one: JointList) -> JointList:
     """A list whose names have nothing before them that all share; the same where they have not."""
     names = [joint for joint in one.joints if isinstance(joint, str)]
     bare, cut = without_beginning(names) if len(names) == len(one.joints) else ([], "")
-    return JointList(tuple(bare), one.of, f"without {cut}") if bare else one
+    return replace(one, joints=tuple(bare), changed=f"without {cut}") if bare else one
 
 
 def other_endings(names: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
@@ -281,10 +347,12 @@ def named_joints(artifacts: Sequence[Artifact], named: str, out: Collector) -> J
         message = f"not needed: the {'robot file' if robot.spec is None else 'spec'} names the joints"
         out.error("DRF011", message, span=Span(robot.path), where="--joints", help="leave --joints out")
     every = [a.config for a in artifacts if a.config is not None]
-    # A deploy file alone selects its joints by their names.
-    configs = [config for config in every if config.framework is not Framework.DEPLOY] or every
     lists = joint_lists(named)
-    found = fitting(lists, configs)
+    # A deploy file alone selects its joints by their names.
+    parts = [a for a in artifacts if a.config is not None and a.config.framework is not Framework.DEPLOY]
+    parts = parts or [a for a in artifacts if a.config is not None]
+    configs = [config for config in every if config.framework is not Framework.DEPLOY] or every
+    found = fitting(lists, parts, named)
     if found is None and robot is None:
         patterns = [one_line(pattern) for config in configs for pattern in patterns_of(config)]
         message = f"none of its joints is selected by {listed(dict.fromkeys(patterns))}"
@@ -322,10 +390,13 @@ def _of_files(path: str) -> Iterator[JointList]:
             of = os.path.join(os.path.basename(os.path.abspath(path)), os.path.relpath(reading.path, path))
         for artifact in reading.artifacts:
             if artifact.robot is not None:
-                if found := artifact.robot.scalar_joints:
-                    yield JointList(found, of)
-            elif names := joint_names(artifact):
-                yield JointList(tuple(names), of)
+                joints: Joints = artifact.robot.scalar_joints
+            else:
+                joints = tuple(joint_names(artifact) or ())
+            if joints and os.path.isdir(path):
+                yield JointList(joints, of, path=reading.path, words=words_of(artifact, of))
+            elif joints:
+                yield JointList(joints, of)
 
 
 def _of_program(path: str) -> list[JointList]:

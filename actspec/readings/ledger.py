@@ -31,7 +31,7 @@ from actspec.readings.joint import (
     largest,
     read_joints,
 )
-from actspec.robot.view import ActuatorView, ModelFormat
+from actspec.robot.view import ActuatorView, ModelFormat, RobotView
 
 CONTROLS = (
     "position",
@@ -181,22 +181,22 @@ def rows_of_robot(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
     """
     robot = artifact.robot
     assert robot is not None
-    posed = bool(robot.keyframes)
     found = [
         row
         for reading in read_joints(robot, robot.inertias()).values()
-        for row in _rows(artifact.path, index, reading, posed)
+        for row in _rows(artifact.path, index, reading, robot)
     ]
     found.extend(_loose(artifact.path, index, actuator) for actuator in robot.loose_actuators)
     return tuple(found)
 
 
-def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[LedgerRow]:
+def _rows(file: str, index: int, reading: JointReading, robot: RobotView) -> list[LedgerRow]:
     """One for each actuator, or the bare joint's."""
     mjcf = reading.format is ModelFormat.MJCF
     joint, inertia = reading.joint, reading.inertia
     implicit, places = reading.is_passive_implicit, reading.places
     damping, limit = reading.total_damping, reading.effort_limit
+    pose = {"default_position": robot.pose_at} if robot.pose_at is not None else {}
     shared: dict[str, Any] = {
         "file": file,
         "artifact": index,
@@ -225,15 +225,16 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
         ),
         "position_range": None if "range" in joint.unknown else joint.range,
         "default_position": joint.reference_position
-        if posed and "reference_position" not in joint.unknown
+        if robot.keyframes and "reference_position" not in joint.unknown
         else None,
-        "places": _elsewhere(places, joint.span),
+        "places": {**_elsewhere(places, joint.span), **pose},
         "stated": frozenset(places),
         "made": {} if limit.formula is None else {"effort_limit": limit.formula},
     }
     if not reading.drives:
         return [LedgerRow(**shared)]
-    return [LedgerRow(**{**shared, **_of_drive(reading, drive, places)}) for drive in reading.drives]
+    found = (_of_drive(reading, drive, places) for drive in reading.drives)
+    return [LedgerRow(**{**shared, **own, "places": {**own["places"], **pose}}) for own in found]
 
 
 def _of_drive(reading: JointReading, drive: DriveReading, places: Mapping[str, Span]) -> dict[str, Any]:

@@ -56,19 +56,22 @@ limb, which is rarely at its limits.
 """
 
 
-def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None) -> FileReading:
+def read_file(
+    path: str, keep_matrices: bool = False, refusal: str | None = None, named: tuple[str, ...] = ()
+) -> FileReading:
     """Read one file, here and now, as what its name and content say that it is.
 
     Args:
         path: As the user named it.
         keep_matrices: As in `read_robot`.
         refusal: Likewise; set when a process ended on the file.
+        named: As in `read_python`.
     """
     lower = path.lower()
     if lower.endswith(PYTHON):
         from actspec.readings.python.read import read_python
 
-        return read_python(path)
+        return read_python(path, named)
     if split(path)[0].lower().endswith(YAML):
         return _read_yaml(path)
     return read_robot(path, keep_matrices=keep_matrices, refusal=refusal)

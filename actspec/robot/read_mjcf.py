@@ -155,6 +155,7 @@ def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, pose
         timestep=float(model.opt.timestep),
         integrator=_integrator(model),
         keyframes=tuple(lists.name("mjOBJ_KEY", i) for i in range(model.nkey)),
+        pose_at=next(map(document.span, document.keyframes()), None),
         inertia=masses,
         inertia_reason=reason,
         files=document.files,

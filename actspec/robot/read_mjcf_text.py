@@ -68,7 +68,7 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
     left_out = sorted({element.tag for element in document.walk(*_OPAQUE)})
     if left_out:
         out.info("ROBOT113", f"what {', '.join(left_out)} makes is left out", span=main)
-    keys = [key for section in document.sections("keyframe") for key in section.children if key.tag == "key"]
+    keys = document.keyframes()
     joints = _at_reference(joints, keys[0].get("qpos") if keys else None)
     groups = numbers(option.get("actuatorgroupdisable"), 31)
     off = {int(group) for group in groups if math.isfinite(group)}
@@ -86,6 +86,7 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
         timestep=step[0] if step and math.isfinite(step[0]) else None,
         integrator=option.get("integrator", "Euler"),
         keyframes=tuple(key.get("name") or "" for key in keys),
+        pose_at=next(map(document.span, keys), None),
         inertia_reason="only its text was read, because MuJoCo refuses the file",
         files=document.files,
         diagnostics=tuple(out),

@@ -305,6 +305,7 @@ class RobotView:
         packages: ROS package to its folder, as the spec has them.
         mass: Of all links together, as far as it is known [kg]; None: it is not.
         uncompiled: Whether a compilation would tell more, of inertia above all.
+        pose_at: Where the first keyframe is written; None: there is none, or nobody knows.
         coupled: Joints that an equality or a closed loop couples with others, so that they do not move alone (MJCF).
         pose: Where joints stand in place of the reference pose's on a bench [rad or m]; no file says it.
     """
@@ -330,6 +331,7 @@ class RobotView:
     packages: Mapping[str, str] = field(default_factory=dict)
     coupled: frozenset[str] = frozenset()
     mass: float | None = None
+    pose_at: Span | None = None
     uncompiled: bool = False
     pose: Mapping[str, float] = field(default_factory=dict)
 

@@ -174,6 +174,11 @@ class XmlDocument:
         """Children of the root with that tag, through includes, in document order."""
         return tuple(child for child in self.root.children if child.tag == tag)
 
+    def keyframes(self) -> tuple[Element, ...]:
+        """The keys of all keyframes, in document order."""
+        every = (child for section in self.sections("keyframe") for child in section.children)
+        return tuple(child for child in every if child.tag == "key")
+
     def walk(self, *tags: str) -> Iterator[Element]:
         """All elements (or those with one of the tags), the root too, depth first in document order."""
         stack = [self.root]

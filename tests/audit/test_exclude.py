@@ -241,7 +241,10 @@ def test_a_misspelt_glob_is_told(
         line for line in capsys.readouterr().err.splitlines() if "AUD017" in line or "did you mean" in line
     ]
     wanted = (
-        [f"AUD017 [warning]: the glob {glob!r} of exclude fits nothing here", f"  help: {said}"]
+        [
+            f"actspec.toml:2:12: AUD017 [warning]: the glob {glob!r} of exclude fits nothing here",
+            f"  help: {said}",
+        ]
         if said
         else []
     )
@@ -276,8 +279,9 @@ def test_a_misspelt_glob_of_the_command_is_told(capsys: pytest.CaptureFixture[st
 def test_per_file_ignores_that_fit_nothing(
     glob: str, help: str | None, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """They are told as globs of `exclude` are, and a folder where files are named."""
+    """They are told at their place as globs of `exclude` are, and a folder where files are named."""
     Path("actspec.toml").write_text(f'[audit.per-file-ignores]\n"{glob}" = ["ORD"]\n')
     assert main(["audit", "robots"]) == 0
-    wanted = f"AUD017 [warning]: the glob {glob!r} of per-file-ignores fits nothing here\n  help: {help}\n"
+    message = f"AUD017 [warning]: the glob {glob!r} of per-file-ignores fits nothing here"
+    wanted = f"actspec.toml:2:1: {message}\n  help: {help}\n"
     assert capsys.readouterr().err == (wanted if help else "")

@@ -643,6 +643,103 @@ def test_a_folder_with_a_part_of_the_robot(
     assert f"joints are from {Path('lists') / file} (--joints)" in capsys.readouterr().out
 
 
+_LONGER = URDF.replace("upper='1'", "upper='1.5'")
+
+
+def _robots(folder: Path, files: dict[str, str]) -> None:
+    for name, text in files.items():
+        (folder / "robots" / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / "robots" / name).write_text(text, encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("called", "asset", "files", "file"),
+    [
+        pytest.param("GO2_CFG", "far/x.usd", ("a1/a1.urdf", "go2/go2.urdf"), "go2/go2.urdf", id="its name"),
+        pytest.param(
+            "LEG_CFG", "Go2/go2.usd", ("a1/a1.urdf", "go2/go2.urdf"), "go2/go2.urdf", id="its asset"
+        ),
+        pytest.param("LEG_CFG", "Go2/r.usd", ("a1/a1.urdf", "go2/b.urdf"), "go2/b.urdf", id="folders"),
+        pytest.param(
+            "GO2_CFG", "r.usd", ("a1/urdf/r.urdf", "go2/urdf/r.urdf"), "go2/urdf/r.urdf", id="far folder"
+        ),
+        pytest.param(
+            "SPOT_CFG", "x.usd", ("alma.urdf", "spot.urdf"), "spot.urdf", id="words without numbers"
+        ),
+        pytest.param("GO2_CFG", "x.usd", ("a1.urdf", "leg.urdf"), "leg.urdf", id="no other robot's"),
+        pytest.param(
+            "G1_5DOF_CFG", "x.usd", ("g1_4dof.urdf", "g1_5dof.urdf"), "g1_5dof.urdf", id="its number"
+        ),
+        pytest.param(
+            "G1_CFG", "g1_rev2.usd", ("g1.urdf", "g1_rev2.urdf"), "g1_rev2.urdf", id="the asset's file"
+        ),
+    ],
+)
+def test_a_folder_of_robots_with_the_same_joints(
+    folder: Path,
+    called: str,
+    asset: str,
+    files: tuple[str, str],
+    file: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The one that is called as the robot or its asset has its ranges; it was the first of the alphabet."""
+    cfg = CFG.replace("LEG_CFG", called).replace("/far/away/leg.usd", asset)
+    (folder / "cfg.py").write_text(cfg, encoding="utf-8")
+    _robots(folder, dict(zip(files, (URDF, _LONGER), strict=True)))
+    assert main(["import", "cfg.py", "--joints", "robots", "-o", "leg.yaml"]) == 0
+    assert f"joints are from {Path('robots') / file} (--joints)" in capsys.readouterr().out
+    # The ranges are that file's: up to 1.5 in the second one, which is every one here.
+    assert "1.5 rad" in (folder / "leg.yaml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("called", "files", "why"),
+    [
+        pytest.param(
+            "LEG_CFG",
+            ("a1.urdf", "go2.urdf"),
+            "which of its files is the robot's is not told, and their joints differ: robots/a1.urdf, robots/go2.urdf",
+            id="nothing tells",
+        ),
+        pytest.param(
+            "G1_CFG",
+            ("g1_4dof.urdf", "g1_5dof.urdf"),
+            "which of its files is the robot's is not told, and their joints differ: robots/g1_4dof.urdf, "
+            "robots/g1_5dof.urdf",
+            id="two of the robot",
+        ),
+        pytest.param(
+            "GO1_CFG",
+            ("a1.urdf", "go2.urdf"),
+            "all of its files with these joints are called as other robots: robots/a1.urdf, robots/go2.urdf",
+            id="other robots",
+        ),
+    ],
+)
+def test_nothing_tells_which_of_a_folders_files(
+    folder: Path, called: str, files: tuple[str, str], why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Ranges of another robot are never taken: the user names the file, which is taken whatever it is called."""
+    (folder / "cfg.py").write_text(CFG.replace("LEG_CFG", called), encoding="utf-8")
+    _robots(folder, dict(zip(files, (URDF, _LONGER), strict=True)))
+    assert main(["import", "cfg.py", "--joints", "robots", "-o", "leg.yaml"]) == 2
+    said = capsys.readouterr().err.replace("\\", "/")
+    assert f"robots: DRF011 --joints: {why}\n  help: name the file of the robot: --joints FILE\n" in said
+    assert not (folder / "leg.yaml").exists()
+    assert main(["import", "cfg.py", "--joints", f"robots/{files[0]}", "-o", "leg.yaml"]) == 0
+    assert f"joints are from {files[0]} (--joints)" in capsys.readouterr().out
+
+
+def test_files_with_the_same_joints_are_one_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Copies, and ranges in fewer digits (1.57 of 1.5708), are no reason to refuse a folder."""
+    (folder / "cfg.py").write_text(CFG, encoding="utf-8")
+    quarter, rounded = (URDF.replace("upper='1'", f"upper='{end}'") for end in ("1.5708", "1.57"))
+    _robots(folder, {"one.urdf": quarter, "two.urdf": rounded})
+    assert main(["import", "cfg.py", "--joints", "robots", "-o", "leg.yaml"]) == 0
+    assert f"joints are from {Path('robots') / 'one.urdf'} (--joints)" in capsys.readouterr().out
+
+
 WITH_ENDING = URDF.replace("_hip'", "_hip_joint'").replace("_knee'", "_knee_joint'")
 
 

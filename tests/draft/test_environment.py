@@ -327,6 +327,122 @@ def test_environments_that_differ_beside_their_robot(
     assert "differ in" not in said
 
 
+BASE = """from dataclasses import MISSING
+from isaaclab.assets import ArticulationCfg
+from isaaclab.envs import ManagerBasedRLEnvCfg, mdp
+from isaaclab.scene import InteractiveSceneCfg
+from isaaclab.utils import configclass
+
+@configclass
+class SceneCfg(InteractiveSceneCfg):
+    robot: ArticulationCfg = MISSING
+
+@configclass
+class ActionsCfg:
+    joint_pos = mdp.JointPositionActionCfg(asset_name="robot", joint_names=[".*"], scale=0.5)
+
+@configclass
+class BaseEnvCfg(ManagerBasedRLEnvCfg):
+    scene: SceneCfg = SceneCfg(num_envs=4096, env_spacing=2.5)
+    actions: ActionsCfg = ActionsCfg()
+    def __post_init__(self):
+        self.decimation = 4
+        self.sim.dt = 0.005
+"""
+DERIVED = """from isaaclab.utils import configclass
+
+from {tasks}base_env_cfg import BaseEnvCfg
+from {assets}dogo_cfg import DOGO_CFG
+
+@configclass
+class DogoEnvCfg(BaseEnvCfg):
+    def __post_init__(self):
+        super().__post_init__()
+        self.scene.robot = DOGO_CFG.replace(prim_path="{{ENV_REGEX_NS}}/Robot")
+        self.actions.joint_pos.scale = 0.25
+"""
+
+
+def _family(folder: Path, tasks: str, assets: str) -> list[str]:
+    """A robot, its environment and that one's base, each in a folder of its own but for relative imports."""
+    apart = tasks != "."
+    files = {"dogo_cfg.py": ROBOT, "base_env_cfg.py": BASE}
+    files["env_cfg.py"] = DERIVED.format(tasks=tasks, assets=assets)
+    paths = [folder / (name.removesuffix(".py") if apart else "") / name for name in files]
+    for path, text in zip(paths, files.values(), strict=True):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return list(map(str, paths))
+
+
+@pytest.mark.parametrize("more", [(), ("--robot", "DOGO_CFG"), ("--robot", "DogoEnvCfg")])
+@pytest.mark.parametrize(("tasks", "assets"), [(".", "."), ("my_tasks.locomotion.", "my_assets.robots.")])
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0)])
+def test_the_base_of_an_environment_beside_it(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    order: tuple[int, ...],
+    tasks: str,
+    assets: str,
+    more: tuple[str, ...],
+) -> None:
+    """A base that leaves its robot `MISSING` is no other environment: its scale of 0.5 is 0.25 in the derived one."""
+    paths = _family(tmp_path, tasks, assets)
+    assert main(["import", *(paths[i] for i in order), *more]) == 0
+    text, said = capsys.readouterr()
+    assert "\n  physics_dt: {value: 5 ms, source: env_cfg}    # base_env_cfg.py:21\n  decimation: 4\n" in text
+    assert text.count("action_scale: {value: 0.25, source: env_cfg}") == 1 and "value: 0.5," not in text
+    assert "differ" not in said and "\n  name: dogo\n" in text
+
+
+def test_a_name_that_two_named_files_define(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Which of them a package's import means is not known: the base with the steps is that of neither."""
+    robot, base, env = _family(tmp_path, "my_tasks.", "my_assets.")
+    other = tmp_path / "other_base.py"
+    other.write_text(BASE.replace("0.005", "0.002"), encoding="utf-8")
+    assert main(["import", robot, env, base, str(other)]) == 0
+    text, said = capsys.readouterr()
+    assert "physics_dt: {value" not in text and "action_scale" not in text
+    names = "DogoEnvCfg, BaseEnvCfg of base_env_cfg.py, BaseEnvCfg of other_base.py"
+    assert f"{names} in env_cfg.py, base_env_cfg.py, other_base.py differ in time step, action scale" in said
+
+
+@pytest.mark.parametrize(
+    ("named", "scale"), [(None, None), ("DOGO_CFG", None), ("DogoFlatEnvCfg", "0.4"), ("DogoEnvCfg", "0.25")]
+)
+@pytest.mark.parametrize("robot_file", [True, False])
+def test_two_environments_of_files_of_their_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], robot_file: bool, named: str | None, scale: str | None
+) -> None:
+    """Their robot is imported: what they differ in is none's, and --robot takes that of the one it names."""
+    robot, base, env = _family(tmp_path, "my_tasks.", "my_assets.")
+    flat = tmp_path / "flat_cfg.py"
+    text = Path(env).read_text("utf-8").replace("DogoEnvCfg", "DogoFlatEnvCfg").replace("0.25", "0.4")
+    flat.write_text(text, encoding="utf-8")
+    if not robot_file:
+        # Of a file with a second robot the one is the environments'.
+        Path(robot).write_text(
+            ROBOT + ROBOT[ROBOT.index("DOGO_CFG") :].replace("DOGO_CFG", "CATO_CFG"), "utf-8"
+        )
+    more = ("--robot", named) if named else ()
+    assert main(["import", robot, env, str(flat), base, *more]) == 0
+    text, said = capsys.readouterr()
+    assert "physics_dt: {value: 5 ms," in text and "DRF010" not in said
+    assert text.count("action_scale: {value") == (0 if scale is None else 1)
+    if scale is not None:
+        assert f"action_scale: {{value: {scale}, source:" in text
+
+
+def test_a_frameworks_own_class_is_no_named_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`ArticulationCfg` of Isaac Lab is not the class of that name in another named file, with another drive."""
+    own = "class DelayedPDActuatorCfg:\n    stiffness = 99.0\n"
+    (tmp_path / "own.py").write_text(own + ROBOT.replace("DOGO_CFG", "CATO_CFG"), encoding="utf-8")
+    (tmp_path / "dogo_cfg.py").write_text(ROBOT, encoding="utf-8")
+    files = [str(tmp_path / name) for name in ("dogo_cfg.py", "own.py")]
+    main(["import", *files, "--robot", "DOGO_CFG"])
+    assert "kp: {value: 25 N*m/rad" in capsys.readouterr().out
+
+
 def test_the_environment_of_another_robot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It says which robot it takes, and that is another one of the same file."""
     (tmp_path / "dogo_cfg.py").write_text(

@@ -146,6 +146,22 @@ def test_patterns_of_any_names(names: list[str], data: st.DataObject) -> None:
             ],
             "body",
         ),
+        (
+            [
+                *(
+                    "head_pan",
+                    "head_tilt",
+                    "l_sho_pitch",
+                    "l_sho_roll",
+                    "l_el",
+                    "r_sho_pitch",
+                    "r_sho_roll",
+                    "r_el",
+                ),
+                *("l_hip_yaw", "l_knee", "l_ank_pitch", "r_hip_yaw", "r_knee", "r_ank_pitch"),
+            ],
+            "body",
+        ),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

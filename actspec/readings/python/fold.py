@@ -140,6 +140,9 @@ class Expressions:
             return self.load(inner)
         if isinstance(found, Source):
             return Value(Unknown(f"{lazy.name} is not defined in {found.path.rpartition('/')[2]}"), lazy.span)
+        if (other := self.library.defining(lazy.module, lazy.name)) is not None:
+            module = self.load(other)
+            return self._member(module, lazy.name) or module
         outside = f"{dotted}.{lazy.name}" if dotted.strip(".") else f"{dotted}{lazy.name}"
         return self._outside(outside, found, lazy.span)
 

@@ -45,15 +45,17 @@ MAX_CONFIGS = 200
 """Configurations of one file. Chosen: the fullest file of Isaac Lab has 10."""
 
 
-def read_python(path: str) -> FileReading:
+def read_python(path: str, named: tuple[str, ...] = ()) -> FileReading:
     """Read the robot configurations of a Python file.
 
     Args:
         path: The file as the user named it.
+        named: Files of one robot, of which the others may define what this one imports from a package.
 
     Returns: One artifact a robot or environment, in the order of the file; a reason when it cannot be read.
     """
     library = open_library(path)
+    library.named = tuple(file for file in named if file != path)
     try:
         source = library.open(path)
         interpreter = Unrolling(library)

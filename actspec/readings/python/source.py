@@ -4,7 +4,8 @@ An import is followed to files of the named file's own tree only: below the topm
 it when its folder is none. Each folder of that tree above a file may be where its program is started, so that
 `from robot import gains` is followed in a folder `robot` without `__init__.py`, too. Files that a symbolic link leads
 to from there to elsewhere are not read. Of a fork of Isaac Lab the actuators that it has added are, which stand in a
-folder beside that of its robots.
+folder beside that of its robots. For import, a name that is in none of these is that of the one other file that the
+user names and that defines it, whatever package it is imported from.
 """
 
 from __future__ import annotations
@@ -116,12 +117,14 @@ class Library:
         package: Folders from there to the named file; () when it is in no package.
         beside: The named file's folder, when that is no package of its own; None when it is.
         sources: Files read so far by path; None for one that could not be.
+        named: Other files that the user names with this one.
     """
 
     top: str
     package: tuple[str, ...]
     beside: str | None
     sources: dict[str, Source | None] = field(default_factory=dict)
+    named: tuple[str, ...] = ()
     _problems: dict[str, str] = field(default_factory=dict)
     _bytes: int = 0
 
@@ -187,6 +190,38 @@ class Library:
             if os.path.isdir(os.path.join(top, *name.split("."))):
                 return self._at(top, parts, module, top)
         return OUTSIDE
+
+    def defining(self, module: str, name: str) -> Source | None:
+        """The one other named file that defines a name, or is the module of that name; None where that is not one.
+
+        Args:
+            module: The module that it is imported from, which is not read.
+            name: The name.
+        """
+        root, _, rest = module.partition(".")
+        of_framework = root in FRAMEWORKS and not rest.startswith("isaac.lab_")
+        if of_framework or root in sys.stdlib_module_names:
+            return None
+        include = f"{module}.{name}"
+        read = [self._of_another_tree(path, include) for path in self.named]
+        others = [source for source in read if source is not None]
+        found = [source for source in others if name in definitions(source.tree.body)]
+        found = found or [one for one in others if os.path.basename(one.path) == f"{name}.py"]
+        return found[0] if len(found) == 1 else None
+
+    def _of_another_tree(self, path: str, include: str) -> Source | None:
+        """A named file, in its own packages."""
+        if path not in self.sources and len(self.sources) < MAX_FILES:
+            own = open_library(path)
+            try:
+                source = parse(path, own.package, include, MAX_TREE_BYTES - self._bytes)
+                source.top = own.top
+                self._bytes += len(source.data)
+                self.sources[path] = source
+            except UnreadableError:
+                # It is told where that file is read itself.
+                self.sources[path] = None
+        return self.sources.get(path)
 
     def _at(self, top: str, parts: tuple[str, ...], include: str, root: str | None = None) -> Source | str:
         """The file of a module below a folder, which is within `root` too where that is given."""

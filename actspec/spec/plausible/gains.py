@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 RETURN = (5e-4, 1.0)
 """kd over kp [s]: the time in which a joint without inertia returns."""
 USUAL_RETURN = (0.005, 0.25)
+RETURN_RATIO = 4.0
+"""Damping ratio by the armature alone up to which a joint may take longer: it is as slow by its own inertia. Published:
+2.5 (the fingers of Meta-World's Sawyer: 100 kg, 400 N/m and 1000 N*s/m, 2.5 s). Chosen: a little more."""
 LEAST_RETURN = 3e-4
 """The same of kd alone, where it is not 0 [s]: a joint that swings with 200 rad/s and a damping ratio of 0.03 has it.
 Published: 7e-3."""
@@ -97,6 +100,7 @@ class Gains:
         kind: Of the joint.
         soft: Times `LARGEST_ERROR` from which on a kp is noticed.
         speed: That the motor lets the joint have [rad/s]; None: unknown.
+        armature: [kg*m^2 or kg]; 0: unknown.
     """
 
     kp: float
@@ -108,6 +112,7 @@ class Gains:
     kind: JointKind
     soft: float = 1.0
     speed: float | None = None
+    armature: float = 0.0
 
     @property
     def shown_kp(self) -> str:
@@ -180,7 +185,9 @@ def _relations(gains: Gains) -> Iterator[Relation]:
     hardly = f"{pair}: hardly any damping, kd/kp is {format_quantity(1000.0 * back, 'ms', 3)}"
     if kd:
         slow = f"{pair}: the joint would take {format_quantity(back, 's', 3)} to come back to its command"
-        yield _relation(back, (0.0, RETURN[1]), USUAL_RETURN, slow, "slow")
+        # kd is 2 I w times the damping ratio, and kp I w^2.
+        heavy = 2.0 * RETURN_RATIO * math.sqrt(gains.armature / gains.kp)
+        yield _relation(back, (0.0, max(RETURN[1], heavy)), USUAL_RETURN, slow, "slow")
         yield _relation(damped, (RETURN[0] if gains.driven else 0.0, math.inf), _ANY, hardly, "undamped")
         if gains.driven:
             yield _relation(back, (LEAST_RETURN, math.inf), _ANY, hardly, "undamped by kd")

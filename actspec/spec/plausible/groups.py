@@ -207,7 +207,11 @@ def group_doubts(
             # Without a motor the robot's file may have such a servo, which is read at its joints.
             stiff, soft = (STIFF_RETURN, 1.0) if driven else (0.0, math.inf)
             speed = _speed_of(stated, model)
-            gains = Gains(kp.value or 0.0, kd.value, viscous, known, driven, stiff, kind, soft, speed)
+            armature = stated("armature")[0]
+            inertia = (armature.value or 0.0) if isinstance(armature, SpecValue) else 0.0
+            gains = Gains(
+                kp.value or 0.0, kd.value, viscous, known, driven, stiff, kind, soft, speed, inertia
+            )
             paths = {"kp": kp_path, "kd": kd_path}
             found = gain_words(gains, {key: spans.value(path) for key, path in paths.items()})
             if found is not None:

@@ -169,6 +169,7 @@ def _both(joint: JointActuator, kp: Quantity) -> Iterator[Found]:
         joint.kind,
         _noticed_softness(joint),
         None if speed is None else speed.value,
+        joint.armature.value or 0.0,
     )
     places = {"kp": kp.span, "kd": None if kd is None else kd.span}
     if joint.kind is JointKind.SLIDE and gain_words(replace(gains, limit=None), places) is None:

@@ -76,9 +76,7 @@ def find_anchors(document: XmlDocument, robot: RobotView, plan: Plan, collector:
             if inside:
                 copied.add(name)
     actuators = tuple(child for section in document.sections("actuator") for child in section.children)
-    keys = tuple(
-        child for section in document.sections("keyframe") for child in section.children if child.tag == "key"
-    )
+    keys = document.keyframes()
     help = "use `--canonical` to write MuJoCo's own, expanded form of the model"
     for edit in plan.joints:
         if edit.joint not in joints or edit.joint in copied:

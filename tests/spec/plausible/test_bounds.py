@@ -248,6 +248,10 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("motor: m, effort_limit: 61, motors_per_joint: 2", []),
         ("motor: m, effort_limit: 601", ["SPEC187!"]),
         ("motor: m, effort_limit: 0.39", ["SPEC187"]),
+        # 3 / 2 is 1.5 s, and more than 1 s; of a damping ratio of 4 by the armature alone it is 2 x 4 x sqrt(I / 2),
+        # 1.507 s of 0.071 kg*m^2 and 1.486 s of 0.069.
+        ("kp: 2, kd: 3, armature: 0.071", []),
+        ("kp: 2, kd: 3, armature: 0.069", ["SPEC192"]),
         # kd / kp is a time, of 1 s at most, and of joints with a motor 0.5 ms at least.
         ("motor: m, kp: 100, kd: 0.051", []),
         ("motor: m, kp: 100, kd: 0.049", ["SPEC192"]),
