@@ -140,6 +140,26 @@ def in_common(one: Sequence[object], other: Sequence[object]) -> int:
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
 
 
+MOST_ABOVE = 8
+"""Folders above a file that may be its project's. Chosen: twice those of MuJoCo's menagerie or of a ROS package."""
+
+
+def above(path: str) -> list[str]:
+    """The folder of a file and those above it, as a user would name them."""
+    folder = os.path.dirname(path)
+    return [os.path.normpath(os.path.join(folder, *[os.pardir] * steps)) for steps in range(MOST_ABOVE + 1)]
+
+
+def in_repository(path: str) -> Iterator[str]:
+    """Those of them that are of the file's repository, where one of them is the repository's own; else all."""
+    for folder in above(path):
+        yield folder
+        if os.path.lexists(os.path.join(folder, ".git")):
+            return
+        if os.path.dirname(os.path.abspath(folder)) == os.path.abspath(folder):
+            return
+
+
 def json_of(data: Any, *, indent: int | None = 2, sort_keys: bool = False) -> str:
     """JSON to be kept in a file: Unicode, but nothing that cannot be printed; NaN and infinity are refused."""
     text = json.dumps(data, indent=indent, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)

@@ -17,6 +17,8 @@ from actspec.robot.view import ModelFile, RobotView
 
 if TYPE_CHECKING:
     from actspec.ir import ActuatorSet
+    from actspec.readings.pins import Asked
+    from actspec.simulators import Release
 
 
 def without_comments(data: bytes) -> bytes:
@@ -504,6 +506,8 @@ class FileReading:
         put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
         included: Whether another file of the audit includes it, which can be read or not.
         whole: Of a model that MuJoCo refuses alone, a file beside those of the audit that includes it and compiles.
+        refused_by: Of a model that MuJoCo refuses, the release that is installed; None: not known.
+        asked: Of such a model, what its project asks for that this release is too new for.
         refused: The place that `reason` is about; None: the file as a whole.
         without_gains: Whether it is a whole file of data in which no joint has gains: a folder has many.
         unnamed: Of a model in a folder whose programs name models there: whether neither they nor a model that they
@@ -525,6 +529,8 @@ class FileReading:
     put_aside: bool = False
     included: bool = False
     whole: str | None = None
+    refused_by: Release | None = None
+    asked: Asked | None = None
     refused: Span | None = None
     without_gains: bool = False
     unnamed: bool = False

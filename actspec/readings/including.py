@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from actspec.files import FAULTS, read_regular
+from actspec.files import FAULTS, above, read_regular
 from actspec.readings.artifact import FileReading, without_comments
 
 INCLUDED, ATTACHED = (
@@ -31,8 +31,6 @@ _FOLDERS_BELOW = 2
 _ROOTS = (".git", "package.xml", "pyproject.toml", "setup.py")
 """What a project's folder has, a repository before a package in it: without one nobody says how far `../../shared` is
 from its robots."""
-_MOST_ABOVE = 8
-"""Folders above a part that may be its project's. Chosen: twice those of MuJoCo's menagerie or of a ROS package."""
 _MOST_FOLDERS = 500
 """Chosen: folders of a project, or beside a part, that are looked at; listed in some 0.1 s."""
 
@@ -43,7 +41,7 @@ class Around:
     def __init__(self, path: str) -> None:
         """Of a part, an MJCF."""
         self._path = path
-        self._above = _above(path)
+        self._above = above(path)
 
     def wholes(self, *ways: re.Pattern[bytes]) -> list[str]:
         """The files that name the part, as a user would name them, sorted; none where none is found.
@@ -116,12 +114,6 @@ def _texts(folders: Sequence[str]) -> Iterator[tuple[str, bytes]]:
             left -= len(data)
             if b"<mujoco" in data:
                 yield one, without_comments(data)
-
-
-def _above(path: str) -> list[str]:
-    """The folder of a file and those above it."""
-    folder = os.path.dirname(path)
-    return [os.path.normpath(os.path.join(folder, *[os.pardir] * steps)) for steps in range(_MOST_ABOVE + 1)]
 
 
 def _beside(above: Sequence[str]) -> Iterator[str]:

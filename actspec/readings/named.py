@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 from actspec.diagnostics import Diagnostic, Severity, Span, listed, many
 from actspec.files import why
@@ -14,6 +15,7 @@ from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.including import INCLUDED, MOST_WHOLES, Around
 from actspec.readings.motor_names import with_names
+from actspec.readings.pins import pins_here
 from actspec.readings.programs import ASIDE, Idle, files_in, idle, programs_in
 from actspec.readings.read import FAULT, PYTHON, ROBOT, ROBOT_ALONE, XACRO, YAML, nothing_to_audit, read_file
 from actspec.spec.variants import split
@@ -155,6 +157,7 @@ class PendingFiles:
         found: dict[int, FileReading] = {}
         again: dict[int, int] = {}
         around: dict[int, tuple[int, str]] = {}
+        pins_once = cache(pins_here)
         for task, answer in self._pool.results():
             if task in around:
                 index, path = around[task]
@@ -168,6 +171,9 @@ class PendingFiles:
                     again[self._pool.add(path, keep_matrices, str(answer))] = index
                     continue
                 answer = _lost(path, str(answer))
+            pins = pins_once() if answer.refused_models else None
+            if pins is not None:
+                answer = replace(answer, refused_by=pins.installed, asked=pins.older(path))
             found[index] = answer
             if answer.refused_models and (self._files[index].named or self._files[index].folder is None):
                 wholes = Around(path).wholes(INCLUDED)[:MOST_WHOLES]

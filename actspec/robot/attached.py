@@ -83,7 +83,7 @@ class _Attached:
                 file = on_disk(main, main, name)
             except Unreadable as err:
                 self.out.error(
-                    "ROBOT006", f"the attached model cannot be followed: {err}", span=site, help=err.help
+                    err.code, f"the attached model cannot be followed: {err}", span=site, help=err.help
                 )
                 continue
             path = os.path.normpath(file.path)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, listed, nearest, shortened
 from actspec.files import path_of_name
 from actspec.joints import JointKind
+from actspec.robot.submodules import NOT_CHECKED_OUT, not_checked_out
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
 if TYPE_CHECKING:
@@ -57,6 +58,9 @@ def find_model(reference: str, base: str) -> str:
     folder = folder or os.curdir
     if os.path.isdir(path):
         raise _error("ROBOT101", f"the model is a folder, got {reference!r}", _near("", names_in(path)))
+    submodule = not_checked_out(os.path.join(base, ""), path)
+    if submodule is not None:
+        raise _error(NOT_CHECKED_OUT, f"there is no model {reference!r}: {submodule}", submodule.help)
     if not os.path.isdir(folder):
         raise _error(
             "ROBOT101",

@@ -401,6 +401,9 @@ def engine_error(err: Exception, place: Callable[[int], Span | None]) -> RobotEr
     lines = [part.strip() for part in re.sub(r"^(XML )?Error:\s*", "", text).splitlines() if part.strip()]
     # The second line only repeats the place, which the diagnostic has; the third is MuJoCo's own business.
     message = "; ".join(part for part in lines if not re.match(r"Element .*|The static bodies of", part))
+    element = re.search(r"^Element '([^']*)'", text, re.MULTILINE)
+    if element is not None and message.endswith("unrecognized element"):
+        message += f" <{element[1]}>"
     message = _USE.sub(
         r'`<compiler \1="true"/>` mends it, in a URDF `<mujoco><compiler \1="true"/></mujoco>`', message
     )

@@ -29,6 +29,7 @@ from collections.abc import Callable, Sequence
 
 from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
 from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.robot.submodules import NOT_CHECKED_OUT, not_checked_out
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_tree import Element, Include, Malformed, XmlDocument, scan
 
@@ -55,7 +56,7 @@ _IN_ROOTS = frozenset(f"{_SECTIONS} {_OTHERS} {_IN_BODIES}".split())
 _MODELS = frozenset(("mujoco", "robot"))
 """Roots of an attached model."""
 
-NOT_FOLLOWED = frozenset(("ROBOT002", "ROBOT006", "ROBOT007", "ROBOT008"))
+NOT_FOLLOWED = frozenset(("ROBOT002", "ROBOT006", "ROBOT007", "ROBOT008", NOT_CHECKED_OUT))
 """Codes of models of which a file is not read; nothing else of them is."""
 
 
@@ -111,6 +112,10 @@ def on_disk(main: str, including: str, name: str) -> ModelFile:
             return ModelFile(candidate, name, read_file(candidate, MOST_BYTES))
         except Missing:
             continue
+    for candidate in candidates:
+        submodule = not_checked_out(including, candidate)
+        if submodule is not None:
+            raise NotCheckedOut(str(submodule), submodule.help)
     folder = _missing_folder(main, including, name)
     if folder is not None:
         # Of many files in it that is said once.
@@ -261,7 +266,7 @@ class _Assembly:
         try:
             included = self.find(self.main, file.path, name)
         except Unreadable as err:
-            self.out.error("ROBOT006", f"the include cannot be followed: {err}", span=site, help=err.help)
+            self.out.error(err.code, f"the include cannot be followed: {err}", span=site, help=err.help)
             return []
         path = os.path.normpath(included.path)
         if path in chain:
@@ -303,7 +308,9 @@ def _includes(root: Element, depth: int) -> list[tuple[Element, Element, int]]:
 
 
 class Unreadable(Exception):
-    """A file cannot be read; the text says why, `help` what to do."""
+    """A file cannot be read; the text says why, `help` what to do, and `code` is of what names it."""
+
+    code = "ROBOT006"
 
     def __init__(self, message: str, help: str | None = None) -> None:
         super().__init__(message)
@@ -312,6 +319,12 @@ class Unreadable(Exception):
 
 class Missing(Unreadable):
     """There is no such file."""
+
+
+class NotCheckedOut(Missing):
+    """It is in a git submodule without its files."""
+
+    code = NOT_CHECKED_OUT
 
 
 def read_file(path: str, most: int) -> bytes:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,7 @@ from actspec.audit.rules import all_rules
 from actspec.audit.settings import Settings, load_settings
 from actspec.cli.main import main
 from actspec.diagnostics import AuditError
+from actspec.readings.versions import Versions
 
 MODEL = """<mujoco>
   <compiler angle="radian"/>
@@ -161,3 +164,62 @@ def test_of_several_scenes_the_first_that_compiles() -> None:
         Path(f"robots/{name}.xml").write_text(SCENE.format("leg.xml"))
     (found,) = [i for i in audit(["robots/leg.xml"], Settings()).findings if i.finding.code == "AUD020"]
     assert found.finding.help == "audit robots/b.xml in its place"
+
+
+INSTALLED = version("mujoco")
+
+
+@pytest.fixture
+def _old_model() -> None:
+    """`sensornoise` went with MuJoCo 3.1.4 (its changelog)."""
+    Path(".git").mkdir()
+    Path("robots/leg.xml").write_text(
+        '<mujoco><compiler angle="radian"/><option><flag sensornoise="enable"/></option><worldbody/></mujoco>'
+    )
+
+
+def refused(settings: Settings) -> tuple[str, str]:
+    """Severity and message of the one finding."""
+    (found,) = audit(["robots"], replace(settings, as_named=True)).findings
+    assert (found.finding.code, found.finding.span.line) == ("AUD020", 1)
+    return found.severity.value, found.finding.message
+
+
+@pytest.mark.usefixtures("_old_model")
+def test_a_project_that_asks_for_an_older_mujoco() -> None:
+    """A note that names both; a check of the repository stays green."""
+    reason = (
+        "and is judged from its text alone: MuJoCo refuses the model: Schema violation: unrecognized attribute: "
+        "'sensornoise'"
+    )
+    told = ("warning", f"the model does not compile in the installed MuJoCo, {reason}")
+    assert refused(Settings()) == told
+    Path("requirements.txt").write_text("numpy\nmujoco==2.3.6\n")
+    assert refused(Settings()) == (
+        "info",
+        f"the model does not compile in the installed MuJoCo {INSTALLED} (requirements.txt:2 asks for mujoco==2.3.6, "
+        f"which may take it), {reason}",
+    )
+    assert run("robots", "--as-named", "--fail-on", "warning") == 0
+    Path("requirements.txt").write_text(f"mujoco=={INSTALLED}\n")
+    assert refused(Settings()) == told
+    Path("requirements.txt").unlink()
+    Path("robots/view.py").write_text("import mujoco_py\n")
+    assert refused(Settings()) == (
+        "info",
+        f"the model does not compile in the installed MuJoCo {INSTALLED} (robots/view.py:1 imports mujoco_py, whose "
+        f"MuJoCo, 2.1 or older, may take it), {reason}",
+    )
+
+
+@pytest.mark.usefixtures("_old_model")
+def test_the_version_that_was_said_goes_before() -> None:
+    """`-t mujoco==2.3.7` is as good as a pin, and one for the installed release sets a pin aside."""
+    level, message = refused(Settings(versions=Versions(mujoco="2.3.7")))
+    assert level == "info"
+    assert message.startswith(
+        f"the model does not compile in the installed MuJoCo {INSTALLED} (it is meant for MuJoCo 2.3.7, which may take"
+    )
+    Path("requirements.txt").write_text("mujoco==2.3.6\n")
+    assert refused(Settings(versions=Versions(mujoco=INSTALLED)))[0] == "warning"
+    assert refused(Settings(versions=Versions(mujoco=INSTALLED.split(".")[0] + ".99")))[0] == "warning"

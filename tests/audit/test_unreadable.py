@@ -259,3 +259,38 @@ def test_one_slip_in_several_joints() -> None:
     assert said.count("AUD008") == 2
     assert "hip, knee: the file cannot be read: <limit effort> must be a number, got '3O0' (ROBOT120)" in said
     assert "the file cannot be read: ankle: <limit effort> must be a number, got '1,7' (ROBOT120)" in said
+
+
+def test_a_submodule_that_is_not_checked_out() -> None:
+    """Nothing is wrong with the file: a note with what to do, also of a file that was named; it counts as not read."""
+    Path(".gitmodules").write_text('[submodule "m"]\n\tpath = robots/menagerie\n')
+    Path("robots/menagerie").mkdir()
+    Path("robots/leg.xml").write_text('<mujoco>\n  <include file="menagerie/panda/panda.xml"/>\n</mujoco>\n')
+    for paths in (["robots"], ["robots/leg.xml"]):
+        report = audit(paths, Settings(as_named=True))
+        assert found(report) == [("AUD008", "robots/leg.xml", 2, Severity.INFO)]
+        (item,) = (one.finding for one in report.findings if one.finding.code == "AUD008")
+        assert item.message == (
+            "the file cannot be read: the include cannot be followed: 'robots/menagerie' is a git submodule that is "
+            "not checked out (ROBOT010)"
+        )
+        assert item.help == "git submodule update --init robots/menagerie"
+    text = render(report, "concise", ReportOptions(least=Severity.WARNING))
+    assert text.endswith("in 1 file, which could not be read\n")
+    Path("robots/menagerie/README.md").touch()
+    assert found(audit(["robots/leg.xml"], Settings())) == [("AUD008", "robots/leg.xml", 2, Severity.ERROR)]
+
+
+def test_a_spec_whose_model_is_in_one() -> None:
+    """It stays an error: the spec is its writer's own, and whoever compiles it needs the model."""
+    Path(".gitmodules").write_text('[submodule "m"]\n\tpath = menagerie\n')
+    Path("leg.yaml").write_text(
+        "actspec: 1\nrobot: {name: leg, model: menagerie/leg.xml}\n"
+        'actuators:\n  legs: {joints: [".*"], level: ideal_pd, kp: 25, kd: 0.5}\n'
+    )
+    (item,) = audit(["leg.yaml"], Settings()).findings
+    assert (item.finding.code, item.severity, item.finding.help) == (
+        "AUD008",
+        Severity.ERROR,
+        "git submodule update --init menagerie",
+    )

@@ -6,6 +6,7 @@ from actspec.audit.finding import quoted
 from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind, FileReading
+from actspec.robot.submodules import NOT_CHECKED_OUT
 
 
 class Unreadable(Rule):
@@ -30,9 +31,11 @@ class Unreadable(Rule):
         # In a folder it may be no robot, a template, or whole at its destination; whoever loads it is told at once.
         noted = not (named or lost)
 
-        def finding(message: str, place: Span, help: str | None, about: str, joint: str = "") -> Finding:
+        def finding(
+            message: str, place: Span, help: str | None, about: str, joint: str = "", away: bool = False
+        ) -> Finding:
             # The audit makes a note of it in a folder, and counts it as one that is an error in a folder of one's own.
-            severity = Severity.INFO if noted and not case.is_met_at(place) else None
+            severity = Severity.INFO if away or (noted and not case.is_met_at(place)) else None
             return Finding(
                 self.code,
                 message,
@@ -60,6 +63,8 @@ class Unreadable(Rule):
                 help,
                 " ".join((item.code, *quoted(item.message))),
                 item.where if alike else "",
+                # Nothing is wrong with the file. A spec is of whoever has the submodule.
+                item.code == NOT_CHECKED_OUT and file.kind is not FileKind.SPEC,
             )
         if lost or not errors:
             message = f"the file cannot be read: {file.reason}"

@@ -5,6 +5,9 @@ from collections.abc import Iterator
 from actspec.audit.finding import quoted
 from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span, one_line
+from actspec.readings.artifact import FileReading
+from actspec.readings.versions import mujoco_of
+from actspec.simulators import text_of
 
 
 class RefusedModel(Rule):
@@ -25,6 +28,8 @@ class RefusedModel(Rule):
                         Severity.INFO,
                     )
                     help = f"audit {whole} in its place"
+                elif (older := _older(case, file)) is not None:
+                    message, severity = f"{message} {older}", Severity.INFO
                 yield Finding(
                     self.code,
                     f"{message}, and is judged from its text alone: {artifact.text_only}",
@@ -33,3 +38,15 @@ class RefusedModel(Rule):
                     help=help,
                     severity=severity,
                 )
+
+
+def _older(case: Case, file: FileReading) -> str | None:
+    """The installed release with what asks for an older one, which is what was said before what a project says."""
+    if file.refused_by is None:
+        return None
+    meant = mujoco_of(case.versions)
+    if meant is None:
+        asked = None if file.asked is None else file.asked.told
+    else:
+        asked = f"it is meant for {meant.text}, which may take it" if meant.before(file.refused_by) else None
+    return None if asked is None else f"{text_of(file.refused_by)} ({asked})"

@@ -1,0 +1,194 @@
+"""Which MuJoCo a project asks for: what it requires and what its programs import, as text, of which nothing is run."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from actspec.diagnostics import Span
+from actspec.files import FAULTS, in_repository, place_of, read_regular
+from actspec.simulators import Release, release
+
+_REQUIREMENTS = re.compile(
+    r"[\w.-]*requirements[\w.-]*\.(?:txt|in)|setup\.(?:py|cfg)|pyproject\.toml|environment[\w.-]*\.ya?ml",
+    re.IGNORECASE,
+)
+"""Files in which a project says what it needs."""
+
+_MOST_FILES = 200
+"""Files of a folder that are looked at. Chosen: as of models around a part."""
+_MOST_BYTES = 1024 * 1024
+"""Chosen: larger than any list of requirements, and than nearly all programs."""
+_MOST_CLAUSES = 8
+"""Clauses of a requirement. Chosen: `>=2.1,<2.2` has two."""
+
+_REMARK = re.compile(rb"(?:^|(?<=\s))#[^\n]*", re.MULTILINE)
+_VERSION = rb"\d[\w.*+!-]{0,40}"
+_BLANK = rb"[ \t]{0,9}"
+_CLAUSES = rb"(?:(?:===?|~=|!=|[<>]=?|[\^~])%b%b%b,?%b){1,%d}" % (
+    _BLANK,
+    _VERSION,
+    _BLANK,
+    _BLANK,
+    _MOST_CLAUSES,
+)
+_REQUIRED = re.compile(
+    rb"""(?:^[ \t]*(?:-[ \t]+)?|["'])(?P<name>(?:free-)?mujoco[-_.]py|mujoco)(?![\w.-])(?:\[[^\]\n]{0,99}\])?"""
+    rb"""%(blank)b(?:\(?(?P<clauses>%(clauses)b)|=%(blank)b(?P<conda>%(version)b)"""
+    # Poetry has the version as the key's value.
+    rb"""|=%(blank)b(?:\{[^}\n]{0,99}?\bversion%(blank)b=%(blank)b)?["'](?P<poetry>%(clauses)b|%(version)b)["']"""
+    # The key of a list of extras asks for nothing.
+    rb"""|["'](?!%(blank)b[:=])|(?=[\r\n;@,]|\Z))"""
+    % {b"blank": _BLANK, b"clauses": _CLAUSES, b"version": _VERSION},
+    re.MULTILINE | re.IGNORECASE,
+)
+_CLAUSE = re.compile(r"(===?|~=|!=|[<>]=?|[\^~])\s*(\d+(?:\.\d+)*)")
+_IMPORT = re.compile(rb"^[ \t]*(?:import|from)[ \t]+(?P<name>mujoco(?:_py)?)\b", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a project asks for that an installed MuJoCo is too new for.
+
+    Attributes:
+        place: Where it says so.
+        text: `mujoco==2.3.7`, `mujoco_py<2.0`; of a program `mujoco_py`.
+        imported: Whether a program imports it.
+    """
+
+    place: Span
+    text: str
+    imported: bool = False
+
+    @property
+    def told(self) -> str:
+        """`requirements.txt:3 asks for mujoco==2.3.7, which may take it`."""
+        # Source: the releases of mujoco-py, 1.50 to 2.1.2.14; their build looks for MuJoCo 1.50, 2.0 and 2.1.0.
+        whose = "whose MuJoCo, 2.1 or older," if _is_wrapper(self.text) else "which"
+        return f"{self.place} {'imports' if self.imported else 'asks for'} {self.text}, {whose} may take it"
+
+
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """One statement: `clauses` are as written, "" without a version."""
+
+    place: Span
+    name: str
+    clauses: str = ""
+    imported: bool = False
+
+    @property
+    def asked(self) -> Asked:
+        return Asked(self.place, self.name + self.clauses, self.imported)
+
+
+class Pins:
+    """What the folders of an audit ask for; each is looked at once."""
+
+    def __init__(self, installed: Release) -> None:
+        """Of the MuJoCo that is installed, with all its numbers."""
+        self.installed = installed
+        self._folders: dict[str, tuple[_Said, ...]] = {}
+
+    def older(self, path: str) -> Asked | None:
+        """What a file's project asks for that the installed MuJoCo is too new for; None: nothing says so.
+
+        The nearest folder with a version decides, from the file's own up to its repository's. What asks for mujoco_py
+        has one of MuJoCo's first releases, unless something on the way asks for, or imports, MuJoCo itself.
+
+        Args:
+            path: The file as the user named it.
+        """
+        itself = False
+        for folder in in_repository(path):
+            said = self._in(folder)
+            own = [one for one in said if not _is_wrapper(one.name)]
+            versions = [one for one in own if one.clauses]
+            if versions:
+                old = (one for one in versions if _is_older(one.clauses, self.installed))
+                return next((one.asked for one in old), None)
+            itself = itself or bool(own)
+            wrapper = next((one for one in said if _is_wrapper(one.name)), None)
+            if wrapper is not None and not itself:
+                return wrapper.asked
+        return None
+
+    def _in(self, folder: str) -> tuple[_Said, ...]:
+        where = os.path.abspath(folder)
+        if where not in self._folders:
+            self._folders[where] = tuple(_statements(folder))
+        return self._folders[where]
+
+
+def pins_here() -> Pins | None:
+    """`Pins` for the MuJoCo that is installed here, which is not imported; None: nobody knows which it is."""
+    from importlib import metadata
+
+    try:
+        found = re.match(r"\d+(?:\.\d+)*", metadata.version("mujoco"))
+    except metadata.PackageNotFoundError:
+        return None
+    return None if found is None else Pins(release(found[0]))
+
+
+def _is_wrapper(name: str) -> bool:
+    """Whether a package is mujoco_py, under one of its names, of whatever version."""
+    return re.match(r"(?:free-)?mujoco[-_.]py", name, re.IGNORECASE) is not None
+
+
+def _statements(folder: str) -> Iterator[_Said]:
+    """What the files of one folder say, requirements before programs."""
+    try:
+        names = sorted(os.listdir(folder or os.curdir))
+    except (OSError, ValueError):
+        return
+    asking = [name for name in names if _REQUIREMENTS.fullmatch(name)]
+    programs = [name for name in names if name.lower().endswith(".py") and name not in asking]
+    for name in (*asking, *programs)[:_MOST_FILES]:
+        path = os.path.normpath(os.path.join(folder, name))
+        try:
+            # A link leads to another project. pip takes UTF-16 as PowerShell writes it: the letters tell.
+            data = b"" if os.path.islink(path) else read_regular(path, _MOST_BYTES).replace(b"\0", b"")
+        except FAULTS:
+            continue
+        if b"mujoco" not in data.lower():
+            continue
+        text = _REMARK.sub(b"", data)
+        for found in (_REQUIRED if name in asking else _IMPORT).finditer(text):
+            place = Span(path, place_of(text, found.start("name"))[0])
+            if name in asking:
+                yield _Said(place, found["name"].decode("ascii"), _clauses(found))
+            else:
+                yield _Said(place, found["name"].decode("ascii"), imported=True)
+
+
+def _clauses(found: re.Match[bytes]) -> str:
+    """The versions of a requirement as pip writes them; "" for any."""
+    text = (
+        (found["clauses"] or found["poetry"] or found["conda"] or b"")
+        .decode("ascii", "replace")
+        .strip(", \t")
+    )
+    return f"=={text}" if text[:1].isdigit() else text
+
+
+def _is_older(clauses: str, installed: Release) -> bool:
+    """Whether a requirement leaves the installed release out because it is too new."""
+    return any(_excludes(clause[1], clause[2], installed) for clause in _CLAUSE.finditer(clauses))
+
+
+def _excludes(sign: str, number: str, installed: Release) -> bool:
+    limit = tuple(int(part) for part in number.split("."))
+    if sign == "<":
+        return installed >= limit
+    if sign == "~=":
+        limit = limit[:-1]
+    elif sign == "^":
+        limit = limit[:1]
+    elif sign == "~":
+        limit = limit[:2]
+    elif sign not in ("<=", "==", "==="):
+        return False
+    return installed[: len(limit)] > limit
