@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from actspec.fields import PLACEHOLDER
 from actspec.readings.compare import DEGREES
@@ -16,6 +16,9 @@ SHARE = 0.8
 
 LIKENESS = 0.5
 """Of two models' figures that must agree. Chosen: a file with all limits wrong and ranges and masses right is above."""
+
+_APART = 0.2
+"""Of two limbs' figures below which they are of two machines. Chosen: of the Piper's and the X5's arms none agrees."""
 
 _FEW = 5
 """Figures of two models below which nothing is told from them. Chosen: two kinds of two joints, and a third of one."""
@@ -58,8 +61,31 @@ def are_one_body(one: RobotView, other: RobotView, share: float = SHARE, *, mirr
         mirrored: Whether they are its two sides, so that a range may be the other one's mirror image.
     """
     figures = figures_of(one), figures_of(other)
-    shares, count = _shares_of_body(*(map(_of_either_side, figures) if mirrored else figures))
+    shares, count = _shares_of(BODY, *(map(_of_either_side, figures) if mirrored else figures))
     return count < _FEW or sum(shares) >= share * len(shares)
+
+
+def are_two_limbs(one: Figures, other: Figures, limb: Collection[str], *, mirrored: bool = False) -> bool:
+    """Whether a limb of two models is of two machines, whatever the rest of the robot is: hardly one figure agrees, of
+    ranges and inertias, and of limits beside these. Too few to tell are not.
+
+    Args:
+        one: From `figures_of`.
+        other: Likewise.
+        limb: The joints that both have in it.
+        mirrored: As in `are_one_body`.
+    """
+    figures = [
+        {kind: {joint: value for joint, value in own.items() if joint in limb} for kind, own in of.items()}
+        for of in (one, other)
+    ]
+    sides = [*map(_of_either_side, figures)] if mirrored else figures
+
+    def differ(kinds: Collection[str]) -> bool:
+        shares, count = _shares_of(kinds, *sides)
+        return count >= _FEW and sum(shares) < _APART * len(shares)
+
+    return differ(BODY) and differ(one.keys() | other.keys())
 
 
 def _of_either_side(figures: Figures) -> Figures:
@@ -79,7 +105,7 @@ def share_a_body(one: Figures, other: Figures, *, names: bool) -> bool:
         other: Likewise.
         names: Whether names speak for it; else the inertias must, for half of all arms turn from -pi to pi.
     """
-    shares, _ = _shares_of_body(one, other)
+    shares, _ = _shares_of(BODY, one, other)
     inertia, _ = _shares(*({"inertia": of.get("inertia", {})} for of in (one, other)))
     # The next machine of a family turns as far, and its links weigh more: HyQReal 1 and 2.
     if not names and (not inertia or inertia[0] < SHARE):
@@ -87,9 +113,9 @@ def share_a_body(one: Figures, other: Figures, *, names: bool) -> bool:
     return bool(shares) and sum(shares) >= SHARE * len(shares)
 
 
-def _shares_of_body(one: Figures, other: Figures) -> tuple[list[float], int]:
-    """`_shares` of ranges and inertias."""
-    body = [
+def _shares_of(kinds: Collection[str], one: Figures, other: Figures) -> tuple[list[float], int]:
+    """`_shares` of some kinds of figure."""
+    stated = [
         {
             # An unlimited joint is one whose range was left out as often as one that turns round and round.
             kind: {
@@ -98,11 +124,11 @@ def _shares_of_body(one: Figures, other: Figures) -> tuple[list[float], int]:
                 if all(map(math.isfinite, values))
                 and not _is_left_out(kind, values, its.get(kind, {}).get(joint))
             }
-            for kind in BODY & of.keys()
+            for kind in of.keys() & set(kinds)
         }
         for of, its in ((one, other), (other, one))
     ]
-    return _shares(*body)
+    return _shares(*stated)
 
 
 def _is_left_out(kind: str, one: Sequence[float], other: Sequence[float] | None) -> bool:

@@ -37,11 +37,14 @@ from actspec.readings.deploy_keys import (
     PER_JOINT,
     STANDING,
     STANDING_UP,
+    as_figures,
     by_figure,
-    in_a_row,
+    is_in_space,
     joint_lists,
     own_gains,
+    speaks_of_space,
     standing_up,
+    type_of_space,
 )
 from actspec.readings.deploy_missing import (
     MISSPELT,
@@ -234,7 +237,7 @@ class _Reader:
         return word if _CALLED.fullmatch(word) else ""
 
     def configs(
-        self, node: yaml.Node, above: tuple[_Block, ...], name: str, depth: int
+        self, node: yaml.Node, above: tuple[_Block, ...], name: str, depth: int, in_space: bool = False
     ) -> Iterator[RobotConfig]:
         """Every block that has gains, outermost first; a block inside a block with gains belongs to it.
 
@@ -243,29 +246,34 @@ class _Reader:
             above: The blocks that it is in, outermost first.
             name: What a robot in it is called: what the file says, its stem, or its key at the top.
             depth: How deep it is.
+            in_space: Whether a key above, or a controller's type, speaks of a pose in space.
         """
         self._step(node)
         if depth > MOST_DEPTH:
             raise Unfit(f"it is nested more than {MOST_DEPTH} deep", position(node.start_mark))
         if isinstance(node, yaml.SequenceNode):
             for item in node.value:
-                yield from self.configs(item, above, name, depth + 1)
+                yield from self.configs(item, above, name, depth + 1, in_space)
         if not isinstance(node, yaml.MappingNode):
             return
         block = self.mapping(node)
         # Figures joint by joint are read as mappings from joint to each, which are known.
         by_joint, named = by_figure(block.get("joints"), self.mapping)
         block = {**by_joint, **block}
-        block |= {key: in_a_row(block[key], self.mapping) for key in self.figures if key in block}
-        if self._has_gains(block):
+        figures = {key: as_figures(block[key], self.mapping) for key in self.figures if key in block}
+        block = {key: its for key, one in block.items() if (its := figures.get(key, one)) is not None}
+        if self._has_gains(block) and not is_in_space(block, below=in_space):
             config = self._config(node, block, named, above, name)
             if config.groups or any(note.code not in _NOT_OF_LISTS for note in config.notes):
                 yield config
             else:
                 self.no_numbers += [note for note in config.notes if note.code == NO_NUMBER]
             return
+        in_space = in_space or type_of_space(block)
         for key, value in block.items():
-            yield from self.configs(value, (*above, block), key if depth == 0 else name, depth + 1)
+            whose = key if depth == 0 else name
+            below = in_space or speaks_of_space(key)
+            yield from self.configs(value, (*above, block), whose, depth + 1, below)
 
     def _has_gains(self, block: _Block) -> bool:
         """Whether a block has gains by joint, or one kp and one kd beside the list of joint names that both are for.

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import yaml
 
 from actspec.diagnostics import Collector
+from actspec.joints import WORD
 from actspec.readings.deploy_steps import nearest
 from actspec.readings.yaml_nodes import node_span, number_of
 
@@ -79,8 +80,21 @@ LEAST = 7
 """Chosen: entries of lists of kp and kd from which on they are told to be of joints though no list of as many names is
 in the file: fewer are of a leg, of a foot, of a pose in space."""
 
-_OF_SPACE = 36
+_MATRIX = 36
 """Entries of a matrix of stiffness in space."""
+
+_SPACES = frozenset(("cartesian", "admittance", "impedance", "compliance"))
+"""Words of a block, or of a controller's type, whose stiffness is of a pose in space. `task` is IsaacGymEnvs' word for
+everything, `cart` a pole's."""
+
+_OF_A_POSE = (3, 6, _MATRIX)
+"""Entries of a stiffness in space."""
+
+_MASS = ("mass", "damping_ratio", "selected_axes")
+"""What stands beside an admittance's stiffness. Source: ros2_controllers, admittance_controller_parameters.yaml."""
+
+_TENSORS = ("torch.tensor", "torch.Tensor", "torch.FloatTensor", "torch.as_tensor")
+"""What Hydra makes of a list, its `data`, and is still that list."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +128,52 @@ def gain_of(key: str) -> tuple[str, str] | None:
 def is_of_another(name: str) -> bool:
     """Whether the numbers of a key are no gains of joints' positions, by its words."""
     return not _OTHER.isdisjoint(name.lower().split("_"))
+
+
+def speaks_of_space(name: str) -> bool:
+    """Whether a block's key, or a controller's type, says that its stiffness is of a pose in space, and not of joints:
+    `admittance`, `cartesian_compliance_controller/CartesianComplianceController`."""
+    words = {word.lower() for word in WORD.findall(name)}
+    return not words.isdisjoint(_SPACES) and words.isdisjoint(("joint", "joints"))
+
+
+def is_in_space(block: Mapping[str, yaml.Node], *, below: bool) -> bool:
+    """Whether the gains of a block are of a pose in space: as many as its axes, where its controller's type, what
+    stands beside them or a key above them says so.
+
+    Args:
+        block: A mapping.
+        below: Whether a key above it, or the type of a controller that it is of, speaks of space.
+    """
+    gains = [block[key] for key in GAIN_KEYS if key in block]
+    # A list of names in the block itself is of its gains; a controller in space names the joints that it moves.
+    told = below and not any(key in block for key in NAMES)
+    told = told or type_of_space(block) or sum(key in block for key in _MASS) > 1
+    lists = [node.value for node in gains if isinstance(node, yaml.SequenceNode)]
+    return told and len(lists) == len(gains) > 0 and all(len(own) in _OF_A_POSE for own in lists)
+
+
+def type_of_space(block: Mapping[str, yaml.Node]) -> bool:
+    """Whether a block is of a controller whose `type` speaks of space."""
+    return speaks_of_space(str(getattr(block.get("type"), "value", "")))
+
+
+def as_figures(
+    node: yaml.Node, mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]]
+) -> yaml.Node | None:
+    """What stands for the figures of a key: of a tensor that Hydra makes its list, and none of any other object of its
+    making, whose keys are no joints.
+
+    Args:
+        node: What stands below a key of figures.
+        mapping: A mapping's own and merged keys.
+    """
+    own = mapping(node) if isinstance(node, yaml.MappingNode) else {}
+    if "_target_" not in own:
+        return in_a_row(node, mapping)
+    data = own.get("data")
+    made = getattr(own["_target_"], "value", "")
+    return data if made in _TENSORS and isinstance(data, yaml.SequenceNode) else None
 
 
 def by_figure(
@@ -206,7 +266,7 @@ def own_gains(
             count = len(kp.value)
             numbers = all(number_of(item) is not None for item in (*kp.value, *kd.value))
             named = any(len(each) == count for each in names)
-            told = named or (count >= LEAST and count != _OF_SPACE)
+            told = named or (count >= LEAST and count != _MATRIX)
             if numbers and count == len(kd.value) and told:
                 gains.append(OwnGains(name, own["kp"], own["kd"], kp, named))
         elif isinstance(kp, yaml.MappingNode) and isinstance(kd, yaml.MappingNode):

@@ -757,3 +757,62 @@ def test_a_scale_by_command_is_no_joints(tmp_path: Path) -> None:
     config = _config(tmp_path, "kp: [40, 40, 40]\nkd: [1, 1, 1]\naction_scale: {pos: 0.25}\n")
     assert [group.name for group in config.groups] == [".*"]
     assert config.others["action_scale.pos"].value == 0.25
+
+
+_ADMITTANCE = """arm/controller:
+  ros__parameters:
+    @TYPE@
+    joints: [a, b, c, d, e, f]
+    @KEY@:
+      @NAMES@
+      selected_axes: [true, true, true, true, true, true]
+      @MASS@
+      stiffness: [50, 50, 50, 20, 20, 20]
+      damping: [5, 5, 5, 2, 2, 2]
+"""
+
+
+@pytest.mark.parametrize(
+    "key, type_of, mass, names, is_read",
+    [
+        ("admittance", "", "", "", False),
+        ("cartesian_impedance", "", "", "", False),
+        ("gains", "type: admittance_controller/AdmittanceController", "", "", False),
+        ("gains", "", "mass: [8, 8, 8, 1, 1, 1]", "", False),
+        # Of joints: nothing speaks of space, a word of joints, their names beside the figures.
+        ("gains", "type: joint_trajectory_controller/JointTrajectoryController", "", "", True),
+        ("joint_impedance", "", "", "", True),
+        ("impedance", "", "", "joint_names: [a, b, c, d, e, f]", True),
+    ],
+)
+def test_stiffness_along_axes_of_space(
+    key: str, type_of: str, mass: str, names: str, is_read: bool, tmp_path: Path
+) -> None:
+    """ros2_controllers' admittance has a stiffness along x, y, z and about them, and its joints beside it."""
+    text = _ADMITTANCE.replace("@KEY@", key).replace("@TYPE@", type_of or "alpha: 0.01")
+    text = text.replace("@MASS@", mass or "k: 1").replace("@NAMES@", names or "j: 1")
+    kind, found, said = _read(tmp_path, text)
+    if is_read:
+        assert found["a"] == {"kp": 50.0, "kd": 5.0} and found["f"] == {"kp": 20.0, "kd": 2.0}
+    else:
+        assert (kind, found) == (None, {})
+        assert said == ["it has no gains (kp, kps, stiffness, ...)"]
+
+
+def test_an_impedance_of_as_many_entries_as_no_pose_has(tmp_path: Path) -> None:
+    """A leg's joints may be driven by what their author calls an impedance."""
+    text = "joint_names: [a, b, c, d]\nimpedance:\n  kp: [1, 2, 3, 4]\n  kd: [1, 1, 1, 1]\n"
+    assert _read(tmp_path, text)[1]["d"] == {"kp": 4.0, "kd": 1.0}
+
+
+def test_what_hydra_makes_is_no_joint(tmp_path: Path) -> None:
+    """`_target_`, `key` and `dim` of an object are no joints; a tensor is its list."""
+    node = "\n".join(f"{key}:\n  _target_: obs.Setup\n  key: {key}\n  dim: ${{n}}\n" for key in ("kp", "kd"))
+    assert _read(tmp_path, node) == (None, {}, ["it has no gains (kp, kps, stiffness, ...)"])
+    tensor = "joint_names: [hip, knee]\n" + "".join(
+        f"{key}:\n  _target_: torch.tensor\n  data: {data}\n  device: cpu\n"
+        for key, data in (("kp", "[25, 40]"), ("kd", "[0.5, 2]"))
+    )
+    kind, found, said = _read(tmp_path, tensor)
+    assert (kind, said) == (FileKind.DEPLOY, [])
+    assert found == {"hip": {"kp": 25.0, "kd": 0.5}, "knee": {"kp": 40.0, "kd": 2.0}}

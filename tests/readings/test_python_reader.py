@@ -701,6 +701,37 @@ def test_an_armature_that_training_draws_is_not_the_assets(tmp_path: Path) -> No
     assert config.groups[0].settings["armature"].unknown == "asset.dof_armature may be in its place"
 
 
+@pytest.mark.parametrize(
+    ("asset", "control", "unknown"),
+    [
+        ("rotor_inertia = [0.0001188] * 12", "", "asset.rotor_inertia may be in its place"),
+        ("", "motor_inertia = 0.01", "control.motor_inertia may be in its place"),
+        ("use_dof_armature = True", "", "asset.use_dof_armature may be in its place"),
+        # Of links, nothing, and not in force.
+        ("override_inertia = True", "", None),
+        ("dof_armature = []", "", None),
+        ("use_dof_armature = False", "", None),
+    ],
+)
+def test_an_armature_of_a_forks_own(tmp_path: Path, asset: str, control: str, unknown: str | None) -> None:
+    """Forks write one of their own into the joints: what `armature` has, or has not, is not all then."""
+    text = BASE.replace('file = ""', f'file = "dog.urdf"\n        {asset or "pass"}')
+    text = text.replace("    class control:\n", f"    class control:\n        {control or 'pass'}\n")
+    (config,) = read(tmp_path, text).values()
+    assert config.groups[0].settings["armature"].unknown == unknown
+
+
+def test_a_base_may_have_the_forks_armature(tmp_path: Path) -> None:
+    """What a robot's asset inherits is its own."""
+    base = BASE.replace('file = ""', 'file = "dog.urdf"\n        rotor_inertia = [0.01]')
+    text = (
+        base
+        + "\nclass CatCfg(LeggedRobotCfg):\n    class asset(LeggedRobotCfg.asset):\n        file = 'cat.urdf'\n"
+    )
+    cat = next(one for one in read(tmp_path, text).values() if one.name == "CatCfg")
+    assert cat.groups[0].settings["armature"].unknown == "asset.rotor_inertia may be in its place"
+
+
 @pytest.mark.parametrize(("mode", "cls"), [(1, "PhysX"), (2, "PhysX"), (3, "P")])
 def test_a_drive_of_physx_is_no_torque(tmp_path: Path, mode: int, cls: str) -> None:
     """Isaac Gym: DOF_MODE_POS and DOF_MODE_VEL are 1 and 2, DOF_MODE_EFFORT is 3."""

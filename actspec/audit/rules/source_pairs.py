@@ -10,6 +10,7 @@ from functools import cache
 
 from actspec.audit.case import Case
 from actspec.audit.rules.joints import is_left_at_zero
+from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import are_of_two_sides
 from actspec.audit.rules.source_blame import (
     SAME,
@@ -27,7 +28,7 @@ from actspec.readings.body import LIKENESS, SHARE, are_one_body
 from actspec.readings.called import agreement
 from actspec.readings.compare import Figure
 from actspec.readings.dynamics import figure
-from actspec.readings.joint_names import joint_names, last_numbers, series
+from actspec.readings.joint_names import joint_names
 from actspec.readings.ledger import LedgerRow
 
 _Stated = tuple[str, float]
@@ -153,7 +154,7 @@ def _beside_others(
         and case.artifacts[index].kind is not own
         and has(its[joint][1], wrong.theirs)
         and not case.is_met(index)
-        and counts_alike(case, mine, index, joint)
+        and is_one_joint(case, mine, index, joint)
         and _is_one_kind(wrong.rows[0].kind, case.joints[index, joint][0].kind)
     ]
     if not all(is_one_machine(case, mine, index) for index, _ in others):
@@ -284,7 +285,7 @@ def _of_robot(
                     each
                     for each in held
                     if _is_one_kind(kind_here, case.joints[each[0], joint][0].kind)
-                    and counts_alike(case, index, each[0], joint)
+                    and is_one_joint(case, index, each[0], joint)
                 ]
                 alike = {
                     case.artifacts[theirs[0]].path for theirs in held if agree((index, mine), theirs, joint)
@@ -321,22 +322,6 @@ def _of_other_files(
 def _is_one_kind(one: JointKind | None, other: JointKind | None) -> bool:
     """Whether two joints of one name may be the same: a hinge is no slide."""
     return one is other or one is None or other is None
-
-
-def counts_alike(case: Case, one: int, other: int, joint: str) -> bool:
-    """Whether the series of a numbered joint goes as far in both files: the 4th of 6 is not the 4th of 7."""
-    key = series(joint)
-    last = case.once(_last_numbers)
-    ends = {last[index].get(key) for index in (one, other)} if key is not None else {None}
-    return len(ends - {None}) < 2
-
-
-def _last_numbers(case: Case) -> list[dict[tuple[str, str], int]]:
-    """How far the numbered joints of each artifact go."""
-    return [
-        last_numbers(joint for joint in case.joints_by_artifact.get(index, {}) if artifact.robot is not None)
-        for index, artifact in enumerate(case.artifacts)
-    ]
 
 
 def _departing(stated: _StatedBy) -> _StatedBy:

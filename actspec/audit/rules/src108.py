@@ -8,6 +8,7 @@ from typing import ClassVar
 from actspec.audit.case import MODELS
 from actspec.audit.difference import axis_text
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_pairs import are_variants, is_one_machine
 from actspec.readings.artifact import Artifact, FileKind, Robot
@@ -95,7 +96,8 @@ class AxisDisagrees(RuleOver[Robot]):
         told = frozenset(
             name
             for name in opposite
-            if _fix(frames.get(_frames(name, here, there), ()), here[name])
+            if is_one_joint(case, one, other, name)
+            and _fix(frames.get(_frames(name, here, there), ()), here[name])
             and _is_drawn_alike(name, here, there, agree, opposite, most)
         )
         return _Pair(one, other, told, agree)

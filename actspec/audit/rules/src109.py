@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from actspec.audit.case import MODELS
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import is_called_undriven, shown, unit
+from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
-from actspec.audit.rules.source_pairs import counts_alike, is_one_machine
+from actspec.audit.rules.source_pairs import is_one_machine
 from actspec.audit.rules.source_rule import revision
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.fields import is_power_of_ten
@@ -85,7 +86,7 @@ class RangeDisagrees(RuleOver[tuple[Robot, str]]):
 
     def _compare(self, case: Case, wrong: _Stated, row: LedgerRow, right: _Stated) -> Iterator[Finding]:
         other = next(
-            (one for one in right.rows if counts_alike(case, row.artifact, one.artifact, row.joint)), None
+            (one for one in right.rows if is_one_joint(case, row.artifact, one.artifact, row.joint)), None
         )
         if other is None or other.kind is not row.kind:
             return

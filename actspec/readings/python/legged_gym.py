@@ -6,6 +6,7 @@ Source: https://github.com/leggedrobotics/legged_gym, legged_gym/envs/base/legge
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 from actspec.readings.artifact import NETWORK, PHYSX, ActuatorGroup, Framework, RobotConfig, Setting
@@ -48,6 +49,9 @@ _CONTROL = frozenset((*_GROUP, "use_actuator_network", "action_scale", "decimati
 
 Source: legged_gym, legged_robot_config.py and anymal_c_rough_config.py.
 """
+
+_OWN_ARMATURE = re.compile("armature|(?:rotor|motor|actuator|dof|joint|reflected)_?inertia", re.IGNORECASE)
+"""Names by which forks have an armature of their own: `dof_armature`, `rotor_inertia`. Other inertias are of links."""
 
 
 def is_robot(cls: Cls, get: Get) -> bool:
@@ -92,7 +96,7 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
     values = {name: get(control, name) for name in _GROUP}
     asset = _inner(cls, "asset", get)
     if asset is not None:
-        values["armature"] = _armature(cls, asset, get)
+        values["armature"] = _armature(cls, asset, control, get)
     settings: dict[str, Setting] = {}
     for name, value in values.items():
         if value is not None:
@@ -118,9 +122,13 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
         # The gains are not used then.
         cls_name = NETWORK
     patterns = tuple(joints) if certain else None
-    names = (name for one in ancestors(control) if isinstance(one, Cls) for name in one.scope.names)
-    own = tuple(name for name in dict.fromkeys(names) if name not in _CONTROL)
+    own = tuple(name for name in _names(control) if name not in _CONTROL)
     draft.groups.append(ActuatorGroup("control", cls_name, control.span, patterns, settings, own=own))
+
+
+def _names(cls: Cls) -> dict[str, None]:
+    """What a class and those that it inherits have, each once."""
+    return dict.fromkeys(name for one in ancestors(cls) if isinstance(one, Cls) for name in one.scope.names)
 
 
 def _is_chosen(control: Cls, kind: str) -> bool:
@@ -131,17 +139,19 @@ def _is_chosen(control: Cls, kind: str) -> bool:
     return kind in _TORQUES and "control_type" in next(filter(None, stated), ())
 
 
-def _armature(cls: Cls, asset: Cls, get: Get) -> Value | None:
+def _armature(cls: Cls, asset: Cls, control: Cls, get: Get) -> Value | None:
     """`asset.armature`, unknown where joints have another: forks draw one in its place, add to it or multiply it, or
     set one by a name of their own."""
     domain = _inner(cls, "domain_rand", get)
     switch = None if domain is None else get(domain, "randomize_joint_armature")
     if switch is not None and switch.data is not False:
         return Value(Unknown("domain_rand.randomize_joint_armature draws another"), switch.span)
-    own = next((name for name in asset.scope.names if "armature" in name and name != "armature"), None)
-    other = None if own is None else get(asset, own)
-    if other is not None:
-        return Value(Unknown(f"asset.{own} may be in its place"), other.span)
+    for where, block in (("asset", asset), ("control", control)):
+        for name in _names(block):
+            own = get(block, name) if _OWN_ARMATURE.search(name) and name != "armature" else None
+            # A fork's base has `dof_armature = []` where robots have theirs.
+            if own is not None and known(own) not in ((), []) and own.data is not False:
+                return Value(Unknown(f"{where}.{name} may be in its place"), own.span)
     return get(asset, "armature")
 
 
