@@ -83,14 +83,14 @@ in the file: fewer are of a leg, of a foot, of a pose in space."""
 _MATRIX = 36
 """Entries of a matrix of stiffness in space."""
 
-_SPACES = frozenset(("cartesian", "admittance", "impedance", "compliance"))
-"""Words of a block, or of a controller's type, whose stiffness is of a pose in space. `task` is IsaacGymEnvs' word for
-everything, `cart` a pole's."""
+_SPACES = frozenset(("cartesian", "admittance", "compliance"))
+"""Words of a block, or of a controller's type, whose stiffness is of a pose in space. An impedance is of joints as
+often, `task` is IsaacGymEnvs' word for everything, `cart` a pole's."""
 
 _OF_A_POSE = (3, 6, _MATRIX)
 """Entries of a stiffness in space."""
 
-_MASS = ("mass", "damping_ratio", "selected_axes")
+_AXES = "selected_axes"
 """What stands beside an admittance's stiffness. Source: ros2_controllers, admittance_controller_parameters.yaml."""
 
 _TENSORS = ("torch.tensor", "torch.Tensor", "torch.FloatTensor", "torch.as_tensor")
@@ -148,7 +148,7 @@ def is_in_space(block: Mapping[str, yaml.Node], *, below: bool) -> bool:
     gains = [block[key] for key in GAIN_KEYS if key in block]
     # A list of names in the block itself is of its gains; a controller in space names the joints that it moves.
     told = below and not any(key in block for key in NAMES)
-    told = told or type_of_space(block) or sum(key in block for key in _MASS) > 1
+    told = told or type_of_space(block) or _AXES in block
     lists = [node.value for node in gains if isinstance(node, yaml.SequenceNode)]
     return told and len(lists) == len(gains) > 0 and all(len(own) in _OF_A_POSE for own in lists)
 

@@ -213,6 +213,17 @@ def test_a_project_that_asks_for_an_older_mujoco() -> None:
 
 
 @pytest.mark.usefixtures("_old_model")
+def test_a_slip_that_no_release_takes() -> None:
+    """An older MuJoCo is no excuse for `ctrlimited`."""
+    Path("requirements.txt").write_text("mujoco==2.3.7\n")
+    Path("robots/leg.xml").write_text(
+        '<mujoco><worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody>'
+        '<actuator><motor joint="j" ctrlimited="true"/></actuator></mujoco>'
+    )
+    assert refused(Settings(select=("AUD020",)))[0] == "warning"
+
+
+@pytest.mark.usefixtures("_old_model")
 def test_the_version_that_was_said_goes_before() -> None:
     """`-t mujoco==2.3.7` is as good as a pin, and one for the installed release sets a pin aside."""
     level, message = refused(Settings(versions=Versions(mujoco="2.3.7")))

@@ -765,7 +765,6 @@ _ADMITTANCE = """arm/controller:
     joints: [a, b, c, d, e, f]
     @KEY@:
       @NAMES@
-      selected_axes: [true, true, true, true, true, true]
       @MASS@
       stiffness: [50, 50, 50, 20, 20, 20]
       damping: [5, 5, 5, 2, 2, 2]
@@ -778,10 +777,13 @@ _ADMITTANCE = """arm/controller:
         ("admittance", "", "", "", False),
         ("cartesian_impedance", "", "", "", False),
         ("gains", "type: admittance_controller/AdmittanceController", "", "", False),
-        ("gains", "", "mass: [8, 8, 8, 1, 1, 1]", "", False),
+        ("gains", "", "selected_axes: [true, true, true, false, false, false]", "", False),
         # Of joints: nothing speaks of space, a word of joints, their names beside the figures.
         ("gains", "type: joint_trajectory_controller/JointTrajectoryController", "", "", True),
         ("joint_impedance", "", "", "", True),
+        ("impedance", "", "", "", True),
+        ("gains", "type: impedance", "", "", True),
+        ("gains", "", "mass: [8, 8, 8, 1, 1, 1]", "", True),
         ("impedance", "", "", "joint_names: [a, b, c, d, e, f]", True),
     ],
 )

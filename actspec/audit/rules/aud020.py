@@ -1,13 +1,32 @@
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from actspec.audit.finding import quoted
 from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span, one_line
-from actspec.readings.artifact import FileReading
+from actspec.patterns import is_slip
+from actspec.readings.artifact import Artifact, FileReading
 from actspec.readings.versions import mujoco_of
 from actspec.simulators import text_of
+
+_BY_RELEASE = re.compile(
+    r"unrecognized (?:attribute: '(\w+)'|element)|no longer supported|orientation specifier"
+)
+"""Reasons of MuJoCo that another release may not have; what no joint is, none has."""
+
+# fmt: off
+_NAMES = (
+    "actlimited", "actuatorfrclimited", "actuatorfrcrange", "actuatorgravcomp", "armature", "axis",
+    "biasprm", "biastype", "class", "ctrllimited", "ctrlrange", "damping", "diaginertia", "dynprm",
+    "dyntype", "forcelimited", "forcerange", "friction", "frictionloss", "fullinertia", "gainprm",
+    "gaintype", "gear", "inheritrange", "joint", "lengthrange", "limited", "margin", "material", "plugin",
+    "range", "solimp", "solref", "springref", "stiffness", "target", "tendon", "timeconst", "timestep",
+    "integrator", "meshdir", "texturedir", "autolimits", "inertiafromgeom",
+)
+# fmt: on
+"""Names of attributes that are misspelt: no release has `ctrlimited`. Source: MuJoCo 4.0.0, XML reference."""
 
 
 class RefusedModel(Rule):
@@ -28,7 +47,7 @@ class RefusedModel(Rule):
                         Severity.INFO,
                     )
                     help = f"audit {whole} in its place"
-                elif (older := _older(case, file)) is not None:
+                elif (older := _older(case, file, artifact)) is not None:
                     message, severity = f"{message} {older}", Severity.INFO
                 yield Finding(
                     self.code,
@@ -40,9 +59,10 @@ class RefusedModel(Rule):
                 )
 
 
-def _older(case: Case, file: FileReading) -> str | None:
+def _older(case: Case, file: FileReading, artifact: Artifact) -> str | None:
     """The installed release with what asks for an older one, which is what was said before what a project says."""
-    if file.refused_by is None:
+    reason = _BY_RELEASE.search(artifact.text_only or "")
+    if file.refused_by is None or reason is None or (reason[1] and is_slip(reason[1], _NAMES)):
         return None
     meant = mujoco_of(case.versions)
     if meant is None:

@@ -22,7 +22,7 @@ from actspec.audit.rules.joints import (
     shown,
     undriven_joints,
 )
-from actspec.audit.rules.sided import are_of_two_sides, mirrors
+from actspec.audit.rules.sided import are_of_two_sides, mirrors, of_its_leg
 from actspec.audit.rules.source_pairs import is_one_machine
 from actspec.diagnostics import one_line
 from actspec.fields import PLACEHOLDER_SPEED
@@ -234,8 +234,13 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
 
 
 def _is_rarer(case: Case, row: LedgerRow, field: str, one: float, other: float) -> bool:
-    """Whether fewer joints of the file have one figure than the other: a leg that is unlike the three others."""
-    values = [getattr(each, field) for each in case.rows_of(row.artifact)] if field else []
+    """Whether fewer joints of the file have one figure than the other: a leg that is unlike the three others.
+
+    Of several legs the joints of its kind tell: a knee's slip may be the hips' figure.
+    """
+    rows = case.rows_of(row.artifact) if field else ()
+    alike = [each for each in rows if of_its_leg(each.joint) == of_its_leg(row.joint)]
+    values = [getattr(each, field) for each in (alike if len(alike) > 2 else rows)]
     return 0 < values.count(one) < values.count(other)
 
 

@@ -183,4 +183,6 @@ def _left_out(joint: JointActuator, zero: float, poses: Span | None) -> Iterator
     help = (
         f"name it here with the position of zero action; `{joint.joint}: {middle}` is the middle of its range"
     )
-    yield Found(Doubt("SPEC190", message, "robot.default_pose", poses, help), joint.joint, beyond)
+    yield Found(
+        Doubt("SPEC190", message, "robot.default_pose", poses, help), joint.joint, beyond, missing=True
+    )

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from actspec.diagnostics import Span
-from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
+from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity, tidy
 from actspec.poses import POSE_TOLERANCE
 from actspec.spec.plausible.clamps import PART, WIDE, clamp_words, is_open, is_posed, turned_words
 from actspec.spec.plausible.relations import DEGREE, RPM
@@ -164,7 +164,7 @@ def scale_found(joint: JointActuator) -> Iterator[Found]:
         readings = _slips(joint) if joint.command is Command.VELOCITY else []
     readings += [(0.01, "%")] if size >= 5.0 else []
     # What would be beyond the joint again is not meant.
-    readings = [reading for reading in readings if reading[0] * reach <= span]
+    readings = [reading for reading in readings if tidy(reading[0] * reach) <= span]
     if joint.command is Command.POSITION and joint.kp is not None and joint.kp.value and limit.value:
         share = joint.kp.value * reach / limit.value
         readings.sort(key=lambda reading: abs(math.log(share * reading[0] / USUAL_SHARE)))

@@ -390,6 +390,9 @@ def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterat
     percent = len(far) > 1 and any((end.value or 0.0) > DIGIT for end in far)
     # One end alone has its point in the wrong place: without that it is near 1.
     by = 100.0 if percent else 10.0 ** round(math.log10(far[-1].value or 1.0))
+    if not percent and len(ends) == 2 and (ends[0].value or 0.0) > (far[-1].value or 0.0) / by:
+        # One end alone in its place would leave the range the wrong way round.
+        far = list(ends)
     meant = _all(f"{(end.value or 0.0) / by:g}" for end in far)
     help = f"is it in %? Then write {meant}" if percent else f"did you mean {meant}?"
     if most < FACTOR:

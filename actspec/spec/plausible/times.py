@@ -91,6 +91,9 @@ def _drawn_delay(group: Actuators, path: Path) -> Iterator[tuple[SpecValue, Path
     if entry is not None and isinstance(pair, tuple):
         operation = "abs" if entry.add is None else "add"
         ends = [(end, (*path, operation, index)) for index, end in enumerate(pair)]
+        if operation == "add":
+            # A difference may be below 0, or as small as one likes.
+            ends = [(end, place) for end, place in ends if (end.value or 0.0) >= DELAY[0]]
         yield from sorted(ends, key=lambda end: -(end[0].value or 0.0))
 
 

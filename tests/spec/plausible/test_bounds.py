@@ -650,6 +650,26 @@ def test_a_joint_that_the_default_pose_leaves_out(pose: str, fields: str, messag
         )
 
 
+def test_two_joints_that_the_default_pose_leaves_out() -> None:
+    """Each has a range and a middle of its own: (-2.2 - 0.4) / 2 and (0.3 + 2.5) / 2."""
+    text = spec_of(
+        "hips: {joints: [hip], level: ideal_pd, kp: 8, kd: 0.2}, "
+        "rest: {joints: [calf, toe], level: ideal_pd, kp: 8, kd: 0.2}",
+        robot="name: leg, model: robot.xml, default_pose: {hip: 0.1 rad}",
+    )
+    links = "".join(
+        f'<body><joint name="{name}" axis="0 1 0" range="{ends}"/><geom size="0.1" mass="1"/>'
+        for name, ends in (("calf", "-2.2 -0.4"), ("toe", "0.3 2.5"))
+    )
+    (found,) = said(text, MODEL.replace("</body>", f"{links}</body></body></body>"))
+    zero = "no default position is stated, so that it is 0 rad, outside of the joint's range"
+    assert found.message == f"calf: {zero}, -2.2 rad to -0.4 rad; toe: {zero}, 0.3 rad to 2.5 rad"
+    assert found.help == (
+        "name it here with the position of zero action; `calf: -1.3 rad` is the middle of its range; "
+        "`toe: 1.4 rad` is the middle of its range"
+    )
+
+
 @pytest.mark.parametrize(("pose", "told"), [("", False), ("calf: 0.1 rad", True)])
 def test_a_command_range_without_the_zero_of_a_joint_that_has_no_pose(pose: str, told: bool) -> None:
     """-1 to 0.5 rad have 0, and the command cannot: a joint that `default_pose` leaves out is there at zero action."""
@@ -1078,6 +1098,8 @@ def test_a_slow_drive_may_be_heavy(speed: str, expected: list[str]) -> None:
     ("fields", "help"),
     [
         ("randomize: {kd: {scale: [0.9, 11]}}", "did you mean 1.1?"),
+        # 8 and 1.2 were the wrong way round.
+        ("randomize: {kd: {scale: [8, 12]}}", "did you mean 0.8 and 1.2?"),
         ("randomize: {kd: {scale: [90, 110]}}", "is it in %? Then write 0.9 and 1.1"),
         ("encoder_bias: 1 rad", "is it in degrees? Then write 1 deg"),
         # 15 deg are no encoder's error either, 15 arcmin are 0.25 deg.

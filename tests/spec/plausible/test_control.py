@@ -65,6 +65,9 @@ def test_a_rate_as_a_number_of_steps(robot: str, timing: str, help: str | None) 
         ("delay: 5 ms, randomize: {delay: {add: [0 s, 0.25 s]}}", []),
         ("delay: 5 ms, randomize: {delay: {add: [0 s, 0.26 s]}}", ["SPEC186"]),
         ("delay: 5 ms, randomize: {delay: {add: [0 s, 10 s]}}", ["SPEC186!"]),
+        # A jitter is below 0 as often, or as small as one likes.
+        ("delay: 5 ms, randomize: {delay: {add: [-2 ms, 2 ms]}}", []),
+        ("delay: 5 ms, randomize: {delay: {add: [-10 us, 10 us]}}", []),
         ("delay: 5 ms, randomize: {delay: {abs: [5 s, 15 s]}}", ["SPEC186!"]),
         ("delay: 5 ms, randomize: {delay: {abs: [2 ms, 15 ms]}}", []),
         # 4.5 x 5 ms.
