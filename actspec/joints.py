@@ -41,9 +41,14 @@ def other_word(one: str, other: str) -> tuple[str, str] | None:
     return apart.pop() if len(apart) == 1 else None
 
 
+def plain_words(name: str) -> list[str]:
+    """The words and numbers of a name in lower case, whatever divides them; a capital letter begins none."""
+    return re.findall(r"[a-z]+|\d+", name.lower())
+
+
 def begin_alike(one: str, other: str) -> bool:
     """Whether two names have the same words and numbers, in letters of any size, as far as the shorter one goes."""
-    mine, its = (re.findall(r"[a-z]+|\d+", name.lower()) for name in (one, other))
+    mine, its = plain_words(one), plain_words(other)
     least = min(len(mine), len(its))
     return least > 0 and mine[:least] == its[:least]
 

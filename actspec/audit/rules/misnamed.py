@@ -12,7 +12,7 @@ from actspec.audit.rules.joints import names_undriven
 from actspec.audit.rules.ord101 import scalar_joints, stated_order
 from actspec.audit.rules.sided import across
 from actspec.diagnostics import Span, nearest
-from actspec.joints import ARM_WORDS, LEG_WORDS, begin_alike, other_word
+from actspec.joints import ARM_WORDS, LEG_WORDS, begin_alike, other_word, plain_words
 from actspec.patterns import is_slip
 from actspec.readings.artifact import Artifact, FileKind, Framework
 from actspec.readings.joint_names import matching
@@ -123,7 +123,7 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
         for pattern in group.joints or ()
     ]
     words = dict.fromkeys(
-        word for text in (*(names.keys() - {*lost}), *patterns) for word in _LETTERS.findall(text)
+        word for text in (*(names.keys() - {*lost}), *patterns) for word in LETTERS.findall(text)
     )
     free = {
         other: one
@@ -136,7 +136,7 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
     for name in lost:
         meant = {
             text: one
-            for found in _LETTERS.finditer(name)
+            for found in LETTERS.finditer(name)
             for word in sorted(words)
             if word != found[0] and nearest(found[0], [word]) and not are_two_parts(found[0], word)
             for text in (f"{name[: found.start()]}{word}{name[found.end() :]}",)
@@ -149,7 +149,7 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
             yield name, names[name], sided[name], free[sided[name]]
 
 
-_LETTERS = re.compile(r"[^\W\d_]{3,}")
+LETTERS = re.compile(r"[^\W\d_]{3,}")
 """Words of a name, or of a pattern, that a slip may have changed: sides and axes are shorter."""
 
 
@@ -225,7 +225,7 @@ def _of_its_side(lost: Sequence[str], free: Sequence[str], names: Sequence[str])
 
 def _are_near_by_word(one: str, other: str) -> bool:
     """Whether each word of a name is nearly the other's: a tool or a gripper is no ankle of its side."""
-    mine, its = (re.findall(r"[a-z]+|\d+", name.lower()) for name in (one, other))
+    mine, its = plain_words(one), plain_words(other)
     pairs = [pair for pair in zip(mine, its, strict=False) if pair[0] != pair[1]]
     near = all(nearest(a, [b]) and not are_two_parts(a, b) for a, b in pairs)
     return near or "".join(mine) == "".join(its)

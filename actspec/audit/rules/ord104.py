@@ -1,14 +1,20 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS, is_as_written, posed
-from actspec.audit.rules.misnamed import beside_patterns, drivers_beside, is_misspelt, is_swapped, misnamed
+from actspec.audit.rules.misnamed import (
+    LETTERS,
+    beside_patterns,
+    drivers_beside,
+    is_misspelt,
+    is_swapped,
+    misnamed,
+)
 from actspec.diagnostics import Span, listed, nearest, shortened
 from actspec.patterns import match_names, recased
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
@@ -276,16 +282,13 @@ _STARTS = {
 }
 """What a framework calls default positions, and what it does with a joint that no key is for, or with such a key."""
 
-_LETTERS = re.compile(r"[^\W\d_]{3,}")
-"""Words of a key that a slip may have changed: sides are shorter."""
-
 
 def _respelt(framework: Framework, key: str, names: Sequence[str]) -> Iterator[str]:
     """What a key may have been: with one word of the joints in the place of one that is nearly it, with other capital
     letters, or, where keys are patterns, with a dot that was left out, or with what may stand before and after it.
     """
-    words = dict.fromkeys(word for name in names for word in _LETTERS.findall(name))
-    for found in _LETTERS.finditer(key):
+    words = dict.fromkeys(word for name in names for word in LETTERS.findall(name))
+    for found in LETTERS.finditer(key):
         for word in words if found[0] not in words else ():
             if is_swapped(found[0], word) or is_misspelt(found[0], word):
                 yield f"{key[: found.start()]}{word}{key[found.end() :]}"
