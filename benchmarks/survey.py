@@ -356,7 +356,7 @@ def _untouched(told: Sequence[dict[str, Any]]) -> Iterator[str]:
         "changed, the second what was seen at first where something was.",
     )
     for block in told:
-        useful, true, false = (sum(row[i] for row in block["wheels"].values()) for i in (1, 2, 3))
+        _, useful, true, false = _sums(block["wheels"])
         count = useful + true + false
         yield from (
             "",
@@ -383,9 +383,16 @@ def _blind(told: Sequence[dict[str, Any]]) -> Iterator[str]:
         "Repositories that were chosen before a file of them was read, audited once, with every finding counted as it",
         "was on first sight. What is said twice counts once as worth acting on, and once as true. Repositories without",
         "a file to audit are not listed; three that had been read for other purposes are left out.",
+        "",
+        "| sample | repositories | files | worth acting on | true | false | |",
+        "|---|---:|---:|---:|---:|---:|---:|",
     )
     for block in told:
-        files, useful, true, false = (sum(row[i] for row in block["sources"].values()) for i in range(4))
+        files, *worth = _sums(block["sources"])
+        share = f"{100 * worth[0] / sum(worth):.0f} %"
+        yield f"| {' | '.join(map(str, (block['name'], len(block['sources']), files, *worth, share)))} |"
+    for block in told:
+        files, useful, true, false = _sums(block["sources"])
         count = useful + true + false
         yield from (
             "",
@@ -400,14 +407,21 @@ def _blind(told: Sequence[dict[str, Any]]) -> Iterator[str]:
         )
 
 
-def _wheels(wheels: dict[str, Any], last: str) -> Iterator[str]:
-    """A table of wheels, with their sum."""
-    rows = [(name, *row) for name, row in wheels.items()]
-    sums = [sum(row[i] for row in rows) for i in range(1, 5)]
+def _sums(sources: dict[str, Any]) -> list[int]:
+    """Files, and findings worth acting on, true and false."""
+    return [sum(row[i] for row in sources.values()) for i in range(4)]
+
+
+def _wheels(sources: dict[str, Any], last: str) -> Iterator[str]:
+    """A table of the sources of which something was found, with the sum of all, and below it the others' names."""
+    rows = [(name, *row) for name, row in sources.items() if any(row[1:4])]
+    silent = [f"{_cell(name)} ({row[0]})" for name, row in sources.items() if not any(row[1:4])]
     yield f"| name | files | worth acting on | true | false | {last} |"
     yield "|---|---:|---:|---:|---:|---|"
     yield from (f"| {' | '.join(_cell(str(cell)) for cell in row)} |" for row in rows)
-    yield f"| all | {' | '.join(map(str, sums))} | |"
+    yield f"| all {len(sources)} | {' | '.join(map(str, _sums(sources)))} | |"
+    if silent:
+        yield from ("", f"Nothing was found in (files): {', '.join(silent)}.")
 
 
 def _warning(verdict: Verdict, members: Sequence[Found]) -> Iterator[str]:
