@@ -18,7 +18,7 @@ from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.called import agreement, are_two, shared_words, words_of
 from actspec.readings.deploy import MOST_JOINTS
-from actspec.readings.deploy_keys import NAMES
+from actspec.readings.deploy_keys import NAMES, names_in_a_row
 from actspec.readings.deploy_motors import SDK_NAMES
 from actspec.readings.dict_keys import POSE, meets
 from actspec.readings.joint_names import joint_names, matching
@@ -460,6 +460,8 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
     keyed: list[Joints] | None = []
     # Aliases may form a circle, or be many.
     for key, node in itertools.islice(pending, MOST_STEPS):
+        if key in NAMES:
+            node = names_in_a_row(node, lambda own: dict(_entries(own)))
         if isinstance(node, yaml.MappingNode):
             pending += [(str(one.value), value) for one, value in node.value]
             below = node is not root and key in NAMES and node.value

@@ -415,6 +415,7 @@ class LegCfg(LeggedRobotCfg):
         ("io.json", json.dumps({"joint_names": NAMES}), "from io.json", NAMES),
         ("j.yaml", json.dumps(NAMES), "from j.yaml", NAMES),
         ("d.yaml", f"joint_names: {json.dumps(NAMES)}\nkp: [1, 1, 1, 1]\nkd: [1, 1, 1, 1]\n", "d.yaml", NAMES),
+        ("num.yaml", "joints: " + json.dumps({i: n for i, n in enumerate(NAMES)}), "from num.yaml", NAMES),
         ("m.json", json.dumps({"num": 4, "joints": [{"id": "a", "name": n} for n in NAMES]}), "from m.json", NAMES),
         ("t.csv", "joint index,name,limit\n" + "".join(f"{i},{n},1\n" for i, n in enumerate(NAMES)), "t.csv", NAMES),
         ("u.csv", '\ufeff"Joint";"Side"\r\n' + "".join(f'"{n}";"l"\r\n' for n in NAMES), "from u.csv", NAMES),
@@ -454,7 +455,7 @@ class LegCfg(LeggedRobotCfg):
         ),
     ],
     ids=[
-        *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "mappings"),
+        *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "by number", "mappings"),
         *("CSV", "semicolons", "numbers", "blanks", "sides", "one column", "two lines", "a number a line"),
         "any ending",
         *("printed", "printed behind words", "in a log", "quoted", "columns of signals"),
