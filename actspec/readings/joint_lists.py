@@ -52,6 +52,7 @@ class JointList:
         changed: How the names were changed; "": they are as they stand there.
         path: The file, of a folder's; "" for one that was named itself, which is the robot's whatever it is called.
         words: Telling words of what a folder's file is called.
+        why: Why a folder's file counts that is not called as the robot; "": it is, or was chosen of several.
     """
 
     joints: Joints
@@ -59,6 +60,7 @@ class JointList:
     changed: str = ""
     path: str = ""
     words: frozenset[str] = frozenset()
+    why: str = ""
 
 
 _USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -204,6 +206,8 @@ def fitting(lists: Sequence[JointList], robot: Sequence[Artifact], named: str) -
     if called := [one for one in meant if _best([one], configs, words, named) is not None]:
         message = f"all of its files with these joints are called as other robots: {_shown(called)}"
         raise _refusal(message, named, _NAME_ONE)
+    if found is not None and len(lists) == 1 and found.path and not shared_words(words, found.words):
+        return replace(found, why="the only file there with joints, which is not called as the configuration")
     return found
 
 
