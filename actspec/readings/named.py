@@ -173,7 +173,9 @@ class PendingFiles:
                 answer = _lost(path, str(answer))
             pins = pins_once() if answer.refused_models else None
             if pins is not None:
-                answer = replace(answer, refused_by=pins.installed, asked=pins.older(path))
+                answer = replace(
+                    answer, refused_by=pins.installed, asked=pins.older(path, self._files[index].folder)
+                )
             found[index] = answer
             if answer.refused_models and (self._files[index].named or self._files[index].folder is None):
                 wholes = Around(path).wholes(INCLUDED)[:MOST_WHOLES]
