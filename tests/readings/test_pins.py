@@ -107,9 +107,7 @@ def test_programs_of_both() -> None:
     assert older() == "requirements.txt:2 asks for mujoco==2.2.0, which may take it"
 
 
-@pytest.mark.parametrize(
-    "name", ["train/requirements.txt", "assets/mjx/setup.py", "assets/hand/doc/pyproject.toml"]
-)
+@pytest.mark.parametrize("name", ["train/requirements.txt", "assets/mjx/setup.py"])
 def test_of_a_package_beside_it(name: str) -> None:
     """A repository of several packages has its models in one; another's pin counts where none is nearer."""
     Path(name).parent.mkdir()
