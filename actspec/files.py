@@ -160,6 +160,20 @@ def in_repository(path: str) -> Iterator[str]:
             return
 
 
+def leads_into(path: str, roots: Iterable[str]) -> bool:
+    """Whether a path leads to what is in one of some folders, whatever `..` and links are on the way.
+
+    Args:
+        path: As a stranger may have written it.
+        roots: Real paths of the folders.
+    """
+    try:
+        real = os.path.realpath(path)
+    except (OSError, ValueError):  # NUL in it
+        return False
+    return any(real.startswith(os.path.join(root, "")) for root in roots)
+
+
 def folders_in(folder: str) -> list[str]:
     """The folders of a folder, as a user would name them, without hidden ones and links."""
     try:

@@ -123,14 +123,13 @@ class Pins:
                 return wrapper.asked
         if not os.path.lexists(os.path.join(folders[-1], ".git")):
             # What is beside them up there is somebody's other projects.
-            own = [os.path.abspath(one) for one in folders]
-            root = None if named is None else os.path.abspath(named)
-            folders = folders[: own.index(root) + 1] if root in own else []
+            whole = [os.path.abspath(one) for one in folders]
+            root = "" if named is None else os.path.abspath(named)
+            folders = folders[: whole.index(root) + 1] if root in whole else []
         for folder in folders[1:]:
-            versions = self._beside(folder)
-            if versions:
-                all_old = all(_is_older(one.clauses, self.installed) for one in versions)
-                return versions[0].asked if all_old else None
+            if beside := self._beside(folder):
+                all_old = all(_is_older(one.clauses, self.installed) for one in beside)
+                return beside[0].asked if all_old else None
         return None
 
     def _beside(self, folder: str) -> tuple[_Said, ...]:
