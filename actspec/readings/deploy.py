@@ -325,7 +325,7 @@ class _Reader:
         """A mapping's keys as they stand there."""
         for key, _ in node.value:
             self._step(key)
-        return {str(key.value): value for key, value in node.value}
+        return {str(key.value): value for key, value in node.value if isinstance(key, yaml.ScalarNode)}
 
     def _config(
         self,

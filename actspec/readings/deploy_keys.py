@@ -247,7 +247,9 @@ def names_in_a_row(
         mapping: A mapping's keys.
     """
     own = mapping(node) if isinstance(node, yaml.MappingNode) else {}
-    names = bool(own) and all(value.tag == "tag:yaml.org,2002:str" for value in own.values())
+    # One that stands twice, or a key that is no number, leaves open which is meant.
+    whole = bool(own) and len(own) == len(node.value)
+    names = whole and all(value.tag == "tag:yaml.org,2002:str" for value in own.values())
     return _row(node, own, int("0" not in own)) if names else node
 
 

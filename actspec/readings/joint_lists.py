@@ -156,9 +156,9 @@ def environment_of(text: str) -> Artifact | None:
 
 
 def _entries(node: yaml.Node | None) -> list[tuple[str, yaml.Node]]:
-    return (
-        [(str(key.value), value) for key, value in node.value] if isinstance(node, yaml.MappingNode) else []
-    )
+    """Keys and values; a key that is a list or mapping, of which a text may have no end, is none."""
+    pairs = node.value if isinstance(node, yaml.MappingNode) else []
+    return [(str(key.value), value) for key, value in pairs if isinstance(key, yaml.ScalarNode)]
 
 
 def _entry(node: yaml.Node | None, name: str) -> yaml.Node | None:
@@ -462,15 +462,21 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
     pending = [] if root is None else [("joints", root)]
     # `joints: {hip: {...}, knee: {...}}`, where the file has no list.
     keyed: list[Joints] | None = []
-    # Aliases may form a circle, or be many.
+    # Aliases may form a circle, or be many: below each key of names a node counts once, below all others, too.
+    seen = set[tuple[str, int]]()
     for key, node in itertools.islice(pending, MOST_STEPS):
+        place = key if key in (*NAMES, *SDK_NAMES) else "", id(node)
+        if place in seen:
+            continue
+        seen.add(place)
         if key in NAMES:
             node = names_in_a_row(node, lambda own: dict(_entries(own)))
         if isinstance(node, yaml.MappingNode):
-            pending += [(str(one.value), value) for one, value in node.value]
-            below = node is not root and key in NAMES and node.value
-            if keyed is not None and below and all(isinstance(v, yaml.MappingNode) for _, v in node.value):
-                keyed.append(tuple(dict.fromkeys(str(one.value) for one, _ in node.value)))
+            entries = _entries(node)
+            pending += entries
+            below = node is not root and key in NAMES and entries
+            if keyed is not None and below and all(isinstance(v, yaml.MappingNode) for _, v in entries):
+                keyed.append(tuple(dict(entries)))
         elif isinstance(node, yaml.SequenceNode):
             texts = [item.value for item in node.value if item.tag == "tag:yaml.org,2002:str"]
             # `joints: [{name: hip}, {name: knee}]`

@@ -584,6 +584,24 @@ def test_a_long_list_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]
     assert "has 200000 names of joints, at most 2000 are read" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        # A key whose text has 10^8 entries.
+        "".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}' if i else 'x'] * 10)}]\n" for i in range(9))
+        + "? *a8\n: 1\n",
+        # 20,000 values, 5000 times.
+        f"n: &n [{'x, ' * 20_000}]\n" + "".join(f"b{i}: {{c: *n}}\n" for i in range(5000)),
+    ],
+    ids=["a key", "aliases"],
+)
+def test_aliases_of_aliases(folder: Path, text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each of them took minutes, or all memory."""
+    (folder / "laughs.yaml").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "laughs.yaml"]) == 2
+    assert "no list of joint names is in it" in capsys.readouterr().err
+
+
 def test_a_beginning_that_the_patterns_have_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Joints that are called `q_hip` are so called where the configuration says it."""
     cfg = CFG.replace('[".*_hip", ".*_knee"]', '["q_.*_hip", "q_.*_knee"]').replace(".*_", "q_.*_")

@@ -81,7 +81,14 @@ def test_names_by_number(names: str, figures: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "names", ["{0: hip, 2: knee, 3: foot}", "{0: hip, 1: null, 2: foot}", "{hip: 0, knee: 1, foot: 2}"]
+    "names",
+    [
+        "{0: hip, 2: knee, 3: foot}",
+        "{0: hip, 1: null, 2: foot}",
+        "{hip: 0, knee: 1, foot: 2}",
+        "{0: hip, 1: knee, 2: foot, ? [3] : toe}",
+        "{0: hip, 1: knee, 1: toe, 2: foot}",
+    ],
 )
 def test_names_that_are_not_numbered_in_a_row(names: str) -> None:
     """A gap is a motor that no joint has, for all that is told: whose a value of a list is stays open."""
