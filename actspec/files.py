@@ -160,6 +160,34 @@ def in_repository(path: str) -> Iterator[str]:
             return
 
 
+def leads_into(path: str, roots: Iterable[str]) -> bool:
+    """Whether a path leads to what is in one of some folders, whatever `..` and links are on the way.
+
+    Args:
+        path: As a stranger may have written it.
+        roots: Real paths of the folders.
+    """
+    try:
+        real = os.path.realpath(path)
+    except (OSError, ValueError):  # NUL in it
+        return False
+    return any(real.startswith(os.path.join(root, "")) for root in roots)
+
+
+def folders_in(folder: str) -> list[str]:
+    """The folders of a folder, as a user would name them, without hidden ones and links."""
+    try:
+        with os.scandir(folder or os.curdir) as entries:
+            names = [
+                one.name
+                for one in entries
+                if not one.name.startswith(".") and one.is_dir(follow_symlinks=False)
+            ]
+    except (OSError, ValueError):
+        return []
+    return [os.path.normpath(os.path.join(folder, name)) for name in sorted(names)]
+
+
 def json_of(data: Any, *, indent: int | None = 2, sort_keys: bool = False) -> str:
     """JSON to be kept in a file: Unicode, but nothing that cannot be printed; NaN and infinity are refused."""
     text = json.dumps(data, indent=indent, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 
@@ -19,6 +20,9 @@ END_WORDS = frozenset({"front", "fore", "rear", "back", "hind"})
 
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^A-Za-z0-9]+")
 """A word or number of a joint's name, or what stands between two: `LHipPitch` has three words, and so has `l_hip1`."""
+
+LETTERS = re.compile(r"[^\W\d_]{3,}")
+"""Words of a name, or of a pattern, that a slip may have changed: sides and axes are shorter."""
 
 # fmt: off
 LEG_WORDS = frozenset((
@@ -39,6 +43,18 @@ def other_word(one: str, other: str) -> tuple[str, str] | None:
         return None
     apart = {pair for pair in zip(mine, its, strict=True) if pair[0] != pair[1]}
     return apart.pop() if len(apart) == 1 else None
+
+
+def respelt(name: str, near: Callable[[str], Iterable[str]]) -> Iterator[str]:
+    """What a name, or a pattern, may have been: with one of its words as others have it.
+
+    Args:
+        name: As it is written.
+        near: The words that may stand in the place of one.
+    """
+    for found in LETTERS.finditer(name):
+        for word in near(found[0]):
+            yield f"{name[: found.start()]}{word}{name[found.end() :]}"
 
 
 def plain_words(name: str) -> list[str]:

@@ -20,6 +20,7 @@ from actspec.diagnostics import (
     listed,
     one_line,
 )
+from actspec.files import leads_into
 from actspec.logs import Log, LogError, load_log
 from actspec.report.terminal import Progress, print_diagnostics
 from actspec.spec.results import FitFile, Results
@@ -116,11 +117,7 @@ def _found(named: str, results: str) -> _Found:
     paths, outside = [], True
     for base in (os.curdir, os.path.dirname(results) or os.curdir):
         path = os.path.normpath(os.path.join(base, named))
-        try:
-            real = os.path.realpath(path)
-            inside = any(os.path.commonpath([root, real]) == root for root in roots)
-        except ValueError:  # NUL in it, or another drive
-            continue
+        inside = leads_into(path, roots)
         outside = outside and not inside
         if inside and os.path.lexists(path) and path not in paths:
             paths.append(path)

@@ -364,8 +364,9 @@ def _lifted(
             )
         if names is not None and config is not None and config.groups:
             kinds = "names" if isinstance(next(iter(joints), ""), str) else "names, kinds and ranges"
-            source, changed = one_line(names.of), names.changed and f", {one_line(names.changed)}"
-            said = f"the {kinds} of the {many(len(joints), 'joint')} are from {source} (--joints){changed}"
+            source = one_line(names.of)
+            how = "".join(f", {one_line(text)}" for text in (names.changed, names.why) if text)
+            said = f"the {kinds} of the {many(len(joints), 'joint')} are from {source} (--joints){how}"
             part = _remarked(part, said)
             notes = dict(part.notes)
             for joint in (j.joint for j in part.actuators.joints if j.joint in follow):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
 from actspec.diagnostics import Diagnostic, Severity, Span, listed, many, one_line
+from actspec.joints import LETTERS, respelt
 from actspec.lift.config import asset_of
 from actspec.readings.artifact import ActionTerm, ActuatorGroup, Framework, RobotConfig, Setting
 from actspec.readings.config import lost_keys, selected
@@ -16,7 +16,6 @@ from actspec.readings.joint_names import matching
 
 _SCALE = "action_scale"
 
-_WORD = re.compile("[A-Za-z]{3,}")
 _ALIKE = 0.75
 """How alike a word and one of another name are, where it is misspelt. `knie` and `knee` are 0.75."""
 
@@ -204,16 +203,11 @@ def misspelt(config: RobotConfig, typed: Sequence[str]) -> Iterator[Diagnostic]:
     """
     patterns = [pattern for group in config.groups for pattern in group.joints or ()]
     taken = {name for pattern in patterns for name in matching(config.framework, pattern, typed)}
-    words = sorted({word for name in taken for word in _WORD.findall(name)})
+    words = sorted({word for name in taken for word in LETTERS.findall(name)})
     for name in typed:
         if name in taken:
             continue
-        meant = (
-            name[: word.start()] + near + name[word.end() :]
-            for word in _WORD.finditer(name)
-            for near in get_close_matches(word[0], words, n=1, cutoff=_ALIKE)
-        )
-        for guess in meant:
+        for guess in respelt(name, lambda own: get_close_matches(own, words, n=1, cutoff=_ALIKE)):
             if guess not in typed and any(matching(config.framework, each, (guess,)) for each in patterns):
                 message = f"no group of {one_line(config.name)} selects `{one_line(name)}` of --joints"
                 help = f"did you mean `{one_line(guess)}`? The joint is left alone as it is"

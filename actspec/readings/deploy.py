@@ -39,8 +39,10 @@ from actspec.readings.deploy_keys import (
     STANDING_UP,
     as_figures,
     by_figure,
+    in_a_row,
     is_in_space,
     joint_lists,
+    names_in_a_row,
     own_gains,
     speaks_of_space,
     standing_up,
@@ -317,7 +319,13 @@ class _Reader:
                 self._step(key)
                 if isinstance(key, yaml.ScalarNode):
                     found.setdefault(str(key.value), value)
-        return found
+        return found | {key: names_in_a_row(found[key], self._written) for key in NAMES if key in found}
+
+    def _written(self, node: yaml.MappingNode) -> _Block:
+        """A mapping's keys as they stand there."""
+        for key, _ in node.value:
+            self._step(key)
+        return {str(key.value): value for key, value in node.value if isinstance(key, yaml.ScalarNode)}
 
     def _config(
         self,
@@ -491,6 +499,8 @@ class _Reader:
     ) -> dict[str, Setting]:
         """Joint to its value; with `.*` for all joints where the names do not matter."""
         span = node_span(node)
+        if joints is not None and not any(map(str.isdecimal, "".join(joints))):
+            node = in_a_row(node, self.mapping, first=1)
         if isinstance(node, yaml.MappingNode):
             return self._by_name(key, node, joints, out)
         single = number_of(node)

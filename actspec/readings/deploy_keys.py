@@ -223,21 +223,41 @@ def by_figure(
     return whole, yaml.SequenceNode(node.tag, names, node.start_mark, node.end_mark)
 
 
-def in_a_row(node: yaml.Node, mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]]) -> yaml.Node:
+def in_a_row(
+    node: yaml.Node, mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]], first: int = 0
+) -> yaml.Node:
     """Figures by the numbers of joints, `kp: {0: 20, 1: 40}`, as the list that they are; any other node as it is.
-
-    From 0 on: joints may be called 1, 2, 3.
 
     Args:
         node: What stands below a key of figures.
         mapping: A mapping's own and merged keys.
+        first: The first number. From 1 on joints may be called 1, 2, 3.
     """
     own = mapping(node) if isinstance(node, yaml.MappingNode) else {}
-    numbers = [str(number) for number in range(len(own))]
-    if len(own) < 2 or own.keys() != set(numbers):
+    return _row(node, own, first) if len(own) > 1 else node
+
+
+def names_in_a_row(
+    node: yaml.Node, mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]]
+) -> yaml.Node:
+    """Names by the numbers of joints, from 0 or 1 on, as the list that they are; any other node as it is.
+
+    Args:
+        node: What stands below a key of names.
+        mapping: A mapping's keys.
+    """
+    own = mapping(node) if isinstance(node, yaml.MappingNode) else {}
+    # One that stands twice, or a key that is no number, leaves open which is meant.
+    whole = bool(own) and len(own) == len(node.value)
+    names = whole and all(value.tag == "tag:yaml.org,2002:str" for value in own.values())
+    return _row(node, own, int("0" not in own)) if names else node
+
+
+def _row(node: yaml.Node, own: Mapping[str, yaml.Node], first: int) -> yaml.Node:
+    numbers = [str(number) for number in range(first, first + len(own))]
+    if own.keys() != set(numbers):
         return node
-    figures = [own[number] for number in numbers]
-    return yaml.SequenceNode(node.tag, figures, node.start_mark, node.end_mark)
+    return yaml.SequenceNode(node.tag, [own[number] for number in numbers], node.start_mark, node.end_mark)
 
 
 def own_gains(

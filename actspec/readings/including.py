@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from actspec.files import FAULTS, above, read_regular
+from actspec.files import FAULTS, above, folders_in, read_regular
 from actspec.readings.artifact import FileReading, without_comments
 
 INCLUDED, ATTACHED = (
@@ -124,22 +124,8 @@ def _beside(above: Sequence[str]) -> Iterator[str]:
             return
         level = [top]
         for _ in range(_FOLDERS_BELOW):
-            level = [inner for one in level[:_MOST_FOLDERS] for inner in _inside(one)]
+            level = [inner for one in level[:_MOST_FOLDERS] for inner in folders_in(one)]
             yield from level
-
-
-def _inside(folder: str) -> list[str]:
-    """The folders of a folder, as a user would name them, without hidden ones and links."""
-    try:
-        with os.scandir(folder or os.curdir) as entries:
-            names = [
-                one.name
-                for one in entries
-                if not one.name.startswith(".") and one.is_dir(follow_symlinks=False)
-            ]
-    except (OSError, ValueError):
-        return []
-    return [os.path.normpath(os.path.join(folder, name)) for name in sorted(names)]
 
 
 def _project(above: Sequence[str]) -> Iterator[str]:

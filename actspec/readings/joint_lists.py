@@ -18,7 +18,7 @@ from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.called import agreement, are_two, shared_words, words_of
 from actspec.readings.deploy import MOST_JOINTS
-from actspec.readings.deploy_keys import NAMES
+from actspec.readings.deploy_keys import NAMES, names_in_a_row
 from actspec.readings.deploy_motors import SDK_NAMES
 from actspec.readings.dict_keys import POSE, meets
 from actspec.readings.joint_names import joint_names, matching
@@ -52,6 +52,7 @@ class JointList:
         changed: How the names were changed; "": they are as they stand there.
         path: The file, of a folder's; "" for one that was named itself, which is the robot's whatever it is called.
         words: Telling words of what a folder's file is called.
+        why: Why a folder's file counts that is not called as the robot; "": it is, or was chosen of several.
     """
 
     joints: Joints
@@ -59,6 +60,7 @@ class JointList:
     changed: str = ""
     path: str = ""
     words: frozenset[str] = frozenset()
+    why: str = ""
 
 
 _USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -154,9 +156,9 @@ def environment_of(text: str) -> Artifact | None:
 
 
 def _entries(node: yaml.Node | None) -> list[tuple[str, yaml.Node]]:
-    return (
-        [(str(key.value), value) for key, value in node.value] if isinstance(node, yaml.MappingNode) else []
-    )
+    """Keys and values; a key that is a list or mapping, of which a text may have no end, is none."""
+    pairs = node.value if isinstance(node, yaml.MappingNode) else []
+    return [(str(key.value), value) for key, value in pairs if isinstance(key, yaml.ScalarNode)]
 
 
 def _entry(node: yaml.Node | None, name: str) -> yaml.Node | None:
@@ -204,6 +206,8 @@ def fitting(lists: Sequence[JointList], robot: Sequence[Artifact], named: str) -
     if called := [one for one in meant if _best([one], configs, words, named) is not None]:
         message = f"all of its files with these joints are called as other robots: {_shown(called)}"
         raise _refusal(message, named, _NAME_ONE)
+    if found is not None and len(lists) == 1 and found.path and not shared_words(words, found.words):
+        return replace(found, why="the only file there with joints, which is not called as the configuration")
     return found
 
 
@@ -458,13 +462,21 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
     pending = [] if root is None else [("joints", root)]
     # `joints: {hip: {...}, knee: {...}}`, where the file has no list.
     keyed: list[Joints] | None = []
-    # Aliases may form a circle, or be many.
+    # Aliases may form a circle, or be many: below each key of names a node counts once, below all others, too.
+    seen = set[tuple[str, int]]()
     for key, node in itertools.islice(pending, MOST_STEPS):
+        place = key if key in (*NAMES, *SDK_NAMES) else "", id(node)
+        if place in seen:
+            continue
+        seen.add(place)
+        if key in NAMES:
+            node = names_in_a_row(node, lambda own: dict(_entries(own)))
         if isinstance(node, yaml.MappingNode):
-            pending += [(str(one.value), value) for one, value in node.value]
-            below = node is not root and key in NAMES and node.value
-            if keyed is not None and below and all(isinstance(v, yaml.MappingNode) for _, v in node.value):
-                keyed.append(tuple(dict.fromkeys(str(one.value) for one, _ in node.value)))
+            entries = _entries(node)
+            pending += entries
+            below = node is not root and key in NAMES and entries
+            if keyed is not None and below and all(isinstance(v, yaml.MappingNode) for _, v in entries):
+                keyed.append(tuple(dict(entries)))
         elif isinstance(node, yaml.SequenceNode):
             texts = [item.value for item in node.value if item.tag == "tag:yaml.org,2002:str"]
             # `joints: [{name: hip}, {name: knee}]`

@@ -15,7 +15,8 @@ from actspec.diagnostics import shortened
 from actspec.files import in_common
 
 _NO_NAME = re.compile(r"[,;\s]+")
-_COMMENT = re.compile(r"#.*")
+_COMMENT = re.compile(r"#(?![ \t]*[|,;]).*")
+"""No `#` alone at the head of a column."""
 _NUMBERED = re.compile(r"^[ \t]*(?:[-*][ \t]+)?(?:\d+[:.)][ \t]+)?")
 """Before a name in a list of lines: a dash, a number."""
 _PRINTED = re.compile(r"\s*(?:\[[A-Z]+\]:?\s+)?(?:[A-Za-z][\w ]*[:=])?\s*\[([^\[\]]*)\]\s*")
@@ -26,7 +27,7 @@ NAME_KEYS = ("name", "joint", "joint_name", "joint name", "dof_name", "dof name"
 """What the name of a joint is called in a table, or in a list of mappings."""
 _NO_JOINT = ("", "t", "time", "__time", "timestamp", "index", "step")
 """Columns of a recording that are no joint's."""
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*|,\d+)?|\.\d+)(?:[eE][+-]?\d+)?")
 PATTERN = re.compile(r"[\\*+?|()^$\[\]{}]")
 """What no name of a joint has."""
 _MEANT_AS_PATTERN = re.compile(r"[\\*+?|^$]|\w[\[({].+[\])}]|[\[({].+[\])}]\w")
@@ -153,6 +154,9 @@ def _checked(words: Sequence[tuple[str, int]]) -> tuple[str, ...]:
 
 def _check_names(words: Sequence[tuple[str, int]]) -> None:
     for word, line in words:
+        if word == "|":
+            message = "it has a table, and no column headed `name` or `joint` with names alone, each once"
+            raise NoNamesError(message, line=line)
         if PATTERN.search(word):
             shown = shortened(word, 80)
             meant = any(map(str.isalnum, shown)) and _MEANT_AS_PATTERN.search(shown) is not None
@@ -292,7 +296,14 @@ def _columns(text: str) -> list[list[str]] | None:
         if any(counts) and not all(counts):
             own = zip(columns, counts, strict=True)
             headed = any(count and not _NUMBER.fullmatch(column[0]) for column, count in own)
-            words = [column[headed:] for column, count in zip(columns, counts, strict=True) if not count]
+            words = [
+                column[headed:]
+                for column, count in zip(columns, counts, strict=True)
+                # Where one has another mark, commas are within numbers: `hip;24,5`.
+                if not count and not any(re.search("[;\t]", cell) for cell in column)
+            ]
+            if not words:
+                continue
             names = [column for column in words if len(set(column)) == len(column)]
             if len(names) != 1:
                 raise NoNamesError(

@@ -18,6 +18,7 @@ from actspec.readings.motor_names import with_names
 from actspec.readings.pins import pins_here
 from actspec.readings.programs import ASIDE, Idle, files_in, idle, programs_in
 from actspec.readings.read import FAULT, PYTHON, ROBOT, ROBOT_ALONE, XACRO, YAML, nothing_to_audit, read_file
+from actspec.robot.submodules import not_checked_out
 from actspec.spec.variants import split
 
 RECORD = "past run"
@@ -173,7 +174,9 @@ class PendingFiles:
                 answer = _lost(path, str(answer))
             pins = pins_once() if answer.refused_models else None
             if pins is not None:
-                answer = replace(answer, refused_by=pins.installed, asked=pins.older(path))
+                answer = replace(
+                    answer, refused_by=pins.installed, asked=pins.older(path, self._files[index].folder)
+                )
             found[index] = answer
             if answer.refused_models and (self._files[index].named or self._files[index].folder is None):
                 wholes = Around(path).wholes(INCLUDED)[:MOST_WHOLES]
@@ -356,8 +359,11 @@ def named_as_run(folder: str, called: str) -> str | None:
 
 def _nothing_at(path: str) -> FileReading:
     """A name without a file."""
-    fault = Diagnostic("AUD016", Severity.ERROR, "there is no such file or folder", "", Span(path))
-    return FileReading(path, None, "there is no such file or folder", diagnostics=(fault,))
+    reason, help = "there is no such file or folder", None
+    if submodule := not_checked_out(path, path):
+        reason, help = f"{reason}: {submodule}", submodule.help
+    fault = Diagnostic("AUD016", Severity.ERROR, reason, "", Span(path), help)
+    return FileReading(path, None, reason, diagnostics=(fault,))
 
 
 def _nothing_in(folder: str, count: int | None, not_read: Sequence[str] = ()) -> FileReading:
@@ -378,6 +384,8 @@ def _nothing_in(folder: str, count: int | None, not_read: Sequence[str] = ()) ->
             f"of its {count} {files} in {endings} none is a robot file, configuration, deploy file or spec"
         )
     help = "links to folders are not followed and hidden folders are passed over; name those"
+    if count == 0 and (submodule := not_checked_out(os.path.normpath(folder), os.path.join(folder, "*"))):
+        reason, help = str(submodule), submodule.help
     if count is None:
         help = "take a glob out of exclude, or the folder out of the command"
     elif not_read:

@@ -11,13 +11,8 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span, SpecError
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, Network
-from actspec.readings.artifact import (
-    ActuatorGroup,
-    Framework,
-    NetworkConventions,
-    NetworkReading,
-    RobotConfig,
-)
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
+from actspec.readings.named_network import NetworkConventions, NetworkReading
 
 if TYPE_CHECKING:
     from actspec.spec.network import NetworkManifest

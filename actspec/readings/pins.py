@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from actspec.diagnostics import Span
-from actspec.files import FAULTS, in_repository, place_of, read_regular
+from actspec.files import FAULTS, folders_in, in_repository, place_of, read_regular
 from actspec.simulators import Release, release
 
 _REQUIREMENTS = re.compile(
@@ -19,6 +19,8 @@ _REQUIREMENTS = re.compile(
 
 _MOST_FILES = 200
 """Files of a folder that are looked at. Chosen: as of models around a part."""
+_MOST_FOLDERS = 50
+"""Folders beside a file's own that are looked at in each folder above it. Chosen: packages of a large repository."""
 _MOST_BYTES = 1024 * 1024
 """Chosen: larger than any list of requirements, and than nearly all programs."""
 _MOST_CLAUSES = 8
@@ -91,18 +93,24 @@ class Pins:
         """Of the MuJoCo that is installed, with all its numbers."""
         self.installed = installed
         self._folders: dict[str, tuple[_Said, ...]] = {}
+        self._inner: dict[str, tuple[_Said, ...]] = {}
 
-    def older(self, path: str) -> Asked | None:
+    def older(self, path: str, named: str | None = None) -> Asked | None:
         """What a file's project asks for that the installed MuJoCo is too new for; None: nothing says so.
 
         The nearest folder with a version decides, from the file's own up to its repository's. What asks for mujoco_py
         has one of MuJoCo's first releases, unless something on the way asks for, or imports, MuJoCo itself.
 
+        Where these say nothing, what is required in the folders beside them counts, of the same repository or named
+        folder, if all that is required there is too old: a repository of several packages has the models in one.
+
         Args:
             path: The file as the user named it.
+            named: The folder that the user named and that it is in; None: the file itself.
         """
         itself = False
-        for folder in in_repository(path):
+        folders = list(in_repository(path))
+        for folder in folders:
             said = self._in(folder)
             own = [one for one in said if not _is_wrapper(one.name)]
             versions = [one for one in own if one.clauses]
@@ -113,7 +121,29 @@ class Pins:
             wrapper = next((one for one in said if _is_wrapper(one.name)), None)
             if wrapper is not None and not itself:
                 return wrapper.asked
+        if not os.path.lexists(os.path.join(folders[-1], ".git")):
+            # What is beside them up there is somebody's other projects.
+            whole = [os.path.abspath(one) for one in folders]
+            root = "" if named is None else os.path.abspath(named)
+            folders = folders[: whole.index(root) + 1] if root in whole else []
+        for folder in folders[1:]:
+            if beside := self._beside(folder):
+                all_old = all(_is_older(one.clauses, self.installed) for one in beside)
+                return beside[0].asked if all_old else None
         return None
+
+    def _beside(self, folder: str) -> tuple[_Said, ...]:
+        """The versions of MuJoCo itself that are required in the folders of one, but for submodules: other projects."""
+        where = os.path.abspath(folder)
+        if where not in self._inner:
+            self._inner[where] = tuple(
+                said
+                for one in folders_in(folder)[:_MOST_FOLDERS]
+                if not os.path.lexists(os.path.join(one, ".git"))
+                for said in _statements(one, programs=False)
+                if said.clauses and not _is_wrapper(said.name)
+            )
+        return self._inner[where]
 
     def _in(self, folder: str) -> tuple[_Said, ...]:
         where = os.path.abspath(folder)
@@ -138,15 +168,15 @@ def _is_wrapper(name: str) -> bool:
     return re.match(r"(?:free-)?mujoco[-_.]py", name, re.IGNORECASE) is not None
 
 
-def _statements(folder: str) -> Iterator[_Said]:
+def _statements(folder: str, *, programs: bool = True) -> Iterator[_Said]:
     """What the files of one folder say, requirements before programs."""
     try:
         names = sorted(os.listdir(folder or os.curdir))
     except (OSError, ValueError):
         return
     asking = [name for name in names if _REQUIREMENTS.fullmatch(name)]
-    programs = [name for name in names if name.lower().endswith(".py") and name not in asking]
-    for name in (*asking, *programs)[:_MOST_FILES]:
+    running = [name for name in names if name.lower().endswith(".py") and name not in asking]
+    for name in (*asking, *(running if programs else ()))[:_MOST_FILES]:
         path = os.path.normpath(os.path.join(folder, name))
         try:
             # A link leads to another project. pip takes UTF-16 as PowerShell writes it: the letters tell.

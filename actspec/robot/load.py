@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, listed, nearest, shortened
-from actspec.files import path_of_name
+from actspec.files import leads_into, path_of_name
 from actspec.joints import JointKind
 from actspec.robot.submodules import NOT_CHECKED_OUT, not_checked_out
 from actspec.robot.view import JointView, ModelFormat, RobotView
@@ -219,7 +219,7 @@ def _find_installed(reference: str) -> str:
     for root in roots:
         path = os.path.realpath(os.path.join(root, *parts))
         if os.path.isfile(path):
-            if path.startswith(os.path.realpath(root) + os.sep):
+            if leads_into(path, [os.path.realpath(root)]):
                 return path
             raise _error("ROBOT103", f"{inner!r} is a link that leaves the distribution {name!r}")
     folder = "/".join(parts[:-1])

@@ -11,7 +11,7 @@ from itertools import islice
 from typing import Any
 
 from actspec.diagnostics import Collector, Path, Place, Span, SpecError, did_you_mean, dotted, nearest
-from actspec.files import is_imported
+from actspec.files import is_imported, leads_into
 from actspec.spec.variants import chosen, split
 from actspec.spec.yaml_text import MAX_BYTES, cut, got, read_file, too_large
 from actspec.spec.yaml_text import is_spec as says_spec
@@ -314,7 +314,7 @@ def path_inside(name: str, base: str | None, place: Place, help: str) -> tuple[s
     else:
         root = os.path.realpath(base)
         real = os.path.realpath(os.path.join(root, name))
-        if os.path.commonpath([root, real]) != root:
+        if real != root and not leads_into(real, [root]):
             problem = "leaves the folder of the spec by a symbolic link"
     if problem is None:
         return os.path.normpath(os.path.join(base or "", name)), real

@@ -262,13 +262,18 @@ def test_one_slip_in_several_joints() -> None:
 
 
 def test_a_submodule_that_is_not_checked_out() -> None:
-    """Nothing is wrong with the file: a note with what to do, also of a file that was named; it counts as not read."""
+    """Nothing is wrong with the file: a warning where it was named, else a note; it counts as not read."""
     Path(".gitmodules").write_text('[submodule "m"]\n\tpath = robots/menagerie\n')
     Path("robots/menagerie").mkdir()
     Path("robots/leg.xml").write_text('<mujoco>\n  <include file="menagerie/panda/panda.xml"/>\n</mujoco>\n')
-    for paths in (["robots"], ["robots/leg.xml"]):
-        report = audit(paths, Settings(as_named=True))
-        assert found(report) == [("AUD008", "robots/leg.xml", 2, Severity.INFO)]
+    for path, as_named, severity in (
+        ("robots", False, Severity.INFO),
+        ("robots", True, Severity.WARNING),
+        ("robots/leg.xml", False, Severity.WARNING),
+    ):
+        report = audit([path], Settings(as_named=as_named))
+        assert found(report) == [("AUD008", "robots/leg.xml", 2, severity)]
+        assert not report.fails(Severity.ERROR) and report.fails(severity)
         (item,) = (one.finding for one in report.findings if one.finding.code == "AUD008")
         assert item.message == (
             "the file cannot be read: the include cannot be followed: 'robots/menagerie' is a git submodule that is "
@@ -279,6 +284,33 @@ def test_a_submodule_that_is_not_checked_out() -> None:
     assert text.endswith("in 1 file, which could not be read\n")
     Path("robots/menagerie/README.md").touch()
     assert found(audit(["robots/leg.xml"], Settings())) == [("AUD008", "robots/leg.xml", 2, Severity.ERROR)]
+
+
+@pytest.mark.parametrize(
+    ("path", "code", "message"),
+    [
+        (
+            "menagerie/panda.xml",
+            "AUD016",
+            "there is no such file or folder: 'menagerie' is a git submodule that is not checked out",
+        ),
+        (
+            "menagerie/",
+            "AUD014",
+            "nothing to audit in this folder: 'menagerie' is a git submodule that is not checked out",
+        ),
+    ],
+)
+def test_one_that_is_named_itself(path: str, code: str, message: str) -> None:
+    """A name that stands for nothing, as any other; it comes with the command that gets it."""
+    Path("menagerie").mkdir()
+    (item,) = audit([path], Settings()).diagnostics()
+    assert (item.code, item.help) != (code, "git submodule update --init menagerie")
+    Path(".gitmodules").write_text('[submodule "m"]\n\tpath = menagerie\n')
+    report = audit([path], Settings())
+    (item,) = report.diagnostics()
+    assert (item.code, item.message, item.help) == (code, message, "git submodule update --init menagerie")
+    assert report.misnamed
 
 
 def test_a_spec_whose_model_is_in_one() -> None:

@@ -415,9 +415,15 @@ class LegCfg(LeggedRobotCfg):
         ("io.json", json.dumps({"joint_names": NAMES}), "from io.json", NAMES),
         ("j.yaml", json.dumps(NAMES), "from j.yaml", NAMES),
         ("d.yaml", f"joint_names: {json.dumps(NAMES)}\nkp: [1, 1, 1, 1]\nkd: [1, 1, 1, 1]\n", "d.yaml", NAMES),
+        ("num.yaml", "joints: " + json.dumps(dict(enumerate(NAMES))), "from num.yaml", NAMES),
         ("m.json", json.dumps({"num": 4, "joints": [{"id": "a", "name": n} for n in NAMES]}), "from m.json", NAMES),
         ("t.csv", "joint index,name,limit\n" + "".join(f"{i},{n},1\n" for i, n in enumerate(NAMES)), "t.csv", NAMES),
         ("u.csv", '\ufeff"Joint";"Side"\r\n' + "".join(f'"{n}";"l"\r\n' for n in NAMES), "from u.csv", NAMES),
+        ("g.csv", "Gelenk;Moment [Nm];Untersetzung\n" + "".join(f"{n};24,5;6,33\n" for n in NAMES), "g.csv", NAMES),
+        ("o.csv", "".join(f"{n};24,5;6,33\n" for n in NAMES), "from o.csv", NAMES),
+        ("o.tsv", "".join(f"{n}\t24,5\t6,33\n" for n in NAMES), "from o.tsv", NAMES),
+        ("t.md", "# Leg\n\n| # | **Joint** | Torque [Nm] |\n|---|:---|---:|\n"
+            + "".join(f"| {i} | `{n}` | 24.5 |\n" for i, n in enumerate(NAMES)), "from t.md", NAMES),
         ("i.csv", "id,label\n" + "".join(f"{i},{n}\n" for i, n in enumerate(NAMES)), "4 joints are from i.csv", NAMES),
         ("b.txt", "".join(f"{i} {n}\n" for i, n in enumerate(NAMES)), "the 4 joints are from b.txt", NAMES),
         ("s.csv", "".join(f"{n},{n[0]},{i}.5\n" for i, n in enumerate(NAMES)), "4 joints are from s.csv", NAMES),
@@ -454,8 +460,9 @@ class LegCfg(LeggedRobotCfg):
         ),
     ],
     ids=[
-        *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "mappings"),
-        *("CSV", "semicolons", "numbers", "blanks", "sides", "one column", "two lines", "a number a line"),
+        *("list", "text", "numbered", "IO_descriptors", "JSON", "bare list", "deploy file", "by number", "mappings"),
+        *("CSV", "semicolons", "commas in numbers", "no heads", "tabs", "Markdown"),
+        *("numbers", "blanks", "sides", "one column", "two lines", "a number a line"),
         "any ending",
         *("printed", "printed behind words", "in a log", "quoted", "columns of signals"),
         *("recording", "heads", "keys", "constant", "constant of a class", "TOML", "notebook"),
@@ -513,6 +520,16 @@ def test_a_spec_that_compiles(
             "id,a,b\n0,left_hip,x\n1,left_knee,y\n",
             "which of its columns has the names is not told",
         ),
+        (
+            "act.md",
+            "# Leg\n\n| Drive | Nm |\n|---|---|\n| left_hip | 24 |\n",
+            "act.md:3: DRF011 --joints: it has a table, and",
+        ),
+        (
+            "lr.md",
+            "| Joint | Nm |\n|---|---|\n| hip (l/r) | 24 |\n",
+            "no column headed `name` or `joint` with names alone",
+        ),
         ("id.txt", "id dof label\n0 left_hip\n", "id.txt:2: DRF011 --joints: 0 is a number beside names"),
         ("log.txt", "\n[INFO] hi\n", "log.txt:2: DRF011 --joints: [INFO] is no name of a joint"),
         (
@@ -565,6 +582,24 @@ def test_a_long_list_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]
     (folder / "log.txt").write_text("".join(f"j{i}_hip\n" for i in range(200_000)), encoding="utf-8")
     assert main(["import", "leg_cfg.py", "--joints", "log.txt"]) == 2
     assert "has 200000 names of joints, at most 2000 are read" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        # A key whose text has 10^8 entries.
+        "".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}' if i else 'x'] * 10)}]\n" for i in range(9))
+        + "? *a8\n: 1\n",
+        # 20,000 values, 5000 times.
+        f"n: &n [{'x, ' * 20_000}]\n" + "".join(f"b{i}: {{c: *n}}\n" for i in range(5000)),
+    ],
+    ids=["a key", "aliases"],
+)
+def test_aliases_of_aliases(folder: Path, text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each of them took minutes, or all memory."""
+    (folder / "laughs.yaml").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", "laughs.yaml"]) == 2
+    assert "no list of joint names is in it" in capsys.readouterr().err
 
 
 def test_a_beginning_that_the_patterns_have_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -729,6 +764,31 @@ def test_nothing_tells_which_of_a_folders_files(
     assert not (folder / "leg.yaml").exists()
     assert main(["import", "cfg.py", "--joints", f"robots/{files[0]}", "-o", "leg.yaml"]) == 0
     assert f"joints are from {files[0]} (--joints)" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("files", "why"),
+    [
+        pytest.param(
+            ["spot.urdf"],
+            ", the only file there with joints, which is not called as the configuration\n",
+            id="another name",
+        ),
+        pytest.param(["go2.urdf"], "\n", id="its name"),
+        pytest.param(["spot.urdf", "robot.urdf"], "\n", id="two with the same joints"),
+    ],
+)
+def test_the_only_file_of_a_folder(
+    folder: Path, files: list[str], why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is taken whatever it is called, and that its name does not say whose it is is told."""
+    (folder / "cfg.py").write_text(CFG.replace("LEG_CFG", "GO2_CFG"), encoding="utf-8")
+    _robots(folder, dict.fromkeys(files, URDF))
+    assert main(["import", "cfg.py", "--joints", "robots", "-o", "leg.yaml"]) == 0
+    assert f" (--joints){why}" in capsys.readouterr().out
+    # Named itself it is the robot's.
+    assert main(["import", "cfg.py", "--joints", f"robots/{files[0]}", "-o", "leg.yaml", "--force"]) == 0
+    assert " (--joints)\n" in capsys.readouterr().out
 
 
 def test_files_with_the_same_joints_are_one_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -57,6 +57,54 @@ def test_figures_by_number_are_a_list(text: str, names: str) -> None:
         ]
 
 
+@pytest.mark.parametrize(
+    ("names", "figures"),
+    [
+        ("joints: {0: hip, 1: knee, 2: foot}", "kp: [20, 40, 60]"),
+        ("joint_names: {2: foot, 0: hip, 1: knee}", "kp: {0: 20, 2: 60, 1: 40}"),
+        ('{"joint_names": {"0": "hip", "1": "knee", "2": "foot"}}', "kp: [20, 40, 60]"),
+        ("order: &names {0: hip, 1: knee, 2: foot}", "joint_names: *names\nkp: [20, 40, 60]"),
+        ("dof_names: {1: hip, 2: knee, 3: foot}", "kp: [20, 40, 60]"),
+        ("joint_names: {3: foot, 2: knee, 1: hip}", "kp: {2: 40, 1: 20, 3: 60}"),
+        ("joint_names: [hip, knee, foot]", "kp: {1: 20, 2: 40, 3: 60}"),
+    ],
+)
+def test_names_by_number(names: str, figures: str) -> None:
+    """They are the list of names in the order of the numbers, from 0 or 1 on; so are figures from 1 on beside them."""
+    if names.startswith("{"):
+        names, figures = names[:-1] + ",", '"kp": [20, 40, 60], "kd": [1, 1, 1]}'
+    (artifact,) = read_deploy("walk.yaml", f"{names}\n{figures}".encode()).artifacts
+    assert artifact.config is not None
+    found = {group.name: group.settings["kp"].value for group in artifact.config.groups}
+    assert found == {"hip": 20.0, "knee": 40.0, "foot": 60.0}
+    assert artifact.config.settings["joint_order"].value == ("hip", "knee", "foot")
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        "{0: hip, 2: knee, 3: foot}",
+        "{0: hip, 1: null, 2: foot}",
+        "{hip: 0, knee: 1, foot: 2}",
+        "{0: hip, 1: knee, 2: foot, ? [3] : toe}",
+        "{0: hip, 1: knee, 1: toe, 2: foot}",
+    ],
+)
+def test_names_that_are_not_numbered_in_a_row(names: str) -> None:
+    """A gap is a motor that no joint has, for all that is told: whose a value of a list is stays open."""
+    reading = read_deploy("walk.yaml", f"joint_names: {names}\nkp: [20, 40, 60]\nkd: [1, 1, 1]".encode())
+    assert "DEPLOY002" in [note.code for note in reading.diagnostics]
+
+
+def test_numbers_within_names_are_no_places() -> None:
+    """legged_gym's rule: a key is a part of the name."""
+    text = b"joint_names: [leg2, leg1]\nkp: {1: 20, 2: 40}\nkd: {1: 1, 2: 2}"
+    (artifact,) = read_deploy("walk.yaml", text).artifacts
+    assert artifact.config is not None
+    found = {group.name: group.settings["kp"].value for group in artifact.config.groups}
+    assert found == {"leg2": 40.0, "leg1": 20.0}
+
+
 def test_joints_that_are_called_by_numbers() -> None:
     """Some robots' joints are called 1, 2, 3."""
     (artifact,) = read_deploy("arm.yaml", b"kp: {1: 20, 2: 40}\nkd: {1: 1, 2: 2}\n").artifacts

@@ -10,7 +10,8 @@ import pytest
 
 from actspec.diagnostics import Span
 from actspec.readings import networks
-from actspec.readings.artifact import ActuatorGroup, Framework, NetworkReading, RobotConfig, Setting
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
+from actspec.readings.named_network import NetworkReading
 from actspec.readings.networks import with_networks
 
 MANIFEST = {

@@ -107,6 +107,39 @@ def test_programs_of_both() -> None:
     assert older() == "requirements.txt:2 asks for mujoco==2.2.0, which may take it"
 
 
+@pytest.mark.parametrize("name", ["train/requirements.txt", "assets/mjx/setup.py"])
+def test_of_a_package_beside_it(name: str) -> None:
+    """A repository of several packages has its models in one; another's pin counts where none is nearer."""
+    Path(name).parent.mkdir()
+    Path(name).write_text("'mujoco==2.3.7'")
+    assert older() == f"{name}:1 asks for mujoco==2.3.7, which may take it"
+    # One that the installed release meets, or that is nearer, leaves nothing to guess.
+    Path(name).with_name("requirements.txt").write_text("mujoco==2.3.7\n")
+    Path("assets/requirements.txt").write_text("mujoco>=3\n")
+    assert older() is None
+    Path("assets/requirements.txt").unlink()
+    Path(name).parent.with_name("sim").mkdir()
+    Path(name).parent.with_name("sim").joinpath("requirements.txt").write_text("mujoco>=3\n")
+    assert older() is None
+
+
+def test_what_is_beside_it_and_not_its_own(tmp_path: Path) -> None:
+    """Submodules, what only imports mujoco_py, and what is no repository's nor in the folder that was named."""
+    Path("train").mkdir()
+    Path("train/run.py").write_text("import mujoco_py\n")
+    assert older() is None
+    Path("train/requirements.txt").write_text("mujoco==2.3.7\n")
+    assert older() is not None
+    Path("train/.git").write_text("gitdir: ../.git/modules/train\n")
+    assert older() is None
+    Path("train/.git").unlink()
+    Path(".git").rmdir()
+    assert older() is None
+    pins = Pins((4, 0, 0))
+    assert pins.older("assets/hand/leg.xml", "assets") is None
+    assert pins.older("assets/hand/leg.xml", ".") is not None
+
+
 def test_how_far_it_looks(tmp_path: Path) -> None:
     """No farther than the repository, and eight folders where there is none; no link is followed."""
     Path("requirements.txt").write_text("mujoco==2.3.7")

@@ -35,7 +35,9 @@ class Unreadable(Rule):
             message: str, place: Span, help: str | None, about: str, joint: str = "", away: bool = False
         ) -> Finding:
             # The audit makes a note of it in a folder, and counts it as one that is an error in a folder of one's own.
-            severity = Severity.INFO if away or (noted and not case.is_met_at(place)) else None
+            severity = (
+                Severity.INFO if noted and not case.is_met_at(place) else Severity.WARNING if away else None
+            )
             return Finding(
                 self.code,
                 message,
@@ -63,7 +65,7 @@ class Unreadable(Rule):
                 help,
                 " ".join((item.code, *quoted(item.message))),
                 item.where if alike else "",
-                # Nothing is wrong with the file. A spec is of whoever has the submodule.
+                # Nothing is wrong with the file, and nothing of it is judged. A spec is of whoever has the submodule.
                 item.code == NOT_CHECKED_OUT and file.kind is not FileKind.SPEC,
             )
         if lost or not errors:

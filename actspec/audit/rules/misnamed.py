@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,7 +11,7 @@ from actspec.audit.rules.joints import names_undriven
 from actspec.audit.rules.ord101 import scalar_joints, stated_order
 from actspec.audit.rules.sided import across
 from actspec.diagnostics import Span, nearest
-from actspec.joints import ARM_WORDS, LEG_WORDS, begin_alike, other_word, plain_words
+from actspec.joints import ARM_WORDS, LEG_WORDS, LETTERS, begin_alike, other_word, plain_words, respelt
 from actspec.patterns import is_slip
 from actspec.readings.artifact import Artifact, FileKind, Framework
 from actspec.readings.joint_names import matching
@@ -133,13 +132,18 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
         if other not in names and selects(one, other)
     }
     sided = _of_its_side(lost, [*free], [*names])
+
+    def near(own: str) -> list[str]:
+        return [
+            word
+            for word in sorted(words)
+            if word != own and nearest(own, [word]) and not are_two_parts(own, word)
+        ]
+
     for name in lost:
         meant = {
             text: one
-            for found in LETTERS.finditer(name)
-            for word in sorted(words)
-            if word != found[0] and nearest(found[0], [word]) and not are_two_parts(found[0], word)
-            for text in (f"{name[: found.start()]}{word}{name[found.end() :]}",)
+            for text in respelt(name, near)
             for one in drivers
             if text not in names and selects(one, text)
         }
@@ -147,10 +151,6 @@ def beside_patterns(case: Case, index: int) -> Iterator[tuple[str, Span, str, Ar
             yield name, names[name], *meant.popitem()
         elif not meant and name in sided:
             yield name, names[name], sided[name], free[sided[name]]
-
-
-LETTERS = re.compile(r"[^\W\d_]{3,}")
-"""Words of a name, or of a pattern, that a slip may have changed: sides and axes are shorter."""
 
 
 def _names(artifact: Artifact) -> Mapping[str, Span]:

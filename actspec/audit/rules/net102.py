@@ -8,7 +8,8 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.networks_found import SAME, conventions, networks
 from actspec.diagnostics import Span
-from actspec.readings.artifact import NetworkConventions, Setting
+from actspec.readings.artifact import Setting
+from actspec.readings.named_network import NetworkConventions
 from actspec.units import format_number
 
 SCALES = {"pos_scale": "position_scale", "vel_scale": "velocity_scale", "torque_scale": "torque_scale"}

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.networks_found import networks, of_specs
-from actspec.readings.artifact import NetworkReading
+from actspec.readings.named_network import NetworkReading
 
 
 class NetworkFileMissing(RuleInParts):

@@ -11,13 +11,8 @@ from actspec.audit.rules.networks_found import (
     tap_factor,
 )
 from actspec.diagnostics import Span
-from actspec.readings.artifact import (
-    ActuatorGroup,
-    Framework,
-    NetworkConventions,
-    NetworkReading,
-    RobotConfig,
-)
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
+from actspec.readings.named_network import NetworkConventions, NetworkReading
 from actspec.readings.networks import tap_steps
 
 

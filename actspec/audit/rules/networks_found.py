@@ -6,15 +6,9 @@ import os
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.readings.artifact import (
-    ActuatorGroup,
-    Artifact,
-    FileKind,
-    NetworkConventions,
-    NetworkReading,
-    RobotConfig,
-)
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, RobotConfig
 from actspec.readings.config import is_network
+from actspec.readings.named_network import NetworkConventions, NetworkReading
 
 SAME = 0.01
 """Relative difference up to which two periods or scales are one. Chosen: rounding of written figures."""

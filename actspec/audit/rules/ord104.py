@@ -8,7 +8,6 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS, is_as_written, posed
 from actspec.audit.rules.misnamed import (
-    LETTERS,
     beside_patterns,
     drivers_beside,
     is_misspelt,
@@ -16,6 +15,7 @@ from actspec.audit.rules.misnamed import (
     misnamed,
 )
 from actspec.diagnostics import Span, listed, nearest, shortened
+from actspec.joints import LETTERS, respelt
 from actspec.patterns import match_names, recased
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.dict_keys import PLAIN, POSE, dead_keys, may_match, meant_for, meets, selects_nothing
@@ -283,15 +283,17 @@ _STARTS = {
 """What a framework calls default positions, and what it does with a joint that no key is for, or with such a key."""
 
 
-def _respelt(framework: Framework, key: str, names: Sequence[str]) -> Iterator[str]:
+def _keys_meant(framework: Framework, key: str, names: Sequence[str]) -> Iterator[str]:
     """What a key may have been: with one word of the joints in the place of one that is nearly it, with other capital
     letters, or, where keys are patterns, with a dot that was left out, or with what may stand before and after it.
     """
     words = dict.fromkeys(word for name in names for word in LETTERS.findall(name))
-    for found in LETTERS.finditer(key):
-        for word in words if found[0] not in words else ():
-            if is_swapped(found[0], word) or is_misspelt(found[0], word):
-                yield f"{key[: found.start()]}{word}{key[found.end() :]}"
+
+    def near(own: str) -> Iterator[str]:
+        known = words if own not in words else ()
+        return (word for word in known if is_swapped(own, word) or is_misspelt(own, word))
+
+    yield from respelt(key, near)
     if (cased := recased(key, names)) is not None:
         yield cased
     if framework is not Framework.LEGGED_GYM:
@@ -306,7 +308,7 @@ def _key_meant(
 ) -> tuple[str, tuple[str, ...]] | None:
     """What a key of a pose may have been, with its joints; None: nothing, several things, or joints of other keys."""
     found: dict[tuple[str, ...], str] = {}
-    for meant in _respelt(framework, key, names):
+    for meant in _keys_meant(framework, key, names):
         joints = tuple(name for name in names if meets(framework, POSE, meant, name))
         if joints and set(joints) <= set(free):
             found.setdefault(joints, meant)

@@ -21,7 +21,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span, one_line
-from actspec.files import NotRegular, TooLarge, place_of, read_regular
+from actspec.files import NotRegular, TooLarge, leads_into, place_of, read_regular
 
 MAX_BYTES = 1 << 20
 """Size of one file [bytes]. Chosen: ten times the largest configuration that we know."""
@@ -284,14 +284,13 @@ class Library:
         roots = [os.path.join(self.top, *self.package[:1])] if self.package else []
         roots += [self.beside] if self.beside is not None else []
         try:
-            real = os.path.realpath(path)
             places = list(map(os.path.realpath, roots))
             if other is not None:
                 above, name = os.path.split(os.path.abspath(other))
                 places.append(os.path.join(os.path.realpath(above), name))
-            return any(real.startswith(os.path.join(place, "")) for place in places)
         except OSError:
             return False
+        return leads_into(path, places)
 
 
 def open_library(path: str) -> Library:

@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from actspec.files import FAULTS, read_regular
+from actspec.files import FAULTS, leads_into, read_regular
 from actspec.robot.assets import DECODED, base_name, decodes, usable_file
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_edit import AppendChild, Edit, SetAttribute, escape_attribute
@@ -244,7 +244,7 @@ def package_file(name: str, source: str, packages: Mapping[str, str]) -> str | N
     if root is None:
         return None
     path = os.path.realpath(os.path.join(root, inner))
-    return path if path.startswith(root + os.sep) and os.path.isfile(path) else None
+    return path if leads_into(path, [root]) and os.path.isfile(path) else None
 
 
 def _package_folder(package: str, source: str, packages: Mapping[str, str]) -> str | None:
