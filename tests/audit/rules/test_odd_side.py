@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -53,7 +54,7 @@ DOG = {"hip_roll": (20, 20), "hip_pitch": (30, 20), "knee": (45, 20)}
 )
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_side_is_named_whose_figure_is_not_its_own(
-    limb: dict[str, tuple[float, float]], slip: tuple[str, float, float], side: str, tmp_path: Path
+    limb: Mapping[str, tuple[float, float]], slip: tuple[str, float, float], side: str, tmp_path: Path
 ) -> None:
     assert _told(("left", "right"), limb, side, slip, tmp_path) == {f"{side}_{slip[0]}"}
 
@@ -71,7 +72,7 @@ def test_a_joint_without_its_like_is_told_beside_the_first(tmp_path: Path) -> No
 
 def _told(
     sides: tuple[str, ...],
-    limb: dict[str, tuple[float, float]],
+    limb: Mapping[str, tuple[float, float]],
     side: str,
     slip: tuple[str, float, float],
     folder: Path,
