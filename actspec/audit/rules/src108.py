@@ -10,7 +10,7 @@ from actspec.audit.difference import axis_text
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
-from actspec.audit.rules.source_pairs import are_variants, is_one_machine
+from actspec.audit.rules.source_pairs import is_one_machine
 from actspec.readings.artifact import Artifact, FileKind, Robot
 from actspec.robot.view import JointView, RobotView
 
@@ -103,10 +103,11 @@ class AxisDisagrees(RuleOver[Robot]):
         return _Pair(one, other, told, agree)
 
     def _finding(self, case: Case, index: int, other: int, joint: str) -> Finding:
-        mine, theirs = (_joints(case.artifacts[each])[joint] for each in (index, other))
+        joints = [_joints(case.artifacts[each]) for each in (index, other)]
+        mine, theirs = (own[joint] for own in joints)
         assert mine.axis is not None and theirs.axis is not None
         path = case.artifacts[other].path
-        apart = are_variants(case, index, other) or not is_one_machine(case, index, other)
+        apart = _are_variants(*joints) or not is_one_machine(case, index, other)
         return Finding(
             self.code,
             f"the axis points the other way than in {path}: in the base's frame it is {_text(mine.axis)} here and "
@@ -210,20 +211,34 @@ def _is_drawn_alike(
 
     A joint that is drawn half a turn on turns round what hangs on it, where that stands across it.
     """
-    chain = []
-    parent = here[name].parent
-    if parent != there[name].parent:
+    chains = _above(name, here), _above(name, there)
+    mine, its = ([each for each in chain if each in here and each in there] for chain in chains)
+    if mine != its or not agree | opposite >= set(mine):
         return False
-    while parent:
-        if parent not in agree | opposite or here[parent].parent != there[parent].parent:
-            return False
+
+    def may_turn(before: str) -> bool:
+        # A joint that one file has alone, as those of a planar base, stands still in the other one, drawn anyhow.
+        joints = here if before in here else there
+        behind = _behind(before, joints) & (agree | opposite)
+        turned = all(_is_turned(joints[before], here[each], there[each], most) for each in behind)
+        return turned and not (before in mine and _has_one_zero(here[before], there[before]))
+
+    return not any(map(may_turn, {*chains[0], *chains[1]}))
+
+
+def _above(name: str, joints: Mapping[str, JointView]) -> list[str]:
+    """The joints between one and the base, from it on."""
+    chain: list[str] = []
+    while (parent := joints[chain[-1] if chain else name].parent) and parent not in chain:
         chain.append(parent)
-        parent = here[parent].parent
-    behind = {each: _behind(each, here) & (agree | opposite) for each in chain}
-    return not any(
-        all(_is_turned(here[before], here[each], there[each], most) for each in behind[before])
-        and not _has_one_zero(here[before], there[before])
-        for before in chain
+    return chain
+
+
+def _are_variants(here: Mapping[str, JointView], there: Mapping[str, JointView]) -> bool:
+    """Whether one of two models has a joint alone that does not carry all the rest, as those of a base do."""
+    shared = here.keys() & there.keys()
+    return any(
+        not shared <= _behind(name, joints) for joints in (here, there) for name in joints.keys() - shared
     )
 
 
