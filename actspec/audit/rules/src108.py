@@ -8,6 +8,7 @@ from typing import ClassVar
 from actspec.audit.case import MODELS
 from actspec.audit.difference import axis_text
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.axes import angle, are_parallel
 from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_pairs import is_one_machine
@@ -15,9 +16,6 @@ from actspec.readings.artifact import Artifact, FileKind, Robot
 from actspec.robot.view import JointView, RobotView
 
 _Axis = tuple[float, float, float]
-
-_TURNED = math.radians(30.0)
-"""Least angle between two axes that agree and fix the base's frame [rad]. Chosen: frames differ by quarter turns."""
 
 _SAME_ZERO = 0.1
 """Largest difference of a range's ends of joints with one zero [rad or m]. Chosen: files round, and soften, ranges; a
@@ -78,7 +76,7 @@ class AxisDisagrees(RuleOver[Robot]):
         """What two models have in common, and not; None: they may be drawn in two frames."""
         here, there = (_joints(case.artifacts[index]) for index in (one, other))
         angles = {
-            name: _angle(mine, its)
+            name: angle(mine, its)
             for name, joint in here.items()
             if name in there
             and joint.kind is there[name].kind
@@ -86,8 +84,8 @@ class AxisDisagrees(RuleOver[Robot]):
             and (its := there[name].axis) is not None
         }
         most = math.radians(self.option(case, "degrees"))
-        agree = frozenset(name for name, angle in angles.items() if angle <= most)
-        opposite = frozenset(name for name, angle in angles.items() if angle >= math.pi - most)
+        agree = frozenset(name for name, apart in angles.items() if apart <= most)
+        opposite = frozenset(name for name, apart in angles.items() if apart >= math.pi - most)
         frames: dict[tuple[int | None, int | None], list[JointView]] = {}
         for name in agree:
             frames.setdefault(_frames(name, here, there), []).append(here[name])
@@ -172,11 +170,6 @@ def _departs(case: Case, index: int, against: Sequence[int], beside: int) -> boo
     return kinds == {kind} and min(against) < index
 
 
-def _angle(one: _Axis, other: _Axis) -> float:
-    """Between two unit vectors [rad]."""
-    return math.acos(max(-1.0, min(1.0, sum(a * b for a, b in zip(one, other, strict=True)))))
-
-
 def _frames(
     name: str, here: Mapping[str, JointView], there: Mapping[str, JointView]
 ) -> tuple[int | None, int | None]:
@@ -192,11 +185,7 @@ def _fix(agreeing: Sequence[JointView], joint: JointView) -> bool:
     axes = [one.axis for one in agreeing if one.axis is not None]
     if not axes or joint.axis is None:
         return False
-    return _is_parallel(axes[0], joint.axis) or not all(_is_parallel(axes[0], axis) for axis in axes[1:])
-
-
-def _is_parallel(one: _Axis, other: _Axis) -> bool:
-    return not _TURNED < _angle(one, other) < math.pi - _TURNED
+    return are_parallel(axes[0], joint.axis) or not all(are_parallel(axes[0], axis) for axis in axes[1:])
 
 
 def _is_drawn_alike(
@@ -259,7 +248,7 @@ def _is_turned(before: JointView, here: JointView, there: JointView, most: float
         return True
     along = 2.0 * sum(a * b for a, b in zip(about, axis, strict=True))
     x, y, z = (along * a - b for a, b in zip(about, axis, strict=True))
-    return _angle((x, y, z), there.axis) <= most
+    return angle((x, y, z), there.axis) <= most
 
 
 def _has_one_zero(one: JointView, other: JointView) -> bool:

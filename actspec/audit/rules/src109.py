@@ -2,11 +2,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from actspec.audit.case import MODELS
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.axes import are_opposite
 from actspec.audit.rules.joints import is_called_undriven, shown, unit
 from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
@@ -28,9 +29,6 @@ _LOPSIDED = {JointKind.HINGE: 0.2, JointKind.SLIDE: 0.005}
 
 _LONGEST = 20.0
 """Longest slide [m], as SPEC190 has it: rails have 10 m."""
-
-_TURNED = math.radians(150.0)
-"""Angle between two axes from which they point against each other. Chosen: frames differ by quarter turns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,10 +220,9 @@ def _are_in_mm(one: _Range, other: _Range) -> bool:
 def _is_turned(case: Case, one: LedgerRow, other: LedgerRow) -> bool:
     """Whether the axes point against each other, so that the range is to be mirrored: SRC108 has it."""
     views = [case.artifacts[row.artifact].robot for row in (one, other)]
-    axes: Sequence[Sequence[float] | None] = [
+    axes = [
         joint.axis if view is not None and (joint := view.joint(row.joint)) is not None else None
         for view, row in zip(views, (one, other), strict=True)
     ]
-    if axes[0] is None or axes[1] is None:
-        return False
-    return sum(a * b for a, b in zip(axes[0], axes[1], strict=True)) <= math.cos(_TURNED)
+    mine, its = axes
+    return mine is not None and its is not None and are_opposite(mine, its)
