@@ -137,6 +137,7 @@ def _limbs_told(case: Case, robot: Robot) -> Iterator[Finding]:
             "them is compared with it there",
             place,
             called[0],
+            joints=called,
             help=f"call it {shortened(wanted[0])} here, or {shortened(called[0])} there, and likewise "
             f"{listed(called[1:])}",
             related=tuple(dict.fromkeys(others.values())),
