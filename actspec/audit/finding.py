@@ -74,7 +74,7 @@ class Finding:
         message: What is wrong and what it does to the robot, with figures and units; one sentence.
         span: The place that decides.
         joint: Joint that it concerns; "" when it concerns a file.
-        joints: Joints of that file that it is about, for counts.
+        joints: Joints of that file that it is about where it is not that one alone, for counts.
         fields: Figures of the joint that it is about, names in `FIELDS`: what two rules say of one figure is one fault.
         value: The figure that is wrong [unit]; None where there is none.
         unit: Unit of `value` and `expected`; None without a value.

@@ -116,7 +116,7 @@ class DriveReading:
     def force_bound(self) -> Quantity:
         """Largest torque that its own force range allows, of two ends the larger; infinite without one."""
         view, unit = self.view, self.units.torque
-        place = self.place("forcerange", "saturation", "forcelimited")
+        place = self._place_at_joint("forcerange", "saturation", "forcelimited")
         if view.unknown and {"force_range", "gear"} & view.unknown:
             return unknown(unit, NOT_IN_FILE, place)
         if view.force_range is None:
@@ -132,7 +132,7 @@ class DriveReading:
     def control_bound(self) -> Quantity:
         """Largest torque that the clamp of its control or activation allows; infinite unless that is the torque."""
         view, unit = self.view, self.units.torque
-        place = self.place(*self._clamp)
+        place = self._place_at_joint(*self._clamp)
         if not (self.is_torque or view.is_filled):
             return assumed(math.inf, unit, "the control is no torque")
         if view.unknown and {"input_range", "gear"} & view.unknown:
@@ -215,13 +215,15 @@ class DriveReading:
         """Figure that it states to where."""
         said = _said_of_actuator(self.view.stated, self._ranges_of_torque)
         found = {figure: self.view.places.get(name, self.view.span) for figure, name in said}
-        if "effort_limit" in found and self.view.input_range and self.view.force_range:
+        if "effort_limit" in found and self._has_gear:
+            found["effort_limit"] = self.view.span
+        elif "effort_limit" in found and self.view.input_range and self.view.force_range:
             force, control = self.force_bound.value, self.control_bound.value
             if force is not None and control is not None and control < force:
                 # Of two clamps the one that binds.
                 found["effort_limit"] = self.view.places.get(self._clamp[0], self.view.span)
         if self.view.line is not None:
-            place = self.place("nominal", "motorconst", "resistance")
+            place = self._place_at_joint("nominal", "motorconst", "resistance")
             found |= {"stall_torque": place, "no_load_speed": place}
         return found | {figure: self._place_of_gain(figure) for figure in ("kp", "kd") if figure in found}
 
@@ -241,7 +243,16 @@ class DriveReading:
         """Where a gain is written: in the element, whichever attribute has it there, before its class."""
         words = _STATED_BY[name]
         own = any(word in self.view.stated and word not in self.view.places for word in words)
-        return self.view.span if own else self.place(*words)
+        return self.view.span if own else self._place_at_joint(*words)
+
+    def _place_at_joint(self, *attributes: str) -> Span:
+        """Where a figure is written that a gear multiplies: in the element that has the gear, before its class."""
+        return self.view.span if self._has_gear else self.place(*attributes)
+
+    @property
+    def _has_gear(self) -> bool:
+        """Whether the element itself has the gear that makes its figures those at the joint."""
+        return self.view.gear != 1.0 and "gear" in self.view.stated and "gear" not in self.view.places
 
     def place(self, *attributes: str) -> Span:
         """Where the first of these attributes is written: in the element, or in its default class."""

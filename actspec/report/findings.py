@@ -157,7 +157,7 @@ def counts(groups: Iterable[FindingGroup]) -> Counts:
     for group in groups:
         severities[group.first.severity] += 1
         for item in (*group.members, *group.alike):
-            joints.update((item.finding.joint,) if item.finding.joint else item.finding.joints)
+            joints.update(item.finding.joints or filter(None, (item.finding.joint,)))
     patterns = sum(bool(_OF_PATTERNS.search(joint)) for joint in joints)
     errors, warnings, notes = (severities[severity] for severity in reversed(SEVERITIES))
     return Counts(errors, warnings, notes, len(joints) - patterns, patterns)

@@ -16,17 +16,8 @@ _BY_RELEASE = re.compile(
 )
 """Reasons of MuJoCo that another release may not have; what no joint is, none has."""
 
-# fmt: off
-_NAMES = (
-    "actlimited", "actuatorfrclimited", "actuatorfrcrange", "actuatorgravcomp", "armature", "axis",
-    "biasprm", "biastype", "class", "ctrllimited", "ctrlrange", "damping", "diaginertia", "dynprm",
-    "dyntype", "forcelimited", "forcerange", "friction", "frictionloss", "fullinertia", "gainprm",
-    "gaintype", "gear", "inheritrange", "joint", "lengthrange", "limited", "margin", "material", "plugin",
-    "range", "solimp", "solref", "springref", "stiffness", "target", "tendon", "timeconst", "timestep",
-    "integrator", "meshdir", "texturedir", "autolimits", "inertiafromgeom",
-)
-# fmt: on
-"""Names of attributes that are misspelt: no release has `ctrlimited`. Source: MuJoCo 4.0.0, XML reference."""
+_SHORT = 3
+"""Letters up to which an attribute is no other one's slip. Chosen: `kp`, `rgb`, `key`."""
 
 
 class RefusedModel(Rule):
@@ -62,7 +53,7 @@ class RefusedModel(Rule):
 def _older(case: Case, file: FileReading, artifact: Artifact) -> str | None:
     """The installed release with what asks for an older one, which is what was said before what a project says."""
     reason = _BY_RELEASE.search(artifact.text_only or "")
-    if file.refused_by is None or reason is None or (reason[1] and is_slip(reason[1], _NAMES)):
+    if file.refused_by is None or reason is None or (reason[1] and _is_misspelt(reason[1])):
         return None
     meant = mujoco_of(case.versions)
     if meant is None:
@@ -70,3 +61,11 @@ def _older(case: Case, file: FileReading, artifact: Artifact) -> str | None:
     else:
         asked = f"it is meant for {meant.text}, which may take it" if meant.before(file.refused_by) else None
     return None if asked is None else f"{text_of(file.refused_by)} ({asked})"
+
+
+def _is_misspelt(attribute: str) -> bool:
+    """Whether an attribute that the installed release does not know is one of its own with a slip: `ctrlimited`."""
+    import mujoco
+
+    words = dict.fromkeys(re.findall(r"\w+", mujoco.mj_printSchema(False, False)))
+    return is_slip(attribute, [word for word in words if len(word) > _SHORT])

@@ -8,6 +8,7 @@ from itertools import combinations
 from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.axes import are_parallel
 from actspec.audit.rules.misnamed import is_misspelt, is_swapped, misnamed, selects
 from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed, shortened
@@ -22,10 +23,6 @@ _FEW = 2
 
 _ALIKE = 0.02
 """Largest difference of an end of the range of one joint in two files [rad or m]. Chosen."""
-
-
-_PARALLEL = 0.9
-"""Least cosine between the axes of one joint in two files. Chosen: files draw a joint some degrees apart."""
 
 
 class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
@@ -140,6 +137,7 @@ def _limbs_told(case: Case, robot: Robot) -> Iterator[Finding]:
             "them is compared with it there",
             place,
             called[0],
+            joints=called,
             help=f"call it {shortened(wanted[0])} here, or {shortened(called[0])} there, and likewise "
             f"{listed(called[1:])}",
             related=tuple(dict.fromkeys(others.values())),
@@ -181,11 +179,7 @@ def _turn_alike(one: JointView, other: JointView) -> bool:
     """Whether two joints have one range, and one axis as far as both are known, whichever way it points."""
     if one.range is None or other.range is None:
         return False
-    if (
-        one.axis
-        and other.axis
-        and abs(sum(a * b for a, b in zip(one.axis, other.axis, strict=True))) < _PARALLEL
-    ):
+    if one.axis and other.axis and not are_parallel(one.axis, other.axis):
         return False
     return all(math.isclose(a, b, abs_tol=_ALIKE) for a, b in zip(one.range, other.range, strict=True))
 

@@ -360,16 +360,21 @@ def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, _
 def _stated_fields(case: Case) -> dict[int, frozenset[str]]:
     """The fields that each artifact states of any joint."""
     return {
-        index: frozenset().union(*(row.stated for row in case.rows_of(index)))
+        index: frozenset().union(*(_said(row) for row in case.rows_of(index)))
         for index in range(len(case.artifacts))
     }
+
+
+def _said(row: LedgerRow) -> frozenset[str]:
+    """The fields that a file states of a joint: a servo of its speed alone says that nothing holds its position."""
+    return row.stated | {"kp"} if row.control == "velocity" and row.kp == 0.0 else row.stated
 
 
 def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> _Stated | None:
     """The first of the fields that a joint's file states, and its finite value."""
     for name in fields:
         for row in rows:
-            if name in row.stated:
+            if name in _said(row):
                 value = getattr(row, name) if len(rows) == 1 else figure(rows, name).value
                 if value is not None and math.isfinite(value):
                     return name, value

@@ -4,12 +4,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from actspec.audit.case import Case
+from actspec.audit.case import MODELS, Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rules.source_blame import Disagreement
+from actspec.audit.rules.source_blame import Disagreement, is_met
 from actspec.audit.rules.source_rule import SourceRule, are_exchanged, is_of_one_training, shown
 from actspec.diagnostics import Severity
+from actspec.joints import JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.dynamics import figure
 from actspec.units import format_number
 
 _CREEPS = 2.0
@@ -71,6 +73,8 @@ class Gain(SourceRule):
     def consequence(self, case: Case, found: Disagreement) -> str:
         """What the joint does then."""
         ratio = found.ratio
+        if _is_wheel_held(case, found):
+            return "one of them holds the joint at an angle, the other turns it at a speed"
         if ratio is None or ratio < 0.0:
             return "one of them has no such gain"
         if found.field == "kp":
@@ -80,12 +84,33 @@ class Gain(SourceRule):
             )
         return f"the drive brakes {format_number(ratio, 3)} times as hard at the same speed"
 
+    def grave(self, case: Case, found: Disagreement) -> Severity | None:
+        """Whether a wheel is turned to an angle or at a speed is no matter of tuning, whatever the files are."""
+        return self.severity if _is_wheel_held(case, found) and not is_met(case, found) else None
+
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """What the policy trained with and what runs it should be one; an MJCF is often only where it is tried."""
         kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
         if kinds == {FileKind.CFG, FileKind.DEPLOY} and is_of_one_training(case, found):
             return Severity.WARNING, Confidence.HIGH
         return Severity.INFO, Confidence.MEDIUM
+
+
+def _is_wheel_held(case: Case, found: Disagreement) -> bool:
+    """Whether of two drives of a joint that turns without end one follows a position, the other a speed alone."""
+    if found.field != "kp":
+        return False
+    free, held = sorted((found, found.turned), key=lambda one: one.mine.value or 0.0)
+    if free.mine.value != 0.0 or not held.mine.value or not figure(free.rows, "kd").value:
+        return False
+    joint = found.rows[0].joint
+    members = case.robot_of(found.rows[0].artifact).artifacts
+    models = [index for index in members if case.artifacts[index].kind in MODELS]
+    return any(
+        row.kind is JointKind.HINGE and row.position_range is None
+        for index in models
+        for row in case.joints.get((index, joint), ())
+    )
 
 
 def _pair(found: Disagreement) -> tuple[frozenset[int], str, str]:

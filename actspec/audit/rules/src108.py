@@ -8,16 +8,14 @@ from typing import ClassVar
 from actspec.audit.case import MODELS
 from actspec.audit.difference import axis_text
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.axes import angle, are_parallel
 from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
-from actspec.audit.rules.source_pairs import are_variants, is_one_machine
+from actspec.audit.rules.source_pairs import is_one_machine
 from actspec.readings.artifact import Artifact, FileKind, Robot
 from actspec.robot.view import JointView, RobotView
 
 _Axis = tuple[float, float, float]
-
-_TURNED = math.radians(30.0)
-"""Least angle between two axes that agree and fix the base's frame [rad]. Chosen: frames differ by quarter turns."""
 
 _SAME_ZERO = 0.1
 """Largest difference of a range's ends of joints with one zero [rad or m]. Chosen: files round, and soften, ranges; a
@@ -78,7 +76,7 @@ class AxisDisagrees(RuleOver[Robot]):
         """What two models have in common, and not; None: they may be drawn in two frames."""
         here, there = (_joints(case.artifacts[index]) for index in (one, other))
         angles = {
-            name: _angle(mine, its)
+            name: angle(mine, its)
             for name, joint in here.items()
             if name in there
             and joint.kind is there[name].kind
@@ -86,8 +84,8 @@ class AxisDisagrees(RuleOver[Robot]):
             and (its := there[name].axis) is not None
         }
         most = math.radians(self.option(case, "degrees"))
-        agree = frozenset(name for name, angle in angles.items() if angle <= most)
-        opposite = frozenset(name for name, angle in angles.items() if angle >= math.pi - most)
+        agree = frozenset(name for name, apart in angles.items() if apart <= most)
+        opposite = frozenset(name for name, apart in angles.items() if apart >= math.pi - most)
         frames: dict[tuple[int | None, int | None], list[JointView]] = {}
         for name in agree:
             frames.setdefault(_frames(name, here, there), []).append(here[name])
@@ -103,10 +101,11 @@ class AxisDisagrees(RuleOver[Robot]):
         return _Pair(one, other, told, agree)
 
     def _finding(self, case: Case, index: int, other: int, joint: str) -> Finding:
-        mine, theirs = (_joints(case.artifacts[each])[joint] for each in (index, other))
+        joints = [_joints(case.artifacts[each]) for each in (index, other)]
+        mine, theirs = (own[joint] for own in joints)
         assert mine.axis is not None and theirs.axis is not None
         path = case.artifacts[other].path
-        apart = are_variants(case, index, other) or not is_one_machine(case, index, other)
+        apart = _are_variants(*joints) or not is_one_machine(case, index, other)
         return Finding(
             self.code,
             f"the axis points the other way than in {path}: in the base's frame it is {_text(mine.axis)} here and "
@@ -171,11 +170,6 @@ def _departs(case: Case, index: int, against: Sequence[int], beside: int) -> boo
     return kinds == {kind} and min(against) < index
 
 
-def _angle(one: _Axis, other: _Axis) -> float:
-    """Between two unit vectors [rad]."""
-    return math.acos(max(-1.0, min(1.0, sum(a * b for a, b in zip(one, other, strict=True)))))
-
-
 def _frames(
     name: str, here: Mapping[str, JointView], there: Mapping[str, JointView]
 ) -> tuple[int | None, int | None]:
@@ -191,11 +185,7 @@ def _fix(agreeing: Sequence[JointView], joint: JointView) -> bool:
     axes = [one.axis for one in agreeing if one.axis is not None]
     if not axes or joint.axis is None:
         return False
-    return _is_parallel(axes[0], joint.axis) or not all(_is_parallel(axes[0], axis) for axis in axes[1:])
-
-
-def _is_parallel(one: _Axis, other: _Axis) -> bool:
-    return not _TURNED < _angle(one, other) < math.pi - _TURNED
+    return are_parallel(axes[0], joint.axis) or not all(are_parallel(axes[0], axis) for axis in axes[1:])
 
 
 def _is_drawn_alike(
@@ -210,20 +200,34 @@ def _is_drawn_alike(
 
     A joint that is drawn half a turn on turns round what hangs on it, where that stands across it.
     """
-    chain = []
-    parent = here[name].parent
-    if parent != there[name].parent:
+    chains = _above(name, here), _above(name, there)
+    mine, its = ([each for each in chain if each in here and each in there] for chain in chains)
+    if mine != its or not agree | opposite >= set(mine):
         return False
-    while parent:
-        if parent not in agree | opposite or here[parent].parent != there[parent].parent:
-            return False
+
+    def may_turn(before: str) -> bool:
+        # A joint that one file has alone, as those of a planar base, stands still in the other one, drawn anyhow.
+        joints = here if before in here else there
+        behind = _behind(before, joints) & (agree | opposite)
+        turned = all(_is_turned(joints[before], here[each], there[each], most) for each in behind)
+        return turned and not (before in mine and _has_one_zero(here[before], there[before]))
+
+    return not any(map(may_turn, {*chains[0], *chains[1]}))
+
+
+def _above(name: str, joints: Mapping[str, JointView]) -> list[str]:
+    """The joints between one and the base, from it on."""
+    chain: list[str] = []
+    while (parent := joints[chain[-1] if chain else name].parent) and parent not in chain:
         chain.append(parent)
-        parent = here[parent].parent
-    behind = {each: _behind(each, here) & (agree | opposite) for each in chain}
-    return not any(
-        all(_is_turned(here[before], here[each], there[each], most) for each in behind[before])
-        and not _has_one_zero(here[before], there[before])
-        for before in chain
+    return chain
+
+
+def _are_variants(here: Mapping[str, JointView], there: Mapping[str, JointView]) -> bool:
+    """Whether one of two models has a joint alone that does not carry all the rest, as those of a base do."""
+    shared = here.keys() & there.keys()
+    return any(
+        not shared <= _behind(name, joints) for joints in (here, there) for name in joints.keys() - shared
     )
 
 
@@ -244,7 +248,7 @@ def _is_turned(before: JointView, here: JointView, there: JointView, most: float
         return True
     along = 2.0 * sum(a * b for a, b in zip(about, axis, strict=True))
     x, y, z = (along * a - b for a, b in zip(about, axis, strict=True))
-    return _angle((x, y, z), there.axis) <= most
+    return angle((x, y, z), there.axis) <= most
 
 
 def _has_one_zero(one: JointView, other: JointView) -> bool:

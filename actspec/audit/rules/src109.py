@@ -2,11 +2,13 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from actspec.audit.case import MODELS
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.axes import are_opposite
 from actspec.audit.rules.joints import is_called_undriven, shown, unit
 from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
@@ -26,11 +28,11 @@ _Range = tuple[float, float]
 _LOPSIDED = {JointKind.HINGE: 0.2, JointKind.SLIDE: 0.005}
 """What a range's ends add up to where its mirror image is another one [rad or m]. Chosen: as SYM102's."""
 
+_WHEEL = re.compile(r"^(?!.*(?:steer|susp|swivel|cast|shock|arm)).*wheel", re.IGNORECASE)
+"""Names of joints that roll. Chosen: what steers a wheel, or carries it, is called after it too, and has a range."""
+
 _LONGEST = 20.0
 """Longest slide [m], as SPEC190 has it: rails have 10 m."""
-
-_TURNED = math.radians(150.0)
-"""Angle between two axes from which they point against each other. Chosen: frames differ by quarter turns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,11 +73,13 @@ class RangeDisagrees(RuleOver[tuple[Robot, str]]):
             joints: dict[str, int] = {}
             for index in models if len(models) > 1 else ():
                 for joint, rows in case.joints_by_artifact.get(index, {}).items():
-                    joints[joint] = joints.get(joint, 0) + _has_range(case, rows[0])
+                    found = _has_range(case, rows[0]) or _is_free_wheel(case, rows[0])
+                    joints[joint] = joints.get(joint, 0) + found
             yield from ((robot, joint) for joint, count in joints.items() if count > 1)
 
     def judge(self, case: Case, subject: tuple[Robot, str]) -> Iterator[Finding]:
         """Hold each range of a joint to the one for which most speaks."""
+        yield from self._stopped(case, *subject)
         ranges = _ranges(case, *subject)
         if len(ranges) < 2:
             return
@@ -83,6 +87,29 @@ class RangeDisagrees(RuleOver[tuple[Robot, str]]):
         for wrong in ranges:
             for row in wrong.rows if wrong is not right else ():
                 yield from self._compare(case, wrong, row, right)
+
+    def _stopped(self, case: Case, robot: Robot, joint: str) -> Iterator[Finding]:
+        """A wheel that has stops in one file and none in another."""
+        rows = [case.joints[index, joint][0] for index in robot.artifacts if (index, joint) in case.joints]
+        free = [row for row in rows if _is_free_wheel(case, row)]
+        for row in rows if free else ():
+            other = next((one for one in free if is_one_joint(case, row.artifact, one.artifact, joint)), None)
+            if other is None or other.kind is not row.kind or not _has_range(case, row):
+                continue
+            low, high = (shown(row, "default_position", end, 4) for end in row.position_range or ())
+            apart = _are_apart(case, row, other)
+            yield Finding(
+                self.code,
+                f"this wheel turns from {low} to {high} here and without end in {other.file}: it runs into a stop here",
+                row.place("position_range"),
+                joint,
+                unit=unit(row, "default_position"),
+                help="take the range away here (URDF: continuous), or give the joint one there if it does not roll",
+                related=(other.span,),
+                severity=Severity.INFO if apart else None,
+                confidence=Confidence.LOW if apart else None,
+                fields=("position_range",),
+            )
 
     def _compare(self, case: Case, wrong: _Stated, row: LedgerRow, right: _Stated) -> Iterator[Finding]:
         other = next(
@@ -99,11 +126,7 @@ class RangeDisagrees(RuleOver[tuple[Robot, str]]):
         said = f"the joint's range is {low} to {high} here and {its_low} to {its_high} in {other.file}, {contrary}"
         if right.poses and not wrong.poses:
             said += "; the robot's default position is in that one alone"
-        apart = (
-            revision(case, row.artifact) ^ revision(case, other.artifact)
-            or not is_one_machine(case, row.artifact, other.artifact, LIKENESS)
-            or is_called_undriven(row)
-        )
+        apart = _are_apart(case, row, other)
         yield Finding(
             self.code,
             said,
@@ -122,6 +145,29 @@ def _help(kind: JointKind | None, wrong: _Range, right: _Range) -> str:
     if kind is JointKind.SLIDE and _are_in_mm(wrong, right):
         return "ranges of slides are in m: find out which file has the joint as the robot has it"
     return "find out which file has the joint as the robot has it, and correct range or axis in the other"
+
+
+def _are_apart(case: Case, row: LedgerRow, other: LedgerRow) -> bool:
+    """Whether files may be of two machines, or nothing drives the joint."""
+    return bool(
+        revision(case, row.artifact) ^ revision(case, other.artifact)
+        or not is_one_machine(case, row.artifact, other.artifact, LIKENESS)
+        or is_called_undriven(row)
+    )
+
+
+def _is_free_wheel(case: Case, row: LedgerRow) -> bool:
+    """Whether a model's hinge is called a wheel, none that steers or is sprung, and turns without end."""
+    robot = case.artifacts[row.artifact].robot
+    joint = None if robot is None else robot.joint(row.joint)
+    if (
+        joint is None
+        or joint.range is not None
+        or "range" in joint.unknown
+        or row.kind is not JointKind.HINGE
+    ):
+        return False
+    return bool(_WHEEL.search(row.joint)) and not case.is_idle(row.span)
 
 
 def _has_range(case: Case, row: LedgerRow) -> bool:
@@ -222,10 +268,9 @@ def _are_in_mm(one: _Range, other: _Range) -> bool:
 def _is_turned(case: Case, one: LedgerRow, other: LedgerRow) -> bool:
     """Whether the axes point against each other, so that the range is to be mirrored: SRC108 has it."""
     views = [case.artifacts[row.artifact].robot for row in (one, other)]
-    axes: Sequence[Sequence[float] | None] = [
+    axes = [
         joint.axis if view is not None and (joint := view.joint(row.joint)) is not None else None
         for view, row in zip(views, (one, other), strict=True)
     ]
-    if axes[0] is None or axes[1] is None:
-        return False
-    return sum(a * b for a, b in zip(axes[0], axes[1], strict=True)) <= math.cos(_TURNED)
+    mine, its = axes
+    return mine is not None and its is not None and are_opposite(mine, its)

@@ -22,6 +22,7 @@ from actspec.audit.rules.joints import (
     shown,
     undriven_joints,
 )
+from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import are_of_two_sides, mirrors, of_its_leg
 from actspec.audit.rules.source_pairs import is_one_machine
 from actspec.diagnostics import one_line
@@ -47,6 +48,9 @@ _DRIVE = (
 _LIMITS = ("effort_limit", "velocity_limit")
 
 _PASSIVE = ("armature", "frictionloss", "joint_damping", "actuator_damping")
+
+_MOTOR = ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "armature")
+"""What joints of one motor and gear have in common, however each is tuned and was identified."""
 
 _COMPARED = attrgetter("control", *_DRIVE, *_PASSIVE)
 
@@ -141,17 +145,19 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         kinds = [(a.control, b.control) for a, b in zip(left, right, strict=False) if a.control != b.control]
         if not kinds and not differing:
             return None
-        # Where one side has 0, that one is the odd one; then the one that other files of its robot contradict; else the
-        # second, the first being the pattern.
+        # Where one side has 0, that one is the odd one; then the one that other files of its robot contradict; then the
+        # one that joints like it tell; else the second, the first being the pattern.
         field, a, b = differing[0] if differing else ("", 1.0, 1.0)
         sides = left[0], right[0]
         doubted = [
             bool(field) and _is_contradicted(case, *each, field, relative) for each in (sides, sides[::-1])
         ]
-        if 0.0 in (a, b) or doubted[0] is doubted[1]:
-            first = a == 0.0 or _is_rarer(case, left[0], field, a, b)
-        else:
+        if 0.0 in (a, b):
+            first = a == 0.0
+        elif doubted[0] is not doubted[1]:
             first = doubted[0]
+        else:
+            first = _is_odd(case, *sides, field, a, b)
         odd, other = (left[0], right[0]) if first else (right[0], left[0])
         # In two files the reader has the place of one side alone before him.
         here = ("", "") if odd.file == other.file else (" here", " on the other side")[:: 1 if first else -1]
@@ -233,15 +239,33 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         )
 
 
-def _is_rarer(case: Case, row: LedgerRow, field: str, one: float, other: float) -> bool:
-    """Whether fewer joints of the file have one figure than the other: a leg that is unlike the three others.
+def _is_odd(case: Case, left: LedgerRow, right: LedgerRow, field: str, one: float, other: float) -> bool:
+    """Whether the figure of the left joint is the slip, by those of joints like it.
 
-    Of several legs the joints of its kind tell: a knee's slip may be the hips' figure.
+    What fewer of them have is: of its kind on all legs, else of those with its motor and a word of its name. Where they
+    do not tell either, the figure that more of the other joints have was taken from them, unless it is a digit off.
     """
-    rows = case.rows_of(row.artifact) if field else ()
-    alike = [each for each in rows if of_its_leg(each.joint) == of_its_leg(row.joint)]
-    values = [getattr(each, field) for each in (alike if len(alike) > 2 else rows)]
-    return 0 < values.count(one) < values.count(other)
+    rows = [row for index in {left.artifact, right.artifact} for row in case.rows_of(index) if field]
+    kind, words = of_its_leg(left.joint), _words(left.joint)
+    motor = [(name, value) for name in _MOTOR if (value := getattr(left, name)) == getattr(right, name)]
+    kin = [row for row in rows if of_its_leg(row.joint) == kind]
+    near = [
+        row
+        for row in rows
+        if (not words or words & _words(row.joint)) and all(getattr(row, name) == its for name, its in motor)
+    ]
+    counts = [[getattr(row, field) for row in alike] for alike in (kin, near, rows)]
+    *told, (ours, theirs) = ((values.count(one), values.count(other)) for values in counts)
+    for mine, its in told:
+        if mine != its:
+            return mine < its
+    return ours < theirs if _is_absurd(one, other) else ours > theirs
+
+
+def _words(joint: str) -> frozenset[str]:
+    """What a joint's name says of its place on a leg: of `left_hip_roll_joint` hip and roll, of `l_joint4` nothing."""
+    words = (word.lower() for word in WORD.findall(of_its_leg(joint)))
+    return frozenset(word for word in words if word.isalpha()) - {"joint"}
 
 
 def _is_contradicted(case: Case, row: LedgerRow, twin: LedgerRow, field: str, relative: float) -> bool:
@@ -421,7 +445,9 @@ def _of_equal_names(
                 and len(shared) >= max(2.0, _SHARED * max(len(left), len(right)))
                 and is_one_machine(case, one, other)
             ):
-                yield from ((left[name], right[name]) for name in shared)
+                # One base may carry two arms.
+                own = [name for name in shared if is_one_joint(case, one, other, name)]
+                yield from ((left[name], right[name]) for name in own)
 
 
 def _are_two_sides(one: str, other: str) -> bool:

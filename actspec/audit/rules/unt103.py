@@ -79,6 +79,7 @@ class Factor57(RuleInParts):
             first,
             message=f"{first.joint} and {len(joints) - 1} more joints: {first.message}",
             joint="",
+            joints=tuple(joints),
             help="check <compiler angle> of both files",
         )
 

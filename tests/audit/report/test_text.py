@@ -292,15 +292,33 @@ def test_the_ledger_says_what_bounds_a_servo(tmp_path: Path) -> None:
 
 
 def test_findings_of_a_whole_file_affect_joints() -> None:
-    """Two joints by name, one of them again among the two of a finding of the file: three."""
+    """Two joints by name, one of them again among the two of a finding of the file, and one beside the other: four."""
     found = [
         Reported(each, "rule", Severity.INFO, Confidence.HIGH)
         for each in (
             *(finding("LIM901", joint=joint) for joint in ("hip", "knee")),
             finding("FRC901", line=2, joints=("knee", "toe")),
+            finding("ORD901", line=3, joint="hip", joints=("hip", "ankle")),
         )
     ]
-    assert counted(for_people(found)) == "2 notes affecting 3 joints"
+    assert counted(for_people(found)) == "3 notes affecting 4 joints"
+
+
+def test_a_finding_at_one_joint_for_its_limb_affects_all_of_them(tmp_path: Path) -> None:
+    """An arm of three joints under another name in the other file is one finding, at the first."""
+    for file, side in (("a", "right"), ("b", "rigth")):
+        text = '<robot name="arms"><link name="base"/>'
+        for limb in ("left", side):
+            for n in (1, 2, 3):
+                parent = f"{limb}{n - 1}" if n > 1 else "base"
+                text += (
+                    f'<link name="{limb}{n}"/><joint name="{limb}_arm_j{n}" type="revolute"><parent link="{parent}"/>'
+                    f'<child link="{limb}{n}"/><axis xyz="0 1 0"/>'
+                    f'<limit lower="-{n}" upper="{n}" effort="9" velocity="3"/></joint>\n'
+                )
+        (tmp_path / f"{file}.urdf").write_text(f"{text}</robot>", encoding="utf-8")
+    report = audit([str(path) for path in sorted(tmp_path.iterdir())], Settings(select=("ORD106",)))
+    assert counted(for_people(report.findings)) == "1 warning affecting 3 joints"
 
 
 @pytest.mark.parametrize(
