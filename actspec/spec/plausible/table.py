@@ -156,13 +156,14 @@ CHECKS = (
         "rotor-inertia",
         "A rotor that its own torque would turn too slowly or too fast: inertia in another unit or on the other side.",
         "Torque over inertia at the rotor from 1500 to 5e6 rad/s^2 (from 2500 by a peak torque behind a gear of "
-        "3; to 1e6 by one of 1 N*m or more, to 5e7 below 1 mN*m), at an output without a stated gear from 1 to 1e6; "
-        "the peak torque counts where it is stated. A direct drive that reaches its speed in 0.1 s is not too heavy "
+        "3, from 500 by a continuous torque that stands alone; to 1e6 by a peak of 1 N*m or more, to 5e7 below 1 "
+        "mN*m), at an output without a stated gear from 1 to 1e6; the peak torque counts where it is stated, or else "
+        "that of the peak current. A direct drive that reaches its speed in 0.1 s is not too heavy "
         "(hub motors of wheels: 0.03 s). Also a rotor that takes more "
         "than 0.5 s to its own speed without load (0.005 to 0.052 s; 1 s by a continuous torque that stands "
         "alone; 5 s without a gear above 1000 rad/s, where it is a spindle, chosen). A warning outside, an error "
-        "outside of a hundred times that. Published: 29400 (Unitree 4010) to 125000 (7520) at the rotor, 114 "
-        "(STS3215) to 8640 at the output.",
+        "outside of a hundred times that. Published: 29400 (Unitree 4010) to 125000 (7520) at the rotor, 1451 "
+        "by the continuous torque (maxon EC 90 flat), 114 (STS3215) to 8640 at the output.",
     ),
     Check(
         "SPEC186",

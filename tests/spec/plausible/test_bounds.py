@@ -145,6 +145,27 @@ def codes(text: str, model: str | None = None) -> list[str]:
             ["SPEC185"],
         ),
         ("side: joint, gear_ratio: 2.9, stall_torque: 300, peak_torque: 30, rotor_inertia: 6.8e-3", []),
+        # A continuous torque alone may be a tenth of the stall torque: 0.444 / 3.06e-4 = 1451 rad/s^2 (EC 90 flat),
+        # 0.444 / 8.9e-4 = 499; by a stall torque alone 1451 is too slow.
+        ("side: motor, gear_ratio: 51, continuous_torque: 0.444, rotor_inertia: 3.06e-4", []),
+        ("side: motor, gear_ratio: 51, continuous_torque: 0.444, rotor_inertia: 8.9e-4", ["SPEC185"]),
+        ("side: motor, gear_ratio: 51, stall_torque: 0.444, rotor_inertia: 3.06e-4", ["SPEC185"]),
+        # With 0.0705 N*m/A x 70 A the drive gives 4.935 N*m: 4.935 / 8.9e-4 = 5545 rad/s^2. 4.935 / 3.4e-3 = 1451.
+        (
+            "side: motor, gear_ratio: 51, continuous_torque: 0.444, torque_constant: 0.0705, peak_current: 70, "
+            "rotor_inertia: 8.9e-4",
+            [],
+        ),
+        (
+            "side: motor, gear_ratio: 51, continuous_torque: 0.444, torque_constant: 0.0705, peak_current: 70, "
+            "rotor_inertia: 3.4e-3",
+            ["SPEC185"],
+        ),
+        # 70.5 N*m/A x 70 A x 51 = 252 kN*m.
+        (
+            "side: motor, gear_ratio: 51, continuous_torque: 0.444, torque_constant: 70.5, peak_current: 70",
+            ["SPEC183"],
+        ),
         # 10 N*m bring 0.5 kg*m^2 to 10 rad/s in 0.5 s; a continuous torque may take 1 s.
         ("side: joint, peak_torque: 10, no_load_speed: 10 rad/s, reflected_inertia: 0.5", []),
         ("side: joint, peak_torque: 10, no_load_speed: 10 rad/s, reflected_inertia: 0.51", ["SPEC185"]),
