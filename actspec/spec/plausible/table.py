@@ -200,9 +200,9 @@ CHECKS = (
     Check(
         "SPEC188",
         "range",
-        "A range of randomisation that nobody draws from: a factor in per cent, three times a motor's torque, an "
-        "encoder's error in degrees, values far from the nominal one or below 0, dry friction up to the effort limit; "
-        "such an error as the nominal one; a standard deviation many times its value.",
+        "A range of randomisation that nobody draws from: a factor in per cent, values as factors, three times a "
+        "motor's torque, an encoder's error in degrees, values far from the nominal one or below 0, dry friction up to "
+        "the effort limit; such an error as the nominal one; a standard deviation many times its value.",
         "A warning for a factor above 10 (published: 3, on kd), or above 3 on strength and effort limit (1.25), for "
         "offsets that bring a number without a sign below 0 where no target draws them (else they are RND004), for "
         "values that are all above ten times the nominal "
