@@ -17,11 +17,10 @@ from actspec.spec.plausible.armatures import armature_found, beside, odd_armatur
 from actspec.spec.plausible.clamps import pose_found
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
-from actspec.spec.plausible.driven import AGREES, UNREACHED, given_at, unreached_limit
+from actspec.spec.plausible.driven import AGREES, UNREACHED, WINDING, given_at, unreached_limit
 from actspec.spec.plausible.gains import blamed
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
 from actspec.spec.plausible.limits import levers_of, slow_found, velocity_found
-from actspec.spec.plausible.motors import WINDING
 from actspec.spec.plausible.numbers import number_doubts
 from actspec.spec.plausible.relations import DEGREE, Repair
 from actspec.spec.plausible.repairs import misread_lengths, misread_speeds

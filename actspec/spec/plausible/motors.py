@@ -24,6 +24,7 @@ from actspec.spec.plausible.driven import (
     FASTEST_OUTPUT,
     FASTEST_SLIDE,
     NEVER_GEARED_UP,
+    WINDING,
     is_round,
     limit_relations,
     rub_relations,
@@ -53,8 +54,6 @@ HOPELESS_TORQUE = 1e6
 """An error from it on [N*m]. Chosen: slewing and hub drives of large machines have 500 kN*m."""
 HOPELESS_POWER = 1e6
 """Likewise [W]. Chosen: the largest motors of vehicles have 700 kW."""
-WINDING = 10.0
-"""A stall torque may be this many times a large peak torque beside it: voltage over resistance, never reached."""
 MOST_OF_WINDING = 20.0
 """Stall over peak torque from which on it is the gear's if it is just the gear. Published: 20 (AK80-64, behind 64)."""
 JUST_GEAR = 5e-3

@@ -231,11 +231,11 @@ CHECKS = (
         "Viscous friction that takes half of the effort limit at the motor's no-load speed, or, at another level than "
         "`dc_motor`, three times the limit there or all of it at a stated velocity limit; of the motor's peak torque, "
         "where that is more.",
-        "A warning from 0.5 times the limit on where the torque-speed line acts. Published: to 0.43 (ANYmal D, PACE). "
-        "Elsewhere from 3 times on, as a joint may never come near that speed (a sound belt takes 1.24), and from 1 "
-        "times on at a velocity limit that the spec states, but for powers of ten and for friction that the robot's "
-        "file has as well: limits of published URDFs are often placeholders, of 100 or 1e4 rad/s, and make up to 3333 "
-        "times.",
+        "Without a peak torque the stall torque is what the drive gives, below ten times its other torques. A warning "
+        "from 0.5 times the limit on where the torque-speed line acts. Published: to 0.43 (ANYmal D, PACE). Elsewhere "
+        "from 3 times on, as a joint may never come near that speed (a sound belt takes 1.24), and from 1 times on at "
+        "a velocity limit that the spec states, but for powers of ten and for friction that the robot's file has as "
+        "well: limits of published URDFs are often placeholders, of 100 or 1e4 rad/s, and make up to 3333 times.",
     ),
     Check(
         "SPEC190",
@@ -263,14 +263,14 @@ CHECKS = (
         "Outside of 0.3 to 3 times what rotor inertia and gears give; of an identified one, which holds what the "
         "motor's figures lack, of 0.1 to 10 times (fitted to a Go2: 2.8 to 5.7); above 300 times where no model has "
         "the links, as what is coupled to the rotor may be meant. Without those: effort limit, or the motor's peak "
-        "torque, over armature below 5 (unless the motor's speed is reached in 0.2 s) or, but of a motor that "
-        "travels, above 3e5 rad/s^2 (where the links are not known 3e6 below 20 N*m; published of 20 N*m and more: to"
-        " 2e4); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from 300 times "
-        "on in any case (1000 where it follows from rotor and gear: a bare flange of a KR 210 has 507), or from ten "
-        "times above or below three or more other joints of its group, which are alike, on. Also one that the motor's"
-        " torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where it is ten times the links' inertia"
-        " or, of unknown links, kp swings it alone below 6 rad/s. What is just rotor inertia times gear squared is "
-        "the motor's matter (SPEC185), and judged by the 300 or 1000 times alone: an exoskeleton's wearer is in no "
+        "torque (as FRC106), over armature below 5 (unless the motor's speed is reached in 0.2 s) or, but of a motor "
+        "that travels, above 3e5 rad/s^2 (where the links are not known 3e6 below 20 N*m; published of 20 N*m and "
+        "more: to 2e4); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from 300 "
+        "times on in any case (1000 where it follows from rotor and gear: a bare flange of a KR 210 has 507), or from "
+        "ten times above or below three or more other joints of its group, which are alike, on. Also one that the "
+        "motor's torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where it is ten times the links' "
+        "inertia or, of unknown links, kp swings it alone below 6 rad/s. What is just rotor inertia times gear squared "
+        "is the motor's matter (SPEC185), and judged by the 300 or 1000 times alone: an exoskeleton's wearer is in no "
         "model. Published: 10 (fingers of the H1) to 30000 rad/s^2, and 124 times the links at 150 rad/s^2 "
         "(gymnasium's ant).",
     ),
