@@ -101,7 +101,9 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         _check_finite(actuator, collector)
     _check_delays(joints, collector)
     check_gains(zip(joints, stated, strict=True), collector)
-    check_joints(joints, spec.model, spec.document, collector, robot.mass)
+    positions = ((joint.name, robot.keyframe_position(joint)) for joint in robot.scalar_joints)
+    keyframe = {name: position for name, position in positions if position is not None}
+    check_joints(joints, spec.model, spec.document, collector, robot.mass, keyframe)
     collector.raise_if_failed(ResolveError)
     model = spec.model
     delta = model.delta_action

@@ -409,14 +409,12 @@ class Found:
         joint: Name of the joint.
         size: How far the number is from its bound.
         derived: One of the numbers follows from others, such as the motor's.
-        missing: Its joint has no number, so that what is said where several are missing is each joint's own.
     """
 
     doubt: Doubt
     joint: str
     size: float
     derived: bool = False
-    missing: bool = False
 
 
 def is_stated(quantity: Quantity | None) -> bool:
@@ -485,18 +483,6 @@ def by_number(found: Iterable[Found]) -> Iterator[Doubt]:
     for one in found:
         numbers.setdefault((one.doubt.code, one.doubt.span), []).append(one)
     for members in numbers.values():
-        if members[0].missing:
-            alike = {
-                text: [one for one in members if one.doubt.message == text]
-                for text in dict.fromkeys(one.doubt.message for one in members)
-            }
-            told = "; ".join(
-                f"{listed([one.joint for one in own], 3)}: {text}" for text, own in alike.items()
-            )
-            first, *rest = (own[0].doubt for own in alike.values())
-            helps = (str(first.help), *(str(doubt.help).rpartition("; ")[2] for doubt in rest))
-            yield replace(first, message=told, help="; ".join(helps))
-            continue
         worst = max(members, key=lambda one: (one.doubt.error, one.size))
         names = dict.fromkeys((worst.joint, *(one.joint for one in members)))
         yield replace(worst.doubt, message=f"{listed(names, 3)}: {worst.doubt.message}")
