@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from actspec.diagnostics import Path, alternatives
-from actspec.fields import FRICTION_SHARE
+from actspec.fields import FRICTION_SHARE, LARGEST_FACTOR, largest_factor
 from actspec.spec.document import SourceMap
 from actspec.spec.models import Actuators, Randomize
 from actspec.spec.plausible.relations import DEGREE, POINT
@@ -16,10 +16,6 @@ from actspec.spec.rules.groups import RANDOMIZED_KINDS, range_of
 from actspec.spec.values import Fault, SpecValue
 from actspec.units import Kind, format_quantity
 
-FACTOR = 10.0
-"""Largest factor of a range of randomisation. Published: 3, on kd."""
-STRONGER = 3.0
-"""The same of what a motor gives. Published: 1.25; chosen: no batch of motors and batteries has twice the torque."""
 DIGIT = 50.0
 """Above it two factors are in per cent, below it they are without their points."""
 ABOUT_NOMINAL = 2.0
@@ -67,7 +63,7 @@ def _drawn(entry: Randomize, field: str, path: Path, group: Actuators, spans: So
     pair = range_of(entry, field)
     ends = () if isinstance(pair, Fault) else pair
     factors = entry.scale is not None
-    most = STRONGER if field in ("strength", "effort_limit") else FACTOR
+    most = largest_factor(field)
     wrong = [
         (index, end)
         for index, end in enumerate(ends)
@@ -93,9 +89,9 @@ def _drawn(entry: Randomize, field: str, path: Path, group: Actuators, spans: So
     help = f"did you mean {_numbers(told)}?" if sound else POINT
     if percent:
         help = f"is it in %? Then write {_numbers(told)}"
-    if most < FACTOR:
+    if most < LARGEST_FACTOR:
         message += f": no motor gives {most:g} times its torque"
-        help = POINT if (far[-1].value or 0.0) <= FACTOR else help
+        help = POINT if (far[-1].value or 0.0) <= LARGEST_FACTOR else help
     values = _values(ends, entry, field, group, most)
     if values is not None:
         own, meant = values
@@ -151,10 +147,11 @@ def _replaced(
     known = None if nominal is None else nominal.value
     if nominal is not None and known and known > 0.0:
         factors = least / known, most / known
-        if factors[0] > FACTOR or factors[1] < 1.0 / FACTOR:
+        if factors[0] > LARGEST_FACTOR or factors[1] < 1.0 / LARGEST_FACTOR:
             ten = 10.0 ** round(math.log10(math.sqrt(factors[0] * factors[1])))
             help = "look for a wrong unit, or another joint's range"
-            if least < 1.0 < most:
+            bare = low.linear is None and high.linear is None
+            if bare and least < 1.0 < most <= largest_factor(field):
                 help = f"are they factors? Then write `scale: [{least:g}, {most:g}]`"
             elif gaussian or least <= known * ten <= most:
                 # What leaves the nominal out again is not meant.

@@ -475,6 +475,15 @@ def test_validate_tells_what_the_target_would(
         ("kp: {abs: [610, 720]}", "SPEC188", "look for a wrong unit, or another joint's range"),
         ("kp: {abs: [4.8, 5.9]}", "SPEC188", "look for a wrong unit, or another joint's range"),
         ("kp: {abs: [0.48, 0.72]}", "SPEC188", "did you mean 48 N*m/rad and 72 N*m/rad?"),
+        # What has a unit is no factor; nor is what would be told as one, of an effort limit of 20 N*m.
+        (
+            "kp: {abs: [0.8 N*m/rad, 1.2 N*m/rad]}",
+            "SPEC188",
+            "look for a wrong unit, or another joint's range",
+        ),
+        ("effort_limit: {abs: [0.8 N*m, 1.2 N*m]}", "RND006", "widen the range, or correct the nominal"),
+        ("effort_limit: {abs: [0.8, 4.1]}", "RND006", "widen the range, or correct the nominal"),
+        ("effort_limit: {abs: [0.8, 3]}", "RND006", "are they factors? Then write `scale: [0.8, 3]`"),
         # An armature of 0.0125 kg*m^2; it has a nominal of the motor alone.
         ("armature: {abs: [0.9, 1.1]}", "RND006", "are they factors? Then write `scale: [0.9, 1.1]`"),
         ("friction.coulomb: {scale: [0.2, 0.6]}", "RND006", "are they values? Then write `abs: [0.2, 0.6]`"),
