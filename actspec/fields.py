@@ -37,6 +37,10 @@ LONGEST_LEVER = 4.0
 FRICTION_SHARE = 0.5
 """Dry friction over the effort limit from which too little is left to drive the joint. Published: to 0.42, of a mobile
 base."""
+LARGEST_FACTOR = 10.0
+"""Of a range of randomisation. Published: 3, on kd."""
+STRONGER = 3.0
+"""The same of what a motor gives. Published: 1.25; chosen: no batch of motors and batteries has twice the torque."""
 
 
 class Role(Enum):
@@ -266,6 +270,11 @@ def unit_of(name: str, joint: JointKind | None, command: str = "") -> str:
     if name == "action_scale" and command:
         return unit_of_kind(COMMANDED[command], joint)
     return field.unit(joint)
+
+
+def largest_factor(spec: str) -> float:
+    """The largest factor that is drawn on a field, by its name in a spec."""
+    return STRONGER if spec in ("strength", "effort_limit") else LARGEST_FACTOR
 
 
 def is_power_of_ten(figure: float) -> bool:

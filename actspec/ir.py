@@ -16,6 +16,7 @@ import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
+from dataclasses import field as dataclass_field
 from enum import Enum
 from functools import lru_cache
 
@@ -196,6 +197,7 @@ class Randomization:
         every: Interval range [s] for `interval`; None otherwise.
         per: `joint`, `group` or `env`: what shares one draw.
         span: Where it is written.
+        has_unit: The ends are written with a unit, so that they are no factors.
     """
 
     field: str
@@ -207,6 +209,7 @@ class Randomization:
     every: tuple[float, float] | None
     per: str
     span: Span | None
+    has_unit: bool = dataclass_field(default=False, compare=False)
 
     @property
     def words(self) -> str:

@@ -47,7 +47,7 @@ def outside_words(
     meant = None
     # No joint but a wheel turns further, so that it may be the sign.
     if low <= -pose <= high and not (hinge and abs(pose) > math.pi):
-        meant = f"is the sign wrong? {_shown(-pose, unit, own, 6)} is inside"
+        meant = f"is the sign wrong? {shown_in(-pose, unit, own, 6)} is inside"
         if hinge and own != "deg":
             meant += f", {math.degrees(-pose):.4g} deg"
     elif hinge and low - near <= math.radians(pose) <= high + near:
@@ -60,8 +60,8 @@ def outside_words(
             f"is {'the point wrong, or is ' * (low <= 0.1 * pose <= high)}it in mm? Then write {pose:g} mm"
         )
     help = ". Or ".join(filter(None, (meant, help))) or None
-    ends = " to ".join(_shown(end, unit, own) for end in limits)
-    message = f"the default position {_shown(pose, unit, own)} is outside of the joint's range, {ends}"
+    ends = " to ".join(shown_in(end, unit, own) for end in limits)
+    message = f"the default position {shown_in(pose, unit, own)} is outside of the joint's range, {ends}"
     return beyond, message, help
 
 
@@ -76,7 +76,7 @@ def far_words(pose: float, own: str = "") -> tuple[str, str] | None:
     if abs(pose) <= turn + POSE_TOLERANCE[JointKind.HINGE]:
         return None
     turns = format_quantity(abs(pose) / turn, "turns", 3)
-    message = f"the default position {_shown(pose, 'rad', own)} is {turns} from the joint's zero"
+    message = f"the default position {shown_in(pose, 'rad', own)} is {turns} from the joint's zero"
     if own == "deg":
         return message, f"the same angle within half a turn is {_angle(_turned(pose, 0.0), own)}"
     return message, _in_degrees(pose)
@@ -94,11 +94,11 @@ def _turned(pose: float, middle: float) -> float:
 
 def _angle(pose: float, own: str) -> str:
     """An angle [rad] as one writes it, first in the unit of who asks."""
-    both = [_shown(pose, "rad", ""), _shown(pose, "rad", "deg")]
+    both = [shown_in(pose, "rad", ""), shown_in(pose, "rad", "deg")]
     return ", ".join(reversed(both) if own == "deg" else both)
 
 
-def _shown(position: float, unit: str, own: str, digits: int = 4) -> str:
+def shown_in(position: float, unit: str, own: str, digits: int = 4) -> str:
     """A position [rad or m] in the unit that it is written in."""
     if own not in _SIZES:
         return format_quantity(position, unit, digits)

@@ -224,9 +224,7 @@ def _rows(file: str, index: int, reading: JointReading, robot: RobotView) -> lis
             reading.explicit_damping(damping),
         ),
         "position_range": None if "range" in joint.unknown else joint.range,
-        "default_position": joint.reference_position
-        if robot.keyframes and "reference_position" not in joint.unknown
-        else None,
+        "default_position": robot.keyframe_position(joint),
         "places": {**_elsewhere(places, joint.span), **pose},
         "stated": frozenset(places),
         "made": {} if limit.formula is None else {"effort_limit": limit.formula},

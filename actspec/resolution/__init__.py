@@ -8,7 +8,16 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, ResolveError, listed
-from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source, whole_steps
+from actspec.ir import (
+    ActuatorSet,
+    DeltaAction,
+    JointActuator,
+    JointKind,
+    Origin,
+    Quantity,
+    Source,
+    whole_steps,
+)
 from actspec.readings.joint import read_joints
 from actspec.resolution.binding import bind
 from actspec.resolution.identified import check_gains, drawn_apart, results_sources
@@ -44,7 +53,13 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     breaches = Breaches(spec.document.spans, collector)
     bindings = bind(spec, robot, breaches)
     reports = Reports()
-    stated = [stated_of(spec, binding, breaches, reports) for binding in bindings.managed]
+    kinds: dict[str, set[JointKind]] = {}
+    for binding in bindings.managed:
+        kinds.setdefault(binding.group, set()).add(binding.joint.kind)
+    stated = [
+        stated_of(spec, binding, len(kinds[binding.group]) > 1, breaches, reports)
+        for binding in bindings.managed
+    ]
     linkages: tuple[LinkedMotors, ...] = ()
     if spec.model.linkages:
         from actspec.resolution.linkage import linked_motors
@@ -101,7 +116,9 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         _check_finite(actuator, collector)
     _check_delays(joints, collector)
     check_gains(zip(joints, stated, strict=True), collector)
-    check_joints(joints, spec.model, spec.document, collector, robot.mass)
+    positions = ((joint.name, robot.keyframe_position(joint)) for joint in robot.scalar_joints)
+    keyframe = {name: position for name, position in positions if position is not None}
+    check_joints(joints, spec.model, spec.document, collector, robot.mass, keyframe)
     collector.raise_if_failed(ResolveError)
     model = spec.model
     delta = model.delta_action

@@ -104,7 +104,7 @@ def randomizations(inputs: JointInputs) -> tuple[Randomization, ...]:
     for field, entry in inputs.stated.group.randomize.items():
         path: Path = ("actuators", inputs.stated.binding.group, "randomize", field)
         span = inputs.stated.spec.document.spans.key(path)
-        every = None
+        every, has_unit = None, False
         if entry.every is not None:
             every = (float(entry.every[0].value), float(entry.every[1].value))
         if entry.from_ is not None:
@@ -114,20 +114,31 @@ def randomizations(inputs: JointInputs) -> tuple[Randomization, ...]:
             operation, low, high = "abs", *_spread(fitted, field, entry)
         else:
             operation = next(key for key in ("scale", "add", "abs") if getattr(entry, key) is not None)
-            low, high = _range(inputs, field, entry, (*path, operation))
+            low, high, has_unit = _range(inputs, field, entry, (*path, operation))
         found.append(
-            Randomization(field, operation, low, high, entry.distribution, entry.when, every, entry.per, span)
+            Randomization(
+                field,
+                operation,
+                low,
+                high,
+                entry.distribution,
+                entry.when,
+                every,
+                entry.per,
+                span,
+                has_unit,
+            )
         )
     return tuple(found)
 
 
-def _range(inputs: JointInputs, field: str, entry: Randomize, path: Path) -> tuple[float, float]:
-    """The written range in SI units."""
+def _range(inputs: JointInputs, field: str, entry: Randomize, path: Path) -> tuple[float, float, bool]:
+    """The written range in SI units, and whether it has a unit."""
     ends = range_of(entry, field)
     assert isinstance(ends, tuple)
     end = ends[1] if ends[0].linear is None else ends[0]
     inputs.check_unit(end, f"the range of {field} has {end.written}", path)
-    return float(ends[0].value or 0.0), float(ends[1].value or 0.0)
+    return float(ends[0].value or 0.0), float(ends[1].value or 0.0), end.linear is not None
 
 
 def _fitted(inputs: JointInputs, field: str, path: Path) -> Quantity | None:

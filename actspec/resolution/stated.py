@@ -5,10 +5,11 @@ A joint has the fields of its group, with its overrides laid over.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import Path, Span, dotted
+from actspec.diagnostics import Path, Span, dotted, listed
 from actspec.fields import BY_SPEC, FRICTION, unit_of_kind
 from actspec.ir import Command, JointKind, Level, Origin, Quantity, tidy
 from actspec.resolution.binding import Binding
@@ -86,8 +87,16 @@ class Stated:
         return written(value, unit_of_kind(kind, self.kind), self.spec.span(*self.path(field)))
 
 
-def stated_of(spec: Spec, binding: Binding, breaches: Breaches, reports: Reports) -> Stated:
-    """Lay the overrides of a joint over its group's fields; two for one field are an error."""
+def stated_of(spec: Spec, binding: Binding, mixed: bool, breaches: Breaches, reports: Reports) -> Stated:
+    """Lay the overrides of a joint over its group's fields; two for one field are an error.
+
+    Args:
+        spec: The spec.
+        binding: The joint and its group.
+        mixed: The group has both hinges and slides.
+        breaches: Takes what concerns this joint alone.
+        reports: Takes what may concern others in the same way.
+    """
     name = binding.group
     group = spec.model.actuators[name]
     fields: dict[str, tuple[Any, Path]] = {}
@@ -111,7 +120,7 @@ def stated_of(spec: Spec, binding: Binding, breaches: Breaches, reports: Reports
     motor = spec.model.motors.get(motor_name) if motor_name is not None else None
     results = None if group.identified is None else spec.results[group.identified]
     found = Stated(spec, binding, group, motor, results, fields)
-    _check_units(found, reports)
+    _check_units(found, reports, mixed)
     return found
 
 
@@ -128,29 +137,48 @@ def _lay(fields: dict[str, tuple[Any, Path]], source: Any, path: Path) -> None:
                 fields[part.spec] = (value, (*path, "friction", key))
 
 
-def _check_units(stated: Stated, reports: Reports) -> None:
-    """A hinge takes rad, a slide m: refuse the other one's unit."""
+def _check_units(stated: Stated, reports: Reports, mixed: bool) -> None:
+    """A hinge takes rad, a slide m: refuse the other one's unit.
 
-    def check(field: str, value: SpecValue, path: Path) -> None:
+    Several in a group that has joints of both kinds are right for the others: then it is the joint that is wrong there.
+    """
+    unfit = [item for item in _numbers(stated) if not _fits(stated, item[1])]
+    name, kind = stated.binding.joint.name, stated.kind.value
+    if mixed and len(unfit) > 1:
+        number = stated.group.joints.index(stated.binding.pattern)
+        path: Path = ("actuators", stated.binding.group, "joints", number)
+        figures = listed([f"{field} {value.written}" for field, value, _ in unfit], 2)
+        message = f"{len(unfit)} numbers of its group do not fit a {kind} joint: {figures}"
+        reports.error("RES001", name, message, dotted(path), stated.spec.span(*path), UNITS_OF_JOINTS)
+        return
+    for field, value, path in unfit:
         _check_unit(stated, value, f"{field} is given as {value.written}", path, reports)
 
+
+def _numbers(stated: Stated) -> Iterator[tuple[str, SpecValue, Path]]:
+    """The numbers that are stated of a joint, with what they are and where they stand."""
     for field, (value, path) in stated.fields.items():
         if isinstance(value, SpecValue) and value.value is not None:
-            check(field, value, path)
+            yield field, value, path
         if isinstance(value, DerivedGain):
             for key, number in value.numbers.items():
-                check(f"{key} of {field}", number, (*path, key))
+                yield f"{key} of {field}", number, (*path, key)
             if isinstance(value.inertia, SpecValue):
-                check(f"inertia of {field}", value.inertia, (*path, "inertia"))
+                yield f"inertia of {field}", value.inertia, (*path, "inertia")
         if isinstance(value, CommandRange):
-            check(field, value.high if value.low.linear is None else value.low, path)
+            yield field, value.high if value.low.linear is None else value.low, path
+
+
+def _fits(stated: Stated, value: SpecValue) -> bool:
+    """Whether a number has no unit, or one of the joint's kind."""
+    return value.linear is None or value.linear is (stated.kind is JointKind.SLIDE)
 
 
 def _check_unit(
     stated: Stated, value: SpecValue, given: str, path: Path, reports: Reports, help: str = UNITS_OF_JOINTS
 ) -> None:
     """Refuse a number that is in the other kind of joint's unit; `given` says what it is said to be."""
-    if value.linear is not None and value.linear is not (stated.kind is JointKind.SLIDE):
+    if not _fits(stated, value):
         message = f"{given}, which does not fit a {stated.kind.value} joint"
         span = stated.spec.span(*path)
         reports.error("RES001", stated.binding.joint.name, message, dotted(path), span, help)

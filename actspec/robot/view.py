@@ -339,6 +339,11 @@ class RobotView:
         """The joint of that name, or None."""
         return next((j for j in self.joints if j.name == name), None)
 
+    def keyframe_position(self, joint: JointView) -> float | None:
+        """Position of one of its joints in the first keyframe [rad or m]; None: there is none, or nobody knows."""
+        known = self.keyframes and "reference_position" not in joint.unknown
+        return joint.reference_position if known else None
+
     @property
     def scalar_joints(self) -> tuple[JointView, ...]:
         """The named hinges and slides, in the robot's order."""

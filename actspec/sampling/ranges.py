@@ -240,7 +240,8 @@ def _outside(entry: Randomization, neutral: float, text: str, nominal: float | N
     slack = 1e-9 * max(abs(low), abs(high), abs(neutral))
     if not low - slack <= neutral <= high + slack:
         help = "widen the range" + ", or correct the nominal" * (entry.operation == "abs")
-        readings = [("scale", "factors", 1.0), ("abs", "values", nominal)]
+        factors = not entry.has_unit and high <= fields.largest_factor(entry.field)
+        readings = [("scale", "factors", 1.0 if factors else None), ("abs", "values", nominal)]
         meant = [
             f"are they {what}? Then write `{other}: [{format_number(entry.low)}, {format_number(entry.high)}]`"
             for other, what, own in readings

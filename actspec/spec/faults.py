@@ -16,6 +16,7 @@ from actspec.spec.models import Actuators, Friction, Motor, Randomize, Robot, Sp
 from actspec.spec.shape import fields_of, model_at
 from actspec.spec.values import short
 from actspec.units import Kind, UnitError, parse_quantity
+from actspec.units.kinds import in_units
 
 _OTHER_WORDS = {
     **dict.fromkeys(("output", "gearbox", "load"), "joint"),
@@ -26,6 +27,8 @@ _OTHER_WORDS = {
     "frictionloss": "friction.coulomb",
 }
 """Words for the sides of a gearbox and for commands, and those of the language."""
+_FACTORS = ("gains", "strength")
+"""What is drawn as a factor alone."""
 
 
 def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> None:
@@ -34,8 +37,11 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
     context = item.get("ctx", {})
     given = item.get("input")
     if kind == "actspec":
+        help = context["help"]
+        if help == in_units(Kind.RATIO) and path[-1] == "scale" and path[-2] not in _FACTORS:
+            help = f"{help}; of values write `abs: {short(given)}`"
         path = (*path, *context["at"])
-        breaches.error("SPEC110", context["message"], path, context["help"])
+        breaches.error("SPEC110", context["message"], path, help)
     elif kind == "missing":
         key = str(item["loc"][-1])
         parent = path if path and path[-1] != key else path[:-1]
@@ -70,7 +76,7 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
         )
     else:
         of = (*path, 0) if kind in ("tuple_type", "list_type") else path
-        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model_at(root, of))
+        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model_at(root, of), of[-1:])
         if kind == "dict_type" and isinstance(given, list) and not message.endswith("a list"):
             help = _as_mapping(path, given)
             if path[-1] == "default_pose":
@@ -91,10 +97,26 @@ def _nearest_word(word: str, options: Sequence[str]) -> str | None:
     return did_you_mean(part[0] if len(part) == 1 else _OTHER_WORDS.get(word, word), options)
 
 
+def _are_factors(ends: Sequence[Any]) -> bool:
+    """Whether the ends of a range are in %, or numbers with 1, which changes nothing, between them."""
+    if ends and all(str(end).endswith("%") for end in ends):
+        return True
+    numbers = [end for end in ends if isinstance(end, (int, float))]
+    return len(numbers) == len(ends) > 0 and min(numbers) <= 1.0 <= max(numbers)
+
+
 def _in_yaml_words(
-    kind: str, message: str, context: Mapping[str, Any], given: Any, model: type[BaseModel] | None
+    kind: str,
+    message: str,
+    context: Mapping[str, Any],
+    given: Any,
+    model: type[BaseModel] | None,
+    place: Path,
 ) -> tuple[str, str | None]:
-    """Message and help of a pydantic error about the shape of a value, or of a list of which `model` is an item."""
+    """Message and help of a pydantic error about the shape of a value, or of a list of which `model` is an item.
+
+    `place` is the key that it stands at.
+    """
     got = f", got {_got(given)}"
     if kind in ("tuple_type", "list_type"):
         if isinstance(given, bool) or not isinstance(given, (str, int, float)):
@@ -117,7 +139,7 @@ def _in_yaml_words(
         keys = sorted(fields_of(model))
         key = _ALONE.get(model) if model is not None else None
         if key is not None and isinstance(given, list if model is Randomize else (str, int, float)):
-            if isinstance(given, list) and any(isinstance(item, str) for item in given):
+            if isinstance(given, list) and place[0] not in _FACTORS and not _are_factors(given):
                 key = "abs"
             if model is Stage:
                 return f"must be a mapping{got}", f"write `{_stage(given)}`"

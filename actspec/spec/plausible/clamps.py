@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
-from actspec.diagnostics import Path, Span
+from actspec.diagnostics import Path, Span, listed
 from actspec.fields import is_power_of_ten
 from actspec.ir import Command, JointActuator, JointKind, Origin
-from actspec.poses import POSE_TOLERANCE, ROUNDED_ANGLE, far_words, is_round_angle, outside_words
+from actspec.poses import POSE_TOLERANCE, ROUNDED_ANGLE, far_words, is_round_angle, outside_words, shown_in
 from actspec.spec.document import SourceMap
 from actspec.spec.models import ListedJoint, SpecModel
 from actspec.spec.plausible.relations import DEGREE
@@ -140,24 +141,53 @@ def is_posed(joint: JointActuator, poses: Span | None) -> bool:
     return stated or (poses is not None and joint.command is Command.POSITION)
 
 
-def pose_found(
-    joint: JointActuator, written: Mapping[Span, SpecValue], poses: Span | None
-) -> Iterator[Found]:
+@dataclass(frozen=True, slots=True)
+class Poses:
+    """What spec and robot say of default positions.
+
+    Attributes:
+        place: Where the spec states default positions; None: it states none.
+        units: The unit that it writes all those of a kind of joint in, as `deg` or `mm`.
+        keyframe: Positions in the first keyframe of the robot's file, by joint, as far as they are known [rad or m].
+    """
+
+    place: Span | None
+    units: Mapping[JointKind, str]
+    keyframe: Mapping[str, float]
+
+    def inside(self, joint: JointActuator) -> float | None:
+        """Position of a joint in the keyframe, if that is in the joint's range [rad or m]."""
+        at, limits = self.keyframe.get(joint.joint), joint.position_range
+        return at if at is not None and limits is not None and limits[0] <= at <= limits[1] else None
+
+
+def poses_of(model: SpecModel, spans: SourceMap, keyframe: Mapping[str, float]) -> Poses:
+    """The default positions of a spec, beside its robot's keyframe."""
+    units = {}
+    for kind in (JointKind.HINGE, JointKind.SLIDE):
+        stated = (
+            pose for pose in model.robot.default_pose.values() if pose.linear is (kind is JointKind.SLIDE)
+        )
+        written = {amount_of(pose)[1] for pose in stated}
+        units[kind] = written.pop() if len(written) == 1 else ""
+    place = spans.value(("robot", "default_pose")) if model.robot.default_pose else None
+    return Poses(place, units, keyframe)
+
+
+def pose_found(joint: JointActuator, written: Mapping[Span, SpecValue], poses: Poses) -> Iterator[Found]:
     """A default position outside of the range (published: to 0.02 rad, a B2), or beyond a turn if it has none.
 
     Args:
         joint: The joint.
         written: Numbers as they are written, by where.
-        poses: As in `is_posed`.
+        poses: Beside what else is stated.
     """
     pose, kind, limits = joint.default_position, joint.kind, joint.position_range
-    if pose.value is None or not is_posed(joint, poses):
-        return
-    if pose.origin is not Origin.AUTHORED:
-        yield from _left_out(joint, pose.value, poses)
+    if pose.value is None or pose.origin is not Origin.AUTHORED:
         return
     value = None if pose.span is None else written.get(pose.span)
-    own = "" if value is None else amount_of(value)[1]
+    # A 0 has no unit.
+    own = poses.units[kind] if value is None else amount_of(value)[1] or poses.units[kind]
     if limits is None:
         if kind is JointKind.HINGE and (words := far_words(pose.value, own)) is not None:
             doubt = Doubt("SPEC190", words[0], "robot.default_pose", pose.span, words[1])
@@ -167,22 +197,48 @@ def pose_found(
     if found is None:
         return
     (low, high), (beyond, message, help) = limits, found
+    at = poses.inside(joint)
+    meant = None if at is None else shown_in(at, pose.unit, own)
+    if meant is not None and meant not in (help or ""):
+        help = f"{help}. Or did" if help else "did"
+        help += f" you mean {meant}, as in the first keyframe?"
     error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
     doubt = Doubt("SPEC190", message, "robot.default_pose", pose.span, help, error=error)
     yield Found(doubt, joint.joint, beyond, False)
 
 
-def _left_out(joint: JointActuator, zero: float, poses: Span | None) -> Iterator[Found]:
-    """A joint that `default_pose` leaves out, and that is at 0 for that, outside of its range."""
-    limits, unit = joint.position_range, joint.default_position.unit
-    if limits is None or (beyond := max(limits[0] - zero, zero - limits[1])) <= POSE_TOLERANCE[joint.kind]:
-        return
-    ends = " to ".join(format_quantity(end, unit, 4) for end in limits)
-    message = f"no default position is stated, so that it is 0 {unit}, outside of the joint's range, {ends}"
-    middle = format_quantity(sum(limits) / 2.0, unit, 4)
-    help = (
-        f"name it here with the position of zero action; `{joint.joint}: {middle}` is the middle of its range"
-    )
-    yield Found(
-        Doubt("SPEC190", message, "robot.default_pose", poses, help), joint.joint, beyond, missing=True
-    )
+def left_out_doubts(joints: Sequence[JointActuator], poses: Poses) -> Iterator[Doubt]:
+    """Joints that `default_pose` leaves out, and that are at 0 for that, outside of their ranges: all in one."""
+    said: dict[str, list[JointActuator]] = {}
+    for joint in joints:
+        pose, limits, own = joint.default_position, joint.position_range, poses.units[joint.kind]
+        if pose.value is None or pose.origin is Origin.AUTHORED or limits is None:
+            continue
+        if not is_posed(joint, poses.place):
+            continue
+        if max(limits[0] - pose.value, pose.value - limits[1]) > POSE_TOLERANCE[joint.kind]:
+            zero, *ends = (shown_in(end, pose.unit, own) for end in (pose.value, *limits))
+            message = f"no default position is stated, so that it is {zero}, outside of the joint's range, "
+            said.setdefault(message + " to ".join(ends), []).append(joint)
+    if said:
+        told = (f"{listed([joint.joint for joint in alike], 3)}: {text}" for text, alike in said.items())
+        offers = (offer for alike in said.values() for offer in _offers(alike, poses))
+        help = "; ".join(("name it here with the position of zero action", *offers))
+        yield Doubt("SPEC190", "; ".join(told), "robot.default_pose", poses.place, help)
+
+
+def _offers(joints: Sequence[JointActuator], poses: Poses) -> Iterator[str]:
+    """What may be stated of joints with one range: what the keyframe has, each figure once, else the middle."""
+    own, unit, limits = poses.units[joints[0].kind], joints[0].default_position.unit, joints[0].position_range
+    assert limits is not None
+    at: dict[str, str] = {}
+    for joint in joints:
+        position = poses.inside(joint)
+        if position is not None:
+            at.setdefault(shown_in(position, unit, own), joint.joint)
+    if at:
+        figures = listed([f"`{name}: {position}`" for position, name in at.items()], 3)
+        yield f"{figures} {'is that' if len(at) == 1 else 'are those'} of the first keyframe"
+    else:
+        middle = shown_in(sum(limits) / 2.0, unit, own)
+        yield f"`{joints[0].joint}: {middle}` is the middle of its range"

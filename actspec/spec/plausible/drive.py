@@ -12,6 +12,8 @@ from actspec.spec.models import Motor
 from actspec.spec.rules.motors import stage_ratio, stage_speed
 from actspec.spec.values import SpecValue
 
+MICRO = 1e-3
+"""A rotor of less is a micro motor's [N*m]."""
 GEARED = 3.0
 """A gear ratio from which on rotor and output cannot be taken for each other."""
 LEAST_DRIVEN = 0.004
@@ -210,6 +212,16 @@ class Output:
     winding_path: Path
     speed_path: Path
 
+    @property
+    def thermal(self) -> bool:
+        """Whether nothing but a continuous torque is known: that the drive gives more is likely."""
+        return self.torque_path[-1] == "continuous_torque"
+
+    @property
+    def micro(self) -> bool:
+        """Whether the motor is known to be a tiny one, by its torque at the rotor."""
+        return self.gear is not None and 0.0 < (self.torque or 0.0) < MICRO * self.gear * self.efficiency
+
 
 def output_of(name: str, motor: Motor) -> Output:
     """The figures of a motor that turns at its gearbox output."""
@@ -230,10 +242,11 @@ def output_of(name: str, motor: Motor) -> Output:
     given = (number(motor.torque_constant) or 0.0) * (number(motor.peak_current) or 0.0)
     if motor.peak_torque is None and given >= LEAST_DRIVEN * (most or 0.0):
         drives.append((given, (*path, "peak_current")))
-    # Of two equal ones the first is blamed, as without a peak.
-    peak = next((item for item in drives if item[0] and item[0] < (most or 0.0)), None)
+    # Of two equal ones the first is blamed, as without a peak; a continuous torque is not what the drive gives at most.
+    thermal = most_path[-1] == "continuous_torque"
+    peak = next((item for item in drives if item[0] and (thermal or item[0] < (most or 0.0))), None)
     torque, torque_path = (most, most_path) if peak is None else peak
-    winding, winding_path = nothing if peak is None else (most, most_path)
+    winding, winding_path = (most, most_path) if (torque or 0.0) < (most or 0.0) else nothing
     fast = number(speed)
     if motor.side == "motor":
         to_output = None if gear is None else gear * efficiency

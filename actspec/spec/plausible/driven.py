@@ -68,6 +68,8 @@ ROUNDED = 1.01
 UNREACHED = 3.0
 """Viscous friction at the motor's no-load speed over the effort limit, where no torque-speed line acts: a belt takes
 1.24 at a speed that it never comes near."""
+WINDING = 10.0
+"""A stall torque may be this many times a large peak torque beside it: voltage over resistance, never reached."""
 CURRENT_RATIO = (0.4, 2.5)
 """Torque constant times current, over the torque."""
 
@@ -390,9 +392,16 @@ def is_round(size: float) -> bool:
 
 
 def given_at(joint: JointActuator) -> Quantity:
-    """The larger of a joint's effort limit and its drive's peak torque: to that a lower limit is a choice."""
+    """The larger of a joint's effort limit and its drive's peak torque: to that a lower limit is a choice.
+
+    Where no peak torque is known that is the stall torque, unless it is so large that it may be a winding's.
+    """
     known = (joint.effort_limit, joint.peak_torque, joint.continuous_torque)
-    return max(known, key=lambda torque: torque.value or 0.0)
+    most, line = max(known, key=lambda torque: torque.value or 0.0), joint.motor_line
+    end = None if line is None else line.stall_torque if line.curve is None else line.curve.drive_torque
+    if end is None or not end.value or joint.peak_torque.value:
+        return most
+    return end if (most.value or 0.0) < end.value < WINDING * (most.value or math.inf) else most
 
 
 def unreached_limit(joint: JointActuator) -> Iterator[Found]:

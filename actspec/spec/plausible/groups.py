@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -12,15 +12,14 @@ from actspec.fields import FRICTION_SHARE
 from actspec.joints import JointKind
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
-from actspec.spec.models import Actuators, Friction, Motor, Randomize, SpecModel, Tunable
+from actspec.spec.models import Actuators, Friction, Motor, SpecModel, Tunable
+from actspec.spec.plausible.draws import draw_doubts, is_off, off
 from actspec.spec.plausible.drive import Drive, Limit, Rub, Train, cut_gearbox, is_one, number, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import STIFF_RETURN, Gains, derived_doubts, gain_words
-from actspec.spec.plausible.relations import DEGREE, POINT
 from actspec.spec.plausible.table import Doubt, Kept, at
-from actspec.spec.rules.groups import range_of
 from actspec.spec.rules.motors import stage_ratio
-from actspec.spec.values import Fault, SpecValue
+from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
 BREAK_AWAY = 5.0
@@ -28,12 +27,6 @@ BREAK_AWAY = 5.0
 harmonic drives to 3."""
 FRICTION_STOPS = 2.0
 """Times the effort limit: an error."""
-FACTOR = 10.0
-"""Largest factor of a range of randomisation. Published: 3, on kd."""
-STRONGER = 3.0
-"""The same of what a motor gives. Published: 1.25; chosen: no batch of motors and batteries has twice the torque."""
-DIGIT = 50.0
-"""Above it two factors are in per cent, below it they are without their points."""
 MULTIPLIED = 4.0
 """What multiplies a motor may be the wrong number from it on. Published: reductions to 2.2, and 2 motors."""
 MULTIPLIERS = {
@@ -42,8 +35,6 @@ MULTIPLIERS = {
     "motors_per_joint": "motors_per_joint is how many motors drive one joint together",
 }
 """What multiplies a motor, in words."""
-OFF = {"rad": 0.25, "m": 0.1}
-"""Largest error of an encoder [rad or m]. Published: 0.02 rad."""
 
 
 def layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
@@ -230,25 +221,16 @@ def group_doubts(
                         paths[field], place = place, most.place
                 yield at(spans, "SPEC192", message, place, help, *paths.values())
         bias = fields.encoder_bias
-        if bias is not None and _is_off(bias):
-            yield _off([bias], (*path, "encoder_bias"), (), spans)
+        if bias is not None and is_off(bias):
+            yield off([bias], (*path, "encoder_bias"), (), spans)
         reduction = fields.reduction
         if reduction is not None and _is_geared_up(reduction):
             yield _geared_up(reduction, (*path, "reduction"), spans)
         if fields is group:
-            for field, entry in group.randomize.items():
-                place = (*path, "randomize", field)
-                drawn = list(_drawn(entry, field, place, spans))
-                if not told_of_draws:
-                    drawn += _negative(entry, field, place, group, spans)
-                yield from drawn
-                hinged, rub = _most_of(stated, model, spans, doubted), _dry(field, group)
-                limited = None if hinged is None else hinged.value
-                takes = limited and rub is not None and (rub.value or 0.0) >= FRICTION_SHARE * limited
-                # Where the nominal friction takes the limit it is told itself, and may be the wrong one.
-                if not drawn and not takes:
-                    replaced = list(_replaced(entry, field, place, group, spans))
-                    yield from replaced or _rubbing(entry, field, place, limited, rub, spans)
+            hinged = _most_of(stated, model, spans, doubted)
+            yield from draw_doubts(
+                group, path, None if hinged is None else hinged.value, told_of_draws, spans
+            )
 
 
 class _Most(NamedTuple):
@@ -357,167 +339,6 @@ def _geared_up(reduction: SpecValue, path: Path, spans: SourceMap) -> Doubt:
         f"did you mean {inverse}? reduction is turns of the motor's output in one turn of the joint",
         error=(reduction.value or 1.0) < NEVER_GEARED_UP,
     )
-
-
-def _operation(entry: Randomize) -> str:
-    """Which of the three a range is stated for."""
-    return "scale" if entry.scale is not None else "add" if entry.add is not None else "abs"
-
-
-def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterator[Doubt]:
-    """A range of factors as per cent, or of an encoder's errors in degrees."""
-    if entry.from_ is not None or (entry.scale is None and field != "encoder_bias"):
-        return
-    operation = _operation(entry)
-    pair = range_of(entry, field)
-    ends = () if isinstance(pair, Fault) else pair
-    factors = entry.scale is not None
-    most = STRONGER if field in ("strength", "effort_limit") else FACTOR
-    wrong = [
-        (index, end)
-        for index, end in enumerate(ends)
-        if ((end.value or 0.0) > most if factors else _is_off(end))
-    ]
-    if not wrong:
-        return
-    far = [end for _, end in wrong]
-    first, second = (*path, operation, wrong[0][0]), (*path, operation, wrong[-1][0])
-    if not factors:
-        yield _off(far, first, (second,), spans)
-        return
-    what = "factors" if len(far) > 1 else "a factor"
-    message = f"{what} of {_all(end.written for end in far)} on the nominal value"
-    percent = len(far) > 1 and any((end.value or 0.0) > DIGIT for end in far)
-    # One end alone has its point in the wrong place: without that it is near 1.
-    by = 100.0 if percent else 10.0 ** round(math.log10(far[-1].value or 1.0))
-    if not percent and len(ends) == 2 and (ends[0].value or 0.0) > (far[-1].value or 0.0) / by:
-        # One end alone in its place would leave the range the wrong way round.
-        far = list(ends)
-    meant = _all(f"{(end.value or 0.0) / by:g}" for end in far)
-    help = f"is it in %? Then write {meant}" if percent else f"did you mean {meant}?"
-    if most < FACTOR:
-        message += f": no motor gives {most:g} times its torque"
-        help = POINT if (far[-1].value or 0.0) <= FACTOR else help
-    yield at(spans, "SPEC188", message, first, help, second)
-
-
-def _replaced(
-    entry: Randomize, field: str, path: Path, group: Actuators, spans: SourceMap
-) -> Iterator[Doubt]:
-    """A range in place of a nominal value, all of it far from that."""
-    pair = None if entry.abs is None else range_of(entry, field)
-    if not isinstance(pair, tuple):
-        return
-    gaussian = entry.distribution == "gaussian"
-    low, high = (pair[0], pair[0]) if gaussian else pair
-    least, most = low.value, high.value
-    if not least or not most or not 0.0 < least <= most:
-        return
-    written = low.written if gaussian else f"{low.written} to {high.written}"
-    first, second = (*path, "abs", 0), (*path, "abs", 0 if gaussian else 1)
-    nominal = _nominal(field, group)
-    known = None if nominal is None else nominal.value
-    if nominal is not None and known and known > 0.0:
-        factors = least / known, most / known
-        if factors[0] > FACTOR or factors[1] < 1.0 / FACTOR:
-            ten = 10.0 ** round(math.log10(math.sqrt(factors[0] * factors[1])))
-            help = "look for a wrong unit, or another joint's range"
-            if least < 1.0 < most:
-                help = f"are they factors? Then write `scale: [{least:g}, {most:g}]`"
-            elif gaussian or least <= known * ten <= most:
-                # What leaves the nominal out again is not meant.
-                meant = (format_quantity(end / ten, low.unit, 4) for end in (least, most)[: 2 - gaussian])
-                help = f"did you mean {_all(meant)}?"
-            far = f"{format_quantity(factors[0], '', 3)} to {format_quantity(factors[1], '', 3)}"
-            message = f"{written} in place of the nominal {nominal.written} is {far} times as much"
-            place = (*path[:-2], *field.split("."))
-            yield at(spans, "SPEC188", message, first, help, second, place)
-
-
-def _nominal(field: str, group: Actuators) -> SpecValue | None:
-    """The number of a group that a range is about; None where it is none, or follows from others."""
-    nominal: Any = group
-    for part in field.split("."):
-        nominal = None if nominal is None else getattr(nominal, part, None)
-    return nominal if isinstance(nominal, SpecValue) else None
-
-
-def _negative(
-    entry: Randomize, field: str, path: Path, group: Actuators, spans: SourceMap
-) -> Iterator[Doubt]:
-    """Offsets that bring a number below 0 which has no sign; a gaussian's tail is told where it is drawn from."""
-    pair, nominal = None if entry.add is None else range_of(entry, field), _nominal(field, group)
-    if not isinstance(pair, tuple) or entry.distribution == "gaussian" or field == "encoder_bias":
-        return
-    if nominal is None or nominal.value is None:
-        return
-    least = nominal.value + min(end.value or 0.0 for end in pair)
-    if least < 0.0:
-        message = f"{field} is drawn below 0: {format_quantity(least, pair[0].unit, 4)}"
-        help = f"the nominal is {nominal.written}: raise the low end"
-        yield at(spans, "SPEC188", message, (*path, "add", 0), help, (*path, "add", 1))
-
-
-def _dry(field: str, group: Actuators) -> SpecValue | None:
-    """The nominal dry friction of a field; without a break-away friction that is the kinetic one."""
-    friction = group.friction if field in ("friction.coulomb", "friction.static") else None
-    if friction is None:
-        return None
-    return friction.static if field == "friction.static" and friction.static is not None else friction.coulomb
-
-
-def _rubbing(
-    entry: Randomize, field: str, path: Path, limit: float | None, own: SpecValue | None, spans: SourceMap
-) -> Iterator[Doubt]:
-    """A range of dry friction that reaches the effort limit of a hinge [N*m], by whichever operation."""
-    if field not in ("friction.coulomb", "friction.static") or not limit or entry.from_ is not None:
-        return
-    pair = range_of(entry, field)
-    if not isinstance(pair, tuple):
-        return
-    # Of a gaussian the mean.
-    index = 0 if entry.distribution == "gaussian" or (pair[0].value or 0.0) > (pair[1].value or 0.0) else 1
-    end, drawn = pair[index], pair[index].value or 0.0
-    nominal = None if own is None else own.value
-    operation = _operation(entry)
-    if end.linear or (nominal is None and operation != "abs"):
-        return
-    most = {"scale": drawn * (nominal or 0.0), "add": drawn + (nominal or 0.0), "abs": drawn}[operation]
-    if most < limit:
-        return
-    how = (
-        ""
-        if operation == "abs"
-        else f", {end.written} {'more than' if operation == 'add' else 'times'} the nominal"
-    )
-    how += "" if own is None or not how else f" {own.written},"
-    message = (
-        f"a dry friction of up to {format_quantity(most, 'N*m', 4)}{how} is not below the effort limit of "
-        f"{format_quantity(limit, 'N*m', 4)}: the drive cannot move the joint"
-    )
-    milli = _all(format_quantity((item.value or 0.0) / 1000.0, end.unit, 4) for item in pair[: index + 1])
-    help = None if operation == "scale" else f"is it in m{end.unit} ({milli})?"
-    yield at(spans, "SPEC188", message, (*path, operation, index), help, (*path, operation, 0))
-
-
-def _is_off(bias: SpecValue) -> bool:
-    """Whether no encoder is that wrong."""
-    return abs(bias.value or 0.0) > OFF.get(bias.unit, math.inf)
-
-
-def _off(ends: Sequence[SpecValue], path: Path, others: tuple[Path, ...], spans: SourceMap) -> Doubt:
-    """An encoder that is off by far."""
-    help = None
-    if ends[0].unit == "rad" and "deg" not in ends[0].written:
-        degrees = max(abs(end.value or 0.0) for end in ends) * DEGREE <= OFF["rad"]
-        words, short = ("degrees", "deg") if degrees else ("arcmin", "arcmin")
-        help = f"is it in {words}? Then write {_all(f'{end.value:g} {short}' for end in ends)}"
-    message = f"an encoder that is off by {_all(end.written for end in ends)}"
-    return at(spans, "SPEC188", message, path, help, *others)
-
-
-def _all(texts: Iterable[str]) -> str:
-    return " and ".join(texts)
 
 
 def _friction(

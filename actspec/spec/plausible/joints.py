@@ -14,14 +14,13 @@ from actspec.spec.document import Document, SourceMap
 from actspec.spec.fields import DerivedGain
 from actspec.spec.models import Motor, SpecModel
 from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
-from actspec.spec.plausible.clamps import pose_found
+from actspec.spec.plausible.clamps import Poses, left_out_doubts, pose_found, poses_of
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
 from actspec.spec.plausible.drive import Drive
-from actspec.spec.plausible.driven import AGREES, UNREACHED, given_at, unreached_limit
+from actspec.spec.plausible.driven import AGREES, UNREACHED, WINDING, given_at, unreached_limit
 from actspec.spec.plausible.gains import blamed
 from actspec.spec.plausible.groups import friction_words, layers, reduction_of, static_words, written_numbers
 from actspec.spec.plausible.limits import levers_of, slow_found, velocity_found
-from actspec.spec.plausible.motors import WINDING
 from actspec.spec.plausible.numbers import number_doubts
 from actspec.spec.plausible.relations import DEGREE, Repair
 from actspec.spec.plausible.repairs import misread_lengths, misread_speeds
@@ -80,6 +79,7 @@ def check_joints(
     document: Document,
     collector: Collector,
     mass: float | None,
+    keyframe: Mapping[str, float],
 ) -> None:
     """Report the numbers that can hardly be right at the joints of the robot, each once, at its worst joint.
 
@@ -89,6 +89,7 @@ def check_joints(
         document: Where it says what it says.
         collector: Takes warnings, and errors where nothing could be right.
         mass: Of the robot [kg]; None: unknown.
+        keyframe: Positions in the first keyframe of the robot's file, by joint, as far as they are known [rad or m].
     """
     # What the spec alone implies is judged again, beside the limits of the robot's file.
     collector.forget(BY_CODE)
@@ -109,12 +110,13 @@ def check_joints(
     rubbed = {span for doubt in doubts if doubt.code == "FRC101" for span in doubt.judged}
     rubbed.update(span for doubt in doubts if doubt.diagnostic in found for span in doubt.blamed)
     drives = {drive.name: drive for drive in witnessed(joints, model, document.spans, kept)}
-    told = _joint_doubts_of(joints, model, drives, found, rubbed, levers, document.spans, kept)
-    tell(by_number(told), kept, collector)
+    poses = poses_of(model, document.spans, keyframe)
+    told = _joint_doubts_of(joints, model, poses, drives, found, rubbed, levers, document.spans, kept)
+    tell([*by_number(told), *left_out_doubts(joints, poses)], kept, collector)
     accepted = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
     if accepted and not model.variants:
-        _check_kept(accepted, joints, model, document, collector, mass)
+        _check_kept(accepted, joints, model, document, collector, mass, keyframe)
 
 
 def forget_unfit(model: SpecModel, collector: Collector) -> None:
@@ -158,11 +160,12 @@ def _check_kept(
     document: Document,
     collector: Collector,
     mass: float | None,
+    keyframe: Mapping[str, float],
 ) -> None:
     """Warn of a check whose findings `accept` keeps, and which finds nothing; `kept` has its code by the key there."""
     every = Collector()
     bare = model.model_copy(update={"accept": {}})
-    check_joints(joints, bare, document, every, mass)
+    check_joints(joints, bare, document, every, mass, keyframe)
     found = {item.code for item in every}
     if any(joint.inertia_held is None for joint in joints):
         # The text of a model does not tell inertia.
@@ -205,6 +208,7 @@ def _levers(
 def _joint_doubts_of(
     joints: Sequence[JointActuator],
     model: SpecModel,
+    poses: Poses,
     drives: Mapping[str, Drive],
     told: Collection[Diagnostic],
     rubbed: Collection[Span | None],
@@ -226,7 +230,7 @@ def _joint_doubts_of(
         joint.joint: [
             *levers[joint.joint],
             *_viscous(joint, drives, written, spans, kept),
-            *_joint_doubts(joint, joints, model, written, drives, spans, kept),
+            *_joint_doubts(joint, joints, model, poses, written, drives, spans, kept),
         ]
         for joint in joints
     }
@@ -315,14 +319,14 @@ def _joint_doubts(
     joint: JointActuator,
     joints: Sequence[JointActuator],
     model: SpecModel,
+    poses: Poses,
     written: Mapping[Span, SpecValue],
     drives: Mapping[str, Drive],
     spans: SourceMap,
     kept: Kept,
 ) -> Iterator[Found]:
-    poses = spans.value(("robot", "default_pose")) if model.robot.default_pose else None
     yield from pose_found(joint, written, poses)
-    yield from command_range_found(joint, poses)
+    yield from command_range_found(joint, poses.place)
     for check in (scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"

@@ -24,6 +24,7 @@ from actspec.spec.plausible.driven import (
     FASTEST_OUTPUT,
     FASTEST_SLIDE,
     NEVER_GEARED_UP,
+    WINDING,
     is_round,
     limit_relations,
     rub_relations,
@@ -53,8 +54,6 @@ HOPELESS_TORQUE = 1e6
 """An error from it on [N*m]. Chosen: slewing and hub drives of large machines have 500 kN*m."""
 HOPELESS_POWER = 1e6
 """Likewise [W]. Chosen: the largest motors of vehicles have 700 kW."""
-WINDING = 10.0
-"""A stall torque may be this many times a large peak torque beside it: voltage over resistance, never reached."""
 MOST_OF_WINDING = 20.0
 """Stall over peak torque from which on it is the gear's if it is just the gear. Published: 20 (AK80-64, behind 64)."""
 JUST_GEAR = 5e-3
@@ -69,8 +68,6 @@ SLOWEST_GEARED = 12.0
 """[rad/s] at the output, from which on a rotor may be slower. Chosen: a gimbal's motor behind a belt of 3 has 15.9."""
 FASTEST_ROTOR = 8000.0
 """[rad/s]."""
-MICRO = 1e-3
-"""A rotor of less is a micro motor's [N*m]."""
 FASTEST_MICRO = 15708.0
 """Of a micro motor [rad/s], 150000 rpm. Chosen: such of 2 to 6 mm are sold with 100000 and 120000 rpm."""
 FASTEST_BY_TORQUE = 1000.0
@@ -82,6 +79,8 @@ SLOWEST_BY_OUTPUT = 40.0
 """Of a rotor by the speed of its output [rad/s], which is often what the drive allows. Chosen: 100 x 0.5 rad/s."""
 ROTOR_ACCELERATION = (1500.0, 5e6)
 """Torque over inertia at the rotor [rad/s^2]."""
+CONTINUOUS_ACCELERATION = 500.0
+"""The least by a continuous torque that stands alone. Published: 1451 (maxon EC 90 flat, 11 times that at stall)."""
 MICRO_ACCELERATION = 5e7
 """The most of a micro motor. Chosen: torque over inertia grows as the size falls."""
 SMALL = 0.01
@@ -338,7 +337,7 @@ def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
         yield Relation(
             "SPEC184",
             rotor,
-            (slowest if behind else 0.0, FASTEST_MICRO if is_micro(output) else FASTEST_ROTOR),
+            (slowest if behind else 0.0, FASTEST_MICRO if output.micro else FASTEST_ROTOR),
             (150.0 if behind else 5.0, 2500.0),
             f"{where}{format_quantity(gear, '', 4)}: a rotor turns with {slowest:g} rad/s or more"
             if slow
@@ -531,9 +530,8 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
         )
         if not output.speed:
             continue
-        alone = output.torque_path[-1] == "continuous_torque"
         fast = output.speed * turns
-        most = SPIN_UP[alone] if is_geared(output) or output.speed < SPINDLE else SPINDLE_UP
+        most = SPIN_UP[output.thermal] if is_geared(output) or output.speed < SPINDLE else SPINDLE_UP
         yield Relation(
             "SPEC185",
             fast / rate,
@@ -584,16 +582,13 @@ def _accelerations(output: Output, at_rotor: bool, peak: bool) -> tuple[float, f
     if not at_rotor:
         return OUTPUT_ACCELERATION
     low, high = ROTOR_ACCELERATION
-    if is_geared(output):
-        low = PEAK_ACCELERATION if peak else low
-    elif output.speed:
+    if output.thermal:
+        low = CONTINUOUS_ACCELERATION
+    elif peak and is_geared(output):
+        low = PEAK_ACCELERATION
+    if output.speed and not is_geared(output):
         low = min(low, output.speed * (output.gear or 1.0) / PROMPT)
-    if is_micro(output):
+    if output.micro:
         return low, MICRO_ACCELERATION
     own = (output.torque or 0.0) / (output.gear or 1.0)
     return low, STRONG_ACCELERATION if peak and own >= STRONG else high
-
-
-def is_micro(output: Output) -> bool:
-    """Whether a motor is known to be a tiny one, by its torque at the rotor."""
-    return output.gear is not None and 0.0 < (output.torque or 0.0) < MICRO * output.gear * output.efficiency

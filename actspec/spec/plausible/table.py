@@ -156,13 +156,14 @@ CHECKS = (
         "rotor-inertia",
         "A rotor that its own torque would turn too slowly or too fast: inertia in another unit or on the other side.",
         "Torque over inertia at the rotor from 1500 to 5e6 rad/s^2 (from 2500 by a peak torque behind a gear of "
-        "3; to 1e6 by one of 1 N*m or more, to 5e7 below 1 mN*m), at an output without a stated gear from 1 to 1e6; "
-        "the peak torque counts where it is stated. A direct drive that reaches its speed in 0.1 s is not too heavy "
+        "3, from 500 by a continuous torque that stands alone; to 1e6 by a peak of 1 N*m or more, to 5e7 below 1 "
+        "mN*m), at an output without a stated gear from 1 to 1e6; the peak torque counts where it is stated, or else "
+        "that of the peak current. A direct drive that reaches its speed in 0.1 s is not too heavy "
         "(hub motors of wheels: 0.03 s). Also a rotor that takes more "
         "than 0.5 s to its own speed without load (0.005 to 0.052 s; 1 s by a continuous torque that stands "
         "alone; 5 s without a gear above 1000 rad/s, where it is a spindle, chosen). A warning outside, an error "
-        "outside of a hundred times that. Published: 29400 (Unitree 4010) to 125000 (7520) at the rotor, 114 "
-        "(STS3215) to 8640 at the output.",
+        "outside of a hundred times that. Published: 29400 (Unitree 4010) to 125000 (7520) at the rotor, 1451 "
+        "by the continuous torque (maxon EC 90 flat), 114 (STS3215) to 8640 at the output.",
     ),
     Check(
         "SPEC186",
@@ -199,9 +200,9 @@ CHECKS = (
     Check(
         "SPEC188",
         "range",
-        "A range of randomisation that nobody draws from: a factor in per cent, three times a motor's torque, an "
-        "encoder's error in degrees, values far from the nominal one or below 0, dry friction up to the effort limit; "
-        "such an error as the nominal one; a standard deviation many times its value.",
+        "A range of randomisation that nobody draws from: a factor in per cent, values as factors, three times a "
+        "motor's torque, an encoder's error in degrees, values far from the nominal one or below 0, dry friction up to "
+        "the effort limit; such an error as the nominal one; a standard deviation many times its value.",
         "A warning for a factor above 10 (published: 3, on kd), or above 3 on strength and effort limit (1.25), for "
         "offsets that bring a number without a sign below 0 where no target draws them (else they are RND004), for "
         "values that are all above ten times the nominal "
@@ -230,11 +231,11 @@ CHECKS = (
         "Viscous friction that takes half of the effort limit at the motor's no-load speed, or, at another level than "
         "`dc_motor`, three times the limit there or all of it at a stated velocity limit; of the motor's peak torque, "
         "where that is more.",
-        "A warning from 0.5 times the limit on where the torque-speed line acts. Published: to 0.43 (ANYmal D, PACE). "
-        "Elsewhere from 3 times on, as a joint may never come near that speed (a sound belt takes 1.24), and from 1 "
-        "times on at a velocity limit that the spec states, but for powers of ten and for friction that the robot's "
-        "file has as well: limits of published URDFs are often placeholders, of 100 or 1e4 rad/s, and make up to 3333 "
-        "times.",
+        "Without a peak torque the stall torque is what the drive gives, below ten times its other torques. A warning "
+        "from 0.5 times the limit on where the torque-speed line acts. Published: to 0.43 (ANYmal D, PACE). Elsewhere "
+        "from 3 times on, as a joint may never come near that speed (a sound belt takes 1.24), and from 1 times on at "
+        "a velocity limit that the spec states, but for powers of ten and for friction that the robot's file has as "
+        "well: limits of published URDFs are often placeholders, of 100 or 1e4 rad/s, and make up to 3333 times.",
     ),
     Check(
         "SPEC190",
@@ -262,14 +263,14 @@ CHECKS = (
         "Outside of 0.3 to 3 times what rotor inertia and gears give; of an identified one, which holds what the "
         "motor's figures lack, of 0.1 to 10 times (fitted to a Go2: 2.8 to 5.7); above 300 times where no model has "
         "the links, as what is coupled to the rotor may be meant. Without those: effort limit, or the motor's peak "
-        "torque, over armature below 5 (unless the motor's speed is reached in 0.2 s) or, but of a motor that "
-        "travels, above 3e5 rad/s^2 (where the links are not known 3e6 below 20 N*m; published of 20 N*m and more: to"
-        " 2e4); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from 300 times "
-        "on in any case (1000 where it follows from rotor and gear: a bare flange of a KR 210 has 507), or from ten "
-        "times above or below three or more other joints of its group, which are alike, on. Also one that the motor's"
-        " torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where it is ten times the links' inertia"
-        " or, of unknown links, kp swings it alone below 6 rad/s. What is just rotor inertia times gear squared is "
-        "the motor's matter (SPEC185), and judged by the 300 or 1000 times alone: an exoskeleton's wearer is in no "
+        "torque (as FRC106), over armature below 5 (unless the motor's speed is reached in 0.2 s) or, but of a motor "
+        "that travels, above 3e5 rad/s^2 (where the links are not known 3e6 below 20 N*m; published of 20 N*m and "
+        "more: to 2e4); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from 300 "
+        "times on in any case (1000 where it follows from rotor and gear: a bare flange of a KR 210 has 507), or from "
+        "ten times above or below three or more other joints of its group, which are alike, on. Also one that the "
+        "motor's torque turns in more than 0.5 s to its speed (rotors: to 0.052 s), where it is ten times the links' "
+        "inertia or, of unknown links, kp swings it alone below 6 rad/s. What is just rotor inertia times gear squared "
+        "is the motor's matter (SPEC185), and judged by the 300 or 1000 times alone: an exoskeleton's wearer is in no "
         "model. Published: 10 (fingers of the H1) to 30000 rad/s^2, and 124 times the links at 150 rad/s^2 "
         "(gymnasium's ant).",
     ),
@@ -408,14 +409,12 @@ class Found:
         joint: Name of the joint.
         size: How far the number is from its bound.
         derived: One of the numbers follows from others, such as the motor's.
-        missing: Its joint has no number, so that what is said where several are missing is each joint's own.
     """
 
     doubt: Doubt
     joint: str
     size: float
     derived: bool = False
-    missing: bool = False
 
 
 def is_stated(quantity: Quantity | None) -> bool:
@@ -484,18 +483,6 @@ def by_number(found: Iterable[Found]) -> Iterator[Doubt]:
     for one in found:
         numbers.setdefault((one.doubt.code, one.doubt.span), []).append(one)
     for members in numbers.values():
-        if members[0].missing:
-            alike = {
-                text: [one for one in members if one.doubt.message == text]
-                for text in dict.fromkeys(one.doubt.message for one in members)
-            }
-            told = "; ".join(
-                f"{listed([one.joint for one in own], 3)}: {text}" for text, own in alike.items()
-            )
-            first, *rest = (own[0].doubt for own in alike.values())
-            helps = (str(first.help), *(str(doubt.help).rpartition("; ")[2] for doubt in rest))
-            yield replace(first, message=told, help="; ".join(helps))
-            continue
         worst = max(members, key=lambda one: (one.doubt.error, one.size))
         names = dict.fromkeys((worst.joint, *(one.joint for one in members)))
         yield replace(worst.doubt, message=f"{listed(names, 3)}: {worst.doubt.message}")

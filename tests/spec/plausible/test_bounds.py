@@ -145,6 +145,27 @@ def codes(text: str, model: str | None = None) -> list[str]:
             ["SPEC185"],
         ),
         ("side: joint, gear_ratio: 2.9, stall_torque: 300, peak_torque: 30, rotor_inertia: 6.8e-3", []),
+        # A continuous torque alone may be a tenth of the stall torque: 0.444 / 3.06e-4 = 1451 rad/s^2 (EC 90 flat),
+        # 0.444 / 8.9e-4 = 499; by a stall torque alone 1451 is too slow.
+        ("side: motor, gear_ratio: 51, continuous_torque: 0.444, rotor_inertia: 3.06e-4", []),
+        ("side: motor, gear_ratio: 51, continuous_torque: 0.444, rotor_inertia: 8.9e-4", ["SPEC185"]),
+        ("side: motor, gear_ratio: 51, stall_torque: 0.444, rotor_inertia: 3.06e-4", ["SPEC185"]),
+        # With 0.0705 N*m/A x 70 A the drive gives 4.935 N*m: 4.935 / 8.9e-4 = 5545 rad/s^2. 4.935 / 3.4e-3 = 1451.
+        (
+            "side: motor, gear_ratio: 51, continuous_torque: 0.444, torque_constant: 0.0705, peak_current: 70, "
+            "rotor_inertia: 8.9e-4",
+            [],
+        ),
+        (
+            "side: motor, gear_ratio: 51, continuous_torque: 0.444, torque_constant: 0.0705, peak_current: 70, "
+            "rotor_inertia: 3.4e-3",
+            ["SPEC185"],
+        ),
+        # 70.5 N*m/A x 70 A x 51 = 252 kN*m.
+        (
+            "side: motor, gear_ratio: 51, continuous_torque: 0.444, torque_constant: 70.5, peak_current: 70",
+            ["SPEC183"],
+        ),
         # 10 N*m bring 0.5 kg*m^2 to 10 rad/s in 0.5 s; a continuous torque may take 1 s.
         ("side: joint, peak_torque: 10, no_load_speed: 10 rad/s, reflected_inertia: 0.5", []),
         ("side: joint, peak_torque: 10, no_load_speed: 10 rad/s, reflected_inertia: 0.51", ["SPEC185"]),
@@ -668,6 +689,96 @@ def test_two_joints_that_the_default_pose_leaves_out() -> None:
         "name it here with the position of zero action; `calf: -1.3 rad` is the middle of its range; "
         "`toe: 1.4 rad` is the middle of its range"
     )
+
+
+POSED = (
+    "legs: {joints: [hip, calf, toe], level: ideal_pd, kp: 8, kd: 0.2}, "
+    "rails: {joints: [rail], level: ideal_pd, kp: 800 N/m, kd: 20 N*s/m}"
+)
+
+
+def posed(qpos: str) -> str:
+    """A leg on a rail, with that keyframe; empty: without one."""
+    text = MODEL.replace("</body>", f"{CALVES}</body></body></body>{RAIL}", 1)
+    key = f'<keyframe><key name="home" qpos="{qpos}"/></keyframe>' if qpos else ""
+    return text.replace("</mujoco>", f"{key}</mujoco>")
+
+
+LEFT_OUT = "name it here with the position of zero action; "
+CALVES = "".join(
+    f'<body><joint name="{name}" axis="0 1 0" range="-2.2 -0.4"/><geom size="0.1" mass="1"/>'
+    for name in ("calf", "toe")
+)
+RAIL = '<body><joint name="rail" type="slide" range="0.1 0.5"/><geom size="0.1" mass="1"/></body>'
+
+
+@pytest.mark.parametrize(
+    ("pose", "qpos", "help"),
+    [
+        # -1.57 rad x 180 / pi = -89.95 deg; (-2.2 - 0.4) / 2 = -1.3 rad are -74.48 deg, (0.1 + 0.5) / 2 m 300 mm.
+        (
+            "hip: 0.1 rad, rail: 0.2 m",
+            "0.1 -1.57 -1.57 0.2",
+            "`calf: -1.57 rad` is that of the first keyframe",
+        ),
+        (
+            "hip: 5 deg, rail: 0.2 m",
+            "0.1 -1.57 -1.57 0.2",
+            "`calf: -89.95 deg` is that of the first keyframe",
+        ),
+        # One for each figure that the keyframe has.
+        (
+            "hip: 0.1 rad, rail: 0.2 m",
+            "0.1 -1.57 -1 0.2",
+            "`calf: -1.57 rad`, `toe: -1 rad` are those of the first keyframe",
+        ),
+        ("hip: 5 deg, rail: 0.2 m", "", "`calf: -74.48 deg` is the middle of its range"),
+        # A 0 has no unit; 5 deg beside 0.1 rad are of no one.
+        ("hip: 0, calf: -60 deg, rail: 0.2 m", "", "`toe: -74.48 deg` is the middle of its range"),
+        ("hip: 0.1 rad, calf: -60 deg, rail: 0.2 m", "", "`toe: -1.3 rad` is the middle of its range"),
+        # What the keyframe has is outside of the range, too.
+        ("hip: 0.1 rad, rail: 0.2 m", "0.1 0 0 0.2", "`calf: -1.3 rad` is the middle of its range"),
+        (
+            "hip: 0.1 rad, calf: -1 rad, toe: -1 rad",
+            "0.1 -1 -1 0.25",
+            "`rail: 0.25 m` is that of the first keyframe",
+        ),
+        ("hip: 0.1 rad, calf: -1 rad, toe: -1 rad", "", "`rail: 0.3 m` is the middle of its range"),
+    ],
+)
+def test_what_is_offered_for_a_joint_that_the_default_pose_leaves_out(
+    pose: str, qpos: str, help: str
+) -> None:
+    (found,) = said(
+        spec_of(POSED, robot=f"name: leg, model: robot.xml, default_pose: {{{pose}}}"), posed(qpos)
+    )
+    assert (found.code, found.where, found.help) == ("SPEC190", "robot.default_pose", LEFT_OUT + help)
+
+
+@pytest.mark.parametrize(
+    ("pose", "qpos", "message", "help"),
+    [
+        ("calf: 0", "0 -1.57 -1 0.2", "0 rad is outside of the joint's range, -2.2 rad to -0.4 rad",
+         "did you mean -1.57 rad, as in the first keyframe?"),
+        ("hip: 5 deg, calf: 0", "0 -1.57 -1 0.2", "0 deg is outside of the joint's range, -126.1 deg to -22.92 deg",
+         "did you mean -89.95 deg, as in the first keyframe?"),
+        ("calf: 1 rad", "0 -1.57 -1 0.2", "1 rad is outside of the joint's range, -2.2 rad to -0.4 rad",
+         "is the sign wrong? -1 rad is inside, -57.3 deg. Or did you mean -1.57 rad, as in the first keyframe?"),
+        # The keyframe says the same, nothing, or what is as wrong.
+        ("calf: 1 rad", "0 -1 -1 0.2", "1 rad is outside of the joint's range, -2.2 rad to -0.4 rad",
+         "is the sign wrong? -1 rad is inside, -57.3 deg"),
+        ("calf: 0 rad", "", "0 rad is outside of the joint's range, -2.2 rad to -0.4 rad", None),
+        ("calf: 0 rad", "0 0 -1 0.2", "0 rad is outside of the joint's range, -2.2 rad to -0.4 rad", None),
+    ],
+)  # fmt: skip
+def test_what_is_offered_for_a_pose_outside_of_the_range(
+    pose: str, qpos: str, message: str, help: str | None
+) -> None:
+    text = spec_of(
+        POSED, robot=f"name: leg, model: robot.xml, default_pose: {{{pose}, toe: -1 rad, rail: 0.2 m}}"
+    ).replace("toe: -1 rad", "toe: -60 deg" if "deg" in pose else "toe: -1 rad")
+    (found,) = said(text, posed(qpos))
+    assert (found.message, found.help) == (f"calf: the default position {message}", help)
 
 
 @pytest.mark.parametrize(("pose", "told"), [("", False), ("calf: 0.1 rad", True)])

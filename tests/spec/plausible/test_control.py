@@ -475,6 +475,15 @@ def test_validate_tells_what_the_target_would(
         ("kp: {abs: [610, 720]}", "SPEC188", "look for a wrong unit, or another joint's range"),
         ("kp: {abs: [4.8, 5.9]}", "SPEC188", "look for a wrong unit, or another joint's range"),
         ("kp: {abs: [0.48, 0.72]}", "SPEC188", "did you mean 48 N*m/rad and 72 N*m/rad?"),
+        # What has a unit is no factor; nor is what would be told as one, of an effort limit of 20 N*m.
+        (
+            "kp: {abs: [0.8 N*m/rad, 1.2 N*m/rad]}",
+            "SPEC188",
+            "look for a wrong unit, or another joint's range",
+        ),
+        ("effort_limit: {abs: [0.8 N*m, 1.2 N*m]}", "RND006", "widen the range, or correct the nominal"),
+        ("effort_limit: {abs: [0.8, 4.1]}", "RND006", "widen the range, or correct the nominal"),
+        ("effort_limit: {abs: [0.8, 3]}", "RND006", "are they factors? Then write `scale: [0.8, 3]`"),
         # An armature of 0.0125 kg*m^2; it has a nominal of the motor alone.
         ("armature: {abs: [0.9, 1.1]}", "RND006", "are they factors? Then write `scale: [0.9, 1.1]`"),
         ("friction.coulomb: {scale: [0.2, 0.6]}", "RND006", "are they values? Then write `abs: [0.2, 0.6]`"),
@@ -493,6 +502,55 @@ def test_a_range_that_is_offered_has_the_nominal_in_it(
     _, output = validated(text, tmp_path, capsys)
     assert [word for word in output.split() if word.startswith(("RND0", "SPEC1"))] == [code]
     assert f"  help: {help}\n" in output
+
+
+@pytest.mark.parametrize(
+    ("fields", "help"),
+    [
+        # 32 / 40 = 0.8, 48 / 40 = 1.2; in % they would be 0.32 and 0.48, which 40 is never drawn with.
+        (
+            "kp: 40, kd: 1, randomize: {kp: {scale: [32, 48]}}",
+            "are they values? Then write `abs: [32 N*m/rad, 48 N*m/rad]`, or `scale: [0.8, 1.2]`",
+        ),
+        # 8 / 40 = 0.2: one end alone is above ten.
+        (
+            "kp: 40, kd: 1, randomize: {kp: {scale: [8, 48]}}",
+            "are they values? Then write `abs: [8 N*m/rad, 48 N*m/rad]`, or `scale: [0.2, 1.2]`",
+        ),
+        # Mean and standard deviation: 40 / 40 and 4 / 40.
+        (
+            "kp: 40, kd: 1, randomize: {kp: {scale: [40, 4], distribution: gaussian}}",
+            "are they values? Then write `abs: [40 N*m/rad, 4 N*m/rad]`, or `scale: [1, 0.1]`",
+        ),
+        # 88 / 110 and 132 / 110, or 88 % and 132 %.
+        (
+            "kp: 110, kd: 1, randomize: {kp: {scale: [88, 132]}}",
+            "are they values? Then write `abs: [88 N*m/rad, 132 N*m/rad]`, or `scale: [0.8, 1.2]`; or is it in %? "
+            "Then write 0.88 and 1.32",
+        ),
+        (
+            "effort_limit: 20, randomize: {effort_limit: {scale: [16, 24]}}",
+            "are they values? Then write `abs: [",
+        ),
+        # Nobody says what the nominal kp is.
+        (
+            "kp: unknown, kd: 1, randomize: {kp: {scale: [32, 48]}}",
+            "are they values? Then write `abs: [32, 48]`",
+        ),
+        # Those of 40 that are no values: 80 and 120 are two and three times that, 0.8 is a factor.
+        ("kp: 40, kd: 1, randomize: {kp: {scale: [80, 120]}}", "is it in %? Then write 0.8 and 1.2"),
+        ("kp: 40, kd: 1, randomize: {kp: {scale: [8, 12]}}", "did you mean 0.8 and 1.2?"),
+        ("kp: 5, kd: 1, randomize: {kp: {scale: [0.8, 12]}}", "did you mean 1.2?"),
+        ("randomize: {strength: {scale: [80, 120]}}", "is it in %? Then write 0.8 and 1.2"),
+        ("randomize: {strength: {scale: [32, 48]}}", "is the point in the wrong place?"),
+    ],
+)
+def test_factors_that_are_values(fields: str, help: str) -> None:
+    code, _, offered = one(of_group(fields))
+    assert code == "SPEC188"
+    assert (offered or "").startswith(help)
+    if not help.endswith("["):
+        assert offered == help
 
 
 def test_a_gaussian_that_looks_like_a_range(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:

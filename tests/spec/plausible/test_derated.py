@@ -93,6 +93,62 @@ def test_viscous_friction_is_judged_by_what_the_drive_gives(fields: str, message
     assert all((message or "") in item.message for item in found)
 
 
+SERVO = "side: joint, gear_ratio: 9, no_load_speed: 10 rad/s"
+
+
+@pytest.mark.parametrize(
+    ("motor", "fields", "message"),
+    [
+        # 0.3 x 10 = 3 N*m, of the 20 that the motor has at rest, of which 5 N*m are allowed, or are what it keeps.
+        ("stall_torque: 20", "effort_limit: 5, friction: {viscous: 0.3}", None),
+        ("stall_torque: 20, continuous_torque: 5", "friction: {viscous: 0.3}", None),
+        (
+            "stall_torque: 20",
+            "level: ideal_pd, effort_limit: 5, velocity_limit: 9 rad/s, friction: {viscous: 0.6}",
+            None,
+        ),
+        # 1.01 x 10 = 10.1 N*m of 20.
+        ("stall_torque: 20", "effort_limit: 5, friction: {viscous: 1.01}", "FRC106 of the drive's 20 N*m"),
+        # Of 51 N*m, a winding's, nobody knows what the drive gives; nor is more than the peak torque.
+        (
+            "stall_torque: 51",
+            "effort_limit: 5, friction: {viscous: 0.3}",
+            "FRC106 of an effort limit of 5 N*m",
+        ),
+        (
+            "stall_torque: 20, peak_torque: 5",
+            "friction: {viscous: 0.3}",
+            "FRC106 of an effort limit of 5 N*m",
+        ),
+        # 5 / 2 is 2.5 rad/s^2 and 20 / 2 is 10; 20 / 4.1 is 4.88.
+        ("stall_torque: 20", "effort_limit: 5, armature: 2", None),
+        (
+            "stall_torque: 20",
+            "effort_limit: 5, armature: 4.1",
+            "SPEC191 the drive's 20 N*m would turn the rotor alone",
+        ),
+        (
+            "stall_torque: 20, peak_torque: 5",
+            "armature: 2",
+            "SPEC191 the effort limit of 5 N*m would turn the rotor",
+        ),
+    ],
+)
+def test_a_stall_torque_that_stands_alone_is_what_the_drive_gives(
+    motor: str, fields: str, message: str | None
+) -> None:
+    text = of_motor(f"{SERVO}, {motor}", fields)
+    if fields.startswith("level"):
+        text = text.replace("level: dc_motor, ", "")
+    if "armature" in fields:
+        # A speed that is reached in 0.2 s would do.
+        text = text.replace("no_load_speed: 10 rad/s", "no_load_speed: 20 rad/s").replace("kp: 20", "kp: 80")
+    found = said(text)
+    code, _, words = (message or "").partition(" ")
+    assert [item.code for item in found] == [code] * (message is not None)
+    assert all(words in item.message for item in found)
+
+
 LIFT = (
     "side: motor, stall_torque: 1.46, peak_torque: 0.4, continuous_torque: 0.128, no_load_speed: 6110 rpm, "
     "rotor_inertia: 181 g*cm^2"

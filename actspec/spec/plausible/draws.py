@@ -1,0 +1,253 @@
+"""Ranges of randomisation that nobody draws from: factors, values in place of the nominal one, errors of an encoder."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from actspec.diagnostics import Path, alternatives
+from actspec.fields import FRICTION_SHARE, LARGEST_FACTOR, largest_factor
+from actspec.spec.document import SourceMap
+from actspec.spec.models import Actuators, Randomize
+from actspec.spec.plausible.relations import DEGREE, POINT
+from actspec.spec.plausible.table import Doubt, at
+from actspec.spec.rules.groups import RANDOMIZED_KINDS, range_of
+from actspec.spec.values import Fault, SpecValue
+from actspec.units import Kind, format_quantity
+
+DIGIT = 50.0
+"""Above it two factors are in per cent, below it they are without their points."""
+ABOUT_NOMINAL = 2.0
+"""The mean of a gaussian is about the nominal value by this factor. Chosen."""
+OFF = {"rad": 0.25, "m": 0.1}
+"""Largest error of an encoder [rad or m]. Published: 0.02 rad."""
+
+
+def draw_doubts(
+    group: Actuators, path: Path, limit: float | None, drawn: bool, spans: SourceMap
+) -> Iterator[Doubt]:
+    """What can hardly be right about the ranges of a group.
+
+    Args:
+        group: The group.
+        path: Where it stands.
+        limit: Effort limit of a hinge [N*m]; None: unknown, doubted itself, or of a slide.
+        drawn: A target draws from them, and tells of values below 0 itself (RND004).
+        spans: Where the spec says it.
+    """
+    for field, entry in group.randomize.items():
+        place = (*path, "randomize", field)
+        found = list(_drawn(entry, field, place, group, spans))
+        if not drawn:
+            found += _negative(entry, field, place, group, spans)
+        yield from found
+        rub = _dry(field, group)
+        takes = limit and rub is not None and (rub.value or 0.0) >= FRICTION_SHARE * limit
+        # Where the nominal friction takes the limit it is told itself, and may be the wrong one.
+        if not found and not takes:
+            replaced = list(_replaced(entry, field, place, group, spans))
+            yield from replaced or _rubbing(entry, field, place, limit, rub, spans)
+
+
+def _operation(entry: Randomize) -> str:
+    """Which of the three a range is stated for."""
+    return "scale" if entry.scale is not None else "add" if entry.add is not None else "abs"
+
+
+def _drawn(entry: Randomize, field: str, path: Path, group: Actuators, spans: SourceMap) -> Iterator[Doubt]:
+    """A range of factors as per cent, or of an encoder's errors in degrees."""
+    if entry.from_ is not None or (entry.scale is None and field != "encoder_bias"):
+        return
+    operation = _operation(entry)
+    pair = range_of(entry, field)
+    ends = () if isinstance(pair, Fault) else pair
+    factors = entry.scale is not None
+    most = largest_factor(field)
+    wrong = [
+        (index, end)
+        for index, end in enumerate(ends)
+        if ((end.value or 0.0) > most if factors else is_off(end))
+    ]
+    if not wrong:
+        return
+    far = [end for _, end in wrong]
+    first, second = (*path, operation, wrong[0][0]), (*path, operation, wrong[-1][0])
+    if not factors:
+        yield off(far, first, (second,), spans)
+        return
+    what = "factors" if len(far) > 1 else "a factor"
+    message = f"{what} of {_all(end.written for end in far)} on the nominal value"
+    percent = len(far) > 1 and any((end.value or 0.0) > DIGIT for end in far)
+    # One end alone has its point in the wrong place: without that it is near 1.
+    by = 100.0 if percent else 10.0 ** round(math.log10(far[-1].value or 1.0))
+    if not percent and len(ends) == 2 and (ends[0].value or 0.0) > (far[-1].value or 0.0) / by:
+        # One end alone in its place would leave the range the wrong way round.
+        far = list(ends)
+    told = [(end.value or 0.0) / by for end in far]
+    sound = _is_around([*((end.value or 0.0) for end in ends[: 2 - len(far)]), *told], entry)
+    help = f"did you mean {_numbers(told)}?" if sound else POINT
+    if percent:
+        help = f"is it in %? Then write {_numbers(told)}"
+    if most < LARGEST_FACTOR:
+        message += f": no motor gives {most:g} times its torque"
+        help = POINT if (far[-1].value or 0.0) <= LARGEST_FACTOR else help
+    values = _values(ends, entry, field, group, most)
+    if values is not None:
+        own, meant = values
+        same = meant is not None and _numbers(meant) == _numbers(told)
+        help = alternatives([own, help]) if sound and not same else own
+    yield at(spans, "SPEC188", message, first, help, second)
+
+
+def _values(
+    ends: Sequence[SpecValue], entry: Randomize, field: str, group: Actuators, most: float
+) -> tuple[str, list[float] | None] | None:
+    """Factors that are values: the help, and what they are of the nominal one, if that is known; None: they are none.
+
+    A factor of 1 or less is one.
+    """
+    kind = RANDOMIZED_KINDS[field]
+    if kind is Kind.RATIO or not kind.bare or (ends[0].value or 0.0) <= 1.0:
+        return None
+    nominal = _nominal(field, group)
+    sizes = [end.value or 0.0 for end in ends]
+    if nominal is None or not nominal.value:
+        return f"are they values? Then write `abs: [{', '.join(f'{size:g}' for size in sizes)}]`", None
+    factors = [size / nominal.value for size in sizes]
+    if not _is_around(factors, entry) or max(factors) > most:
+        return None
+    written = ", ".join(format_quantity(size, nominal.unit) for size in sizes)
+    scale = ", ".join(f"{factor:.4g}" for factor in factors)
+    return f"are they values? Then write `abs: [{written}]`, or `scale: [{scale}]`", factors
+
+
+def _is_around(factors: Sequence[float], entry: Randomize) -> bool:
+    """Whether factors leave the nominal value in the range, or of a gaussian its mean about there."""
+    if entry.distribution == "gaussian":
+        return 1.0 / ABOUT_NOMINAL <= factors[0] <= ABOUT_NOMINAL
+    return factors[0] <= 1.0 <= factors[-1]
+
+
+def _replaced(
+    entry: Randomize, field: str, path: Path, group: Actuators, spans: SourceMap
+) -> Iterator[Doubt]:
+    """A range in place of a nominal value, all of it far from that."""
+    pair = None if entry.abs is None else range_of(entry, field)
+    if not isinstance(pair, tuple):
+        return
+    gaussian = entry.distribution == "gaussian"
+    low, high = (pair[0], pair[0]) if gaussian else pair
+    least, most = low.value, high.value
+    if not least or not most or not 0.0 < least <= most:
+        return
+    written = low.written if gaussian else f"{low.written} to {high.written}"
+    first, second = (*path, "abs", 0), (*path, "abs", 0 if gaussian else 1)
+    nominal = _nominal(field, group)
+    known = None if nominal is None else nominal.value
+    if nominal is not None and known and known > 0.0:
+        factors = least / known, most / known
+        if factors[0] > LARGEST_FACTOR or factors[1] < 1.0 / LARGEST_FACTOR:
+            ten = 10.0 ** round(math.log10(math.sqrt(factors[0] * factors[1])))
+            help = "look for a wrong unit, or another joint's range"
+            bare = low.linear is None and high.linear is None
+            if bare and least < 1.0 < most <= largest_factor(field):
+                help = f"are they factors? Then write `scale: [{least:g}, {most:g}]`"
+            elif gaussian or least <= known * ten <= most:
+                # What leaves the nominal out again is not meant.
+                meant = (format_quantity(end / ten, low.unit, 4) for end in (least, most)[: 2 - gaussian])
+                help = f"did you mean {_all(meant)}?"
+            far = f"{format_quantity(factors[0], '', 3)} to {format_quantity(factors[1], '', 3)}"
+            message = f"{written} in place of the nominal {nominal.written} is {far} times as much"
+            place = (*path[:-2], *field.split("."))
+            yield at(spans, "SPEC188", message, first, help, second, place)
+
+
+def _nominal(field: str, group: Actuators) -> SpecValue | None:
+    """The number of a group that a range is about; None where it is none, or follows from others."""
+    nominal: Any = group
+    for part in field.split("."):
+        nominal = None if nominal is None else getattr(nominal, part, None)
+    return nominal if isinstance(nominal, SpecValue) else None
+
+
+def _negative(
+    entry: Randomize, field: str, path: Path, group: Actuators, spans: SourceMap
+) -> Iterator[Doubt]:
+    """Offsets that bring a number below 0 which has no sign; a gaussian's tail is told where it is drawn from."""
+    pair, nominal = None if entry.add is None else range_of(entry, field), _nominal(field, group)
+    if not isinstance(pair, tuple) or entry.distribution == "gaussian" or field == "encoder_bias":
+        return
+    if nominal is None or nominal.value is None:
+        return
+    least = nominal.value + min(end.value or 0.0 for end in pair)
+    if least < 0.0:
+        message = f"{field} is drawn below 0: {format_quantity(least, pair[0].unit, 4)}"
+        help = f"the nominal is {nominal.written}: raise the low end"
+        yield at(spans, "SPEC188", message, (*path, "add", 0), help, (*path, "add", 1))
+
+
+def _dry(field: str, group: Actuators) -> SpecValue | None:
+    """The nominal dry friction of a field; without a break-away friction that is the kinetic one."""
+    friction = group.friction if field in ("friction.coulomb", "friction.static") else None
+    if friction is None:
+        return None
+    return friction.static if field == "friction.static" and friction.static is not None else friction.coulomb
+
+
+def _rubbing(
+    entry: Randomize, field: str, path: Path, limit: float | None, own: SpecValue | None, spans: SourceMap
+) -> Iterator[Doubt]:
+    """A range of dry friction that reaches the effort limit of a hinge [N*m], by whichever operation."""
+    if field not in ("friction.coulomb", "friction.static") or not limit or entry.from_ is not None:
+        return
+    pair = range_of(entry, field)
+    if not isinstance(pair, tuple):
+        return
+    # Of a gaussian the mean.
+    index = 0 if entry.distribution == "gaussian" or (pair[0].value or 0.0) > (pair[1].value or 0.0) else 1
+    end, drawn = pair[index], pair[index].value or 0.0
+    nominal = None if own is None else own.value
+    operation = _operation(entry)
+    if end.linear or (nominal is None and operation != "abs"):
+        return
+    most = {"scale": drawn * (nominal or 0.0), "add": drawn + (nominal or 0.0), "abs": drawn}[operation]
+    if most < limit:
+        return
+    how = (
+        ""
+        if operation == "abs"
+        else f", {end.written} {'more than' if operation == 'add' else 'times'} the nominal"
+    )
+    how += "" if own is None or not how else f" {own.written},"
+    message = (
+        f"a dry friction of up to {format_quantity(most, 'N*m', 4)}{how} is not below the effort limit of "
+        f"{format_quantity(limit, 'N*m', 4)}: the drive cannot move the joint"
+    )
+    milli = _all(format_quantity((item.value or 0.0) / 1000.0, end.unit, 4) for item in pair[: index + 1])
+    help = None if operation == "scale" else f"is it in m{end.unit} ({milli})?"
+    yield at(spans, "SPEC188", message, (*path, operation, index), help, (*path, operation, 0))
+
+
+def is_off(bias: SpecValue) -> bool:
+    """Whether no encoder is that wrong."""
+    return abs(bias.value or 0.0) > OFF.get(bias.unit, math.inf)
+
+
+def off(ends: Sequence[SpecValue], path: Path, others: tuple[Path, ...], spans: SourceMap) -> Doubt:
+    """An encoder that is off by far."""
+    help = None
+    if ends[0].unit == "rad" and "deg" not in ends[0].written:
+        degrees = max(abs(end.value or 0.0) for end in ends) * DEGREE <= OFF["rad"]
+        words, short = ("degrees", "deg") if degrees else ("arcmin", "arcmin")
+        help = f"is it in {words}? Then write {_all(f'{end.value:g} {short}' for end in ends)}"
+    message = f"an encoder that is off by {_all(end.written for end in ends)}"
+    return at(spans, "SPEC188", message, path, help, *others)
+
+
+def _all(texts: Iterable[str]) -> str:
+    return " and ".join(texts)
+
+
+def _numbers(numbers: Iterable[float]) -> str:
+    return _all(f"{number:.4g}" for number in numbers)
