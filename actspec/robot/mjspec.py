@@ -133,6 +133,13 @@ def open_spec(
     return spec
 
 
+def schema_words() -> list[str]:
+    """Elements and attributes of an MJCF that the installed MuJoCo knows."""
+    import mujoco
+
+    return list(dict.fromkeys(re.findall(r"\w+", mujoco.mj_printSchema(False, False))))
+
+
 def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
     found: dict[str, bytes] = {}
     for mesh in spec.meshes:

@@ -65,7 +65,6 @@ def _older(case: Case, file: FileReading, artifact: Artifact) -> str | None:
 
 def _is_misspelt(attribute: str) -> bool:
     """Whether an attribute that the installed release does not know is one of its own with a slip: `ctrlimited`."""
-    import mujoco
+    from actspec.robot.mjspec import schema_words
 
-    words = dict.fromkeys(re.findall(r"\w+", mujoco.mj_printSchema(False, False)))
-    return is_slip(attribute, [word for word in words if len(word) > _SHORT])
+    return is_slip(attribute, [word for word in schema_words() if len(word) > _SHORT])
