@@ -230,8 +230,8 @@ def _marks(item: Reported) -> Iterator[tuple[object, ...]]:
     if finding.expected is None or not held:
         yield (*about, finding.joint, _plain(texts[0]))
     else:
-        # Files that depart from one place are one thing to settle; and so is one figure that departs from two.
-        yield (*about, finding.joint, held[0])
+        # Files that depart alike from one place are one thing to settle; and so is one figure that departs from two.
+        yield (*about, finding.joint, held[0], _plain(texts[0]))
         yield (*about, finding.joint, finding.value, finding.expected)
 
 
@@ -240,12 +240,16 @@ def _with_copies(main: FindingGroup, others: Sequence[FindingGroup]) -> FindingG
     if not others:
         return main
     how = "the same" if all(_text(other) == _text(main) for other in others) else "similar"
-    strange = any(not other.concerned <= main.concerned for other in others)
+    extent = ""
+    if any(not other.concerned <= main.concerned for other in others):
+        extent = " for other joints"
+    elif any(other.concerned != main.concerned for other in others):
+        extent = " for some of these joints"
     places = (span for other in others for span in (other.first.finding.span, *other.copies))
     return replace(
         main,
         copies=(*main.copies, *dict.fromkeys(places)),
-        how=f"{how} for other joints" if strange else how,
+        how=how + extent,
     )
 
 

@@ -273,6 +273,31 @@ def test_a_file_is_not_another_one() -> None:
     assert group.copies and group.headline() == "ankle: 57.3 times that in a.urdf"
 
 
+def test_of_fewer_joints_a_file_has_the_same_for_some() -> None:
+    """b.urdf has the fault at one of a.urdf's two joints: at the other it is sound."""
+    three = [
+        _one(1, "lower above upper", j, path=f"{f}.urdf") for f, j in (("a", "l"), ("a", "r"), ("b", "l"))
+    ]
+    (group,) = _groups(*three)
+    assert group.headline() == "l, r: lower above upper (the same for some of these joints in b.urdf)"
+
+
+def test_files_that_depart_otherwise_from_one_place_are_two_findings() -> None:
+    """400 N*m at every joint of one file is no figure of a file that has 300 N*m at one; 200 and 300 N*m are alike."""
+    at = {"expected": 100.0, "related": (Span("c.urdf", 3),), "fields": ("effort_limit",)}
+    said = [("a", 400.0, " on every joint"), ("b", 300.0, ""), ("d", 200.0, "")]
+    groups = _groups(
+        *(
+            _one(1, f"the limit is {value:g} N*m{where}", "hip", path=f"{name}.urdf", value=value, **at)
+            for name, value, where in said
+        )
+    )
+    assert [group.headline() for group in groups] == [
+        "hip: the limit is 400 N*m on every joint",
+        "hip: the limit is 300 N*m (similar in d.urdf)",
+    ]
+
+
 def test_every_format_counts_the_same() -> None:
     """Five joints of a.xml, two of which b.xml has too, and a note of a sixth joint.
 
@@ -289,7 +314,7 @@ def test_every_format_counts_the_same() -> None:
     page = render(made, "html", ReportOptions())
     assert f"<title>actspec audit: {words}</title>" in page
     assert page.count("<article") == 2 and page.count('<td class="n">1</td>') == 2
-    assert "gets 9 N*m (similar: j0, j2, j3, j4) (the same in b.xml)" in page
+    assert "gets 9 N*m (similar: j0, j2, j3, j4) (the same for some of these joints in b.xml)" in page
     shown = json.loads(render(made, "json", ReportOptions()))
     assert len(shown["findings"]) == 8
     assert shown["shown_as"] == {"errors": 0, "warnings": 1, "notes": 1, "joints": 6, "patterns": 0}
