@@ -242,18 +242,18 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
 def _is_odd(case: Case, left: LedgerRow, right: LedgerRow, field: str, one: float, other: float) -> bool:
     """Whether the figure of the left joint is the slip, by those of joints like it.
 
-    What fewer of them have is: of its kind on all legs, else of those with its motor and a word of its name. Where they
-    do not tell either, the figure that more of the other joints have was taken from them, unless it is a digit off.
+    What fewer of them have is: of its kind on all legs, else of those with its motor and a word of its name, or with
+    its motor alone where all others of these have one gain, damping or friction. Where they do not tell either, the
+    figure that more of the other joints have was taken from them, unless it is a digit off.
     """
     rows = [row for index in {left.artifact, right.artifact} for row in case.rows_of(index) if field]
     kind, words = of_its_leg(left.joint), _words(left.joint)
     motor = [(name, value) for name in _MOTOR if (value := getattr(left, name)) == getattr(right, name)]
     kin = [row for row in rows if of_its_leg(row.joint) == kind]
-    near = [
-        row
-        for row in rows
-        if (not words or words & _words(row.joint)) and all(getattr(row, name) == its for name, its in motor)
-    ]
+    near = [row for row in rows if all(getattr(row, name) == its for name, its in motor)]
+    others = {getattr(row, field) for row in near if row.joint not in (left.joint, right.joint)}
+    if words and (field in _MOTOR or len(others) > 1):
+        near = [row for row in near if words & _words(row.joint)]
     counts = [[getattr(row, field) for row in alike] for alike in (kin, near, rows)]
     *told, (ours, theirs) = ((values.count(one), values.count(other)) for values in counts)
     for mine, its in told:

@@ -143,3 +143,40 @@ def test_two_files_of_one_base_with_an_arm_of_a_side(
 def _link(name: str, mass: float) -> str:
     inertia = f'ixx="{mass / 500}" iyy="{mass / 500}" izz="{mass / 500}" ixy="0" ixz="0" iyz="0"'
     return f'<link name="{name}"><inertial><mass value="{mass}"/><inertia {inertia}/></inertial></link>'
+
+
+@pytest.mark.parametrize(
+    ("usual", "slip"),
+    [
+        # One motor, three kp and one kd: 1.6 is no joint's own.
+        ({"hip": (40, 1.3), "knee": (35, 1.3), "ankle": (30, 1.3)}, ("ankle", 30, 1.6)),
+        # A kd a joint: the knee has 4, and 2 was taken from the hip.
+        ({"hip": (40, 2), "knee": (35, 4), "ankle": (30, 1)}, ("knee", 35, 2)),
+    ],
+)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_side_of_a_gain(
+    usual: Mapping[str, tuple[float, float]], slip: tuple[str, float, float], side: str, tmp_path: Path
+) -> None:
+    bodies = servos = ""
+    for limb in ("left", "right"):
+        close = ""
+        for part, (kp, kv) in usual.items():
+            if (limb, part) == (side, slip[0]):
+                _, kp, kv = slip
+            name = f"{limb}_{part}"
+            bodies += (
+                '<body><inertial pos="0 0 .1" mass="1" diaginertia=".01 .01 .01"/>'
+                f'<joint name="{name}" axis="0 1 0"/>'
+            )
+            servos += f'<position name="{name}" joint="{name}" kp="{kp}" kv="{kv}" forcerange="-24 24"/>'
+            close += "</body>"
+        bodies += close
+    path = tmp_path / "biped.xml"
+    path.write_text(
+        f'<mujoco model="biped"><compiler angle="radian"/><worldbody>{bodies}</worldbody>'
+        f"<actuator>{servos}</actuator></mujoco>",
+        encoding="utf-8",
+    )
+    report = audit([str(path)], Settings(select=("SYM101",)))
+    assert {found.finding.joint for found in report.findings} == {f"{side}_{slip[0]}"}
