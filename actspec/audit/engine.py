@@ -292,7 +292,9 @@ def _resolve(
         severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
         noted = (
-            severity is not Severity.INFO and said(finding.code) is None and _is_noted(case, rule, finding)
+            severity is not Severity.INFO
+            and said(finding.code) is None
+            and _is_noted(case, rule, finding, severity)
         )
         if noted:
             severity = Severity.INFO
@@ -309,12 +311,17 @@ def _resolve(
     return _in_order(unique.values())
 
 
-def _is_noted(case: Case, rule: type[Rule], finding: Finding) -> bool:
-    """Whether a finding in a folder is a note: by itself, its rule, or of what nobody runs, or against that alone."""
-    met = (rule.noted_in_folders or finding.noted_in_folders) and case.is_met_at(finding.span)
-    if met or rule.written_over & case.written(finding.span, finding.joint):
-        return True
+def _is_noted(case: Case, rule: type[Rule], finding: Finding, severity: Severity) -> bool:
+    """Whether a finding in a folder is a note: by itself, its rule, or of what nobody runs, or against that alone.
+
+    An error that a file has by itself stays one: of its rule's findings it is the sure one.
+    """
     others = [span for span in finding.related if span.path != finding.span.path]
+    by_rule = rule.noted_in_folders and (severity is not Severity.ERROR or bool(others))
+    if (by_rule or finding.noted_in_folders) and case.is_met_at(finding.span):
+        return True
+    if rule.written_over & case.written(finding.span, finding.joint):
+        return True
     return case.is_idle(finding.span) or (bool(others) and all(map(case.is_idle, others)))
 
 

@@ -43,7 +43,7 @@ class Rule:
         fix: Whether it offers a fix; None: never.
         options: Its options and their defaults.
         noted_in_folders: Whether its findings are notes in a file that was met in a folder, and not named: of those in
-            strangers' folders too few were worth acting on (docs/survey.md).
+            strangers' folders too few were worth acting on (docs/survey.md). An error of one file alone stays one.
         written_over: Figures of a model or a configuration on which it leans; where a program of the
             folder writes over one of them, its findings are notes.
         paired: Whether another file of the robot can give it a finding in a model that the model by itself would not

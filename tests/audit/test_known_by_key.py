@@ -136,7 +136,7 @@ def test_one_limit_beside_keys_of_armatures(tmp_path: Path, monkeypatch: pytest.
         (Severity.WARNING, ".*_hip_.*")
     ]
     assert {(severity, f.joint, f.span.line) for severity, f in found if f.code == "KNW103"} == {
-        (Severity.INFO, f"{side}_hip_pitch_joint", _line(text, ": 2.5,")) for side in ("left", "right")
+        (Severity.WARNING, f"{side}_hip_pitch_joint", _line(text, ": 2.5,")) for side in ("left", "right")
     }
 
 

@@ -28,7 +28,6 @@ class FarFromPublished(RuleOver[Likeness]):
     name = "armature-or-speed-is-not-the-published-one"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
-    noted_in_folders = True
     options: ClassVar[dict[str, float]] = {"armature": 5.0, "speed": 1.3}
     needs = "no robot among the files whose armatures or speeds are published"
 

@@ -33,7 +33,6 @@ class GainsOfNoJoint(RuleOver[_Subject]):
     name = "gains-of-no-joint"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
-    noted_in_folders = True
     paired = True
     needs = "no configuration or MJCF with a kp among the files"
 
