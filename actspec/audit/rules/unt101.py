@@ -9,9 +9,9 @@ from typing import ClassVar
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import compiler_of, written_actuators
-from actspec.audit.rules.joints import by_joint, shown
+from actspec.audit.rules.joints import by_joint, own_figure, partner_rows, shown
 from actspec.diagnostics import Span
-from actspec.fields import is_power_of_ten
+from actspec.fields import PLACEHOLDER_SPEED, is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, without_comments
 from actspec.readings.compare import DEGREES
@@ -68,7 +68,11 @@ class RangeInDegrees(RuleInParts):
                     and largest(joint) <= _TURN
                     and least <= largest(command) <= self.option(case, "most")
                 ):
-                    yield self._of_degrees(row, command, joint, artifact)
+                    speed = _speed_of(case, row, command)
+                    if speed is None:
+                        yield self._of_degrees(row, command, joint, artifact)
+                    else:
+                        yield (_graded(self._of_speed(row, command, joint, speed), artifact),)
         # One range that is radians by its servo tells that all of the file are, endless joints' too; ±90 is none's.
         radians = Counter(row.artifact for row in found if not _turns(row))
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
@@ -211,6 +215,25 @@ class RangeInDegrees(RuleInParts):
         )
         noted = _is_placeholder(command) or _is_part(artifact, row.place("position_range"))
         yield _of_a_part(found) if noted else found
+
+    def _of_speed(
+        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], speed: LedgerRow
+    ) -> Finding:
+        (low, high), (least, most) = (
+            (shown(row, "default_position", end) for end in ends) for ends in (command, joint)
+        )
+        return Finding(
+            self.code,
+            f"the control range of this position servo, {low} ... {high}, is the joint's speed limit, "
+            f"{own_figure(speed, 'velocity_limit')} in {speed.file}: it clamps no position of a joint that has {least} "
+            f"... {most}",
+            row.place("command_range"),
+            row.joint,
+            largest(command),
+            "rad",
+            largest(joint),
+            f"write {_written(joint)}",
+        )
 
     def _of_turns(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
         low, high = (shown(row, "default_position", end) for end in joint)
@@ -381,6 +404,16 @@ def _scaled(case: Case) -> set[Span]:
         for view in (() if artifact.robot is None else artifact.robot.actuators)
         if view.is_scaled
     }
+
+
+def _speed_of(case: Case, row: LedgerRow, command: tuple[float, float]) -> LedgerRow | None:
+    """Another file's row of a joint with a speed limit that is the control range to both sides; None: no file's is.
+
+    From 100 rad/s on nobody knows: the limit may be a placeholder, and the range one too.
+    """
+    others = (other for other in partner_rows(case, row) if (other.velocity_limit or 0.0) < PLACEHOLDER_SPEED)
+    alike = (other for other in others if math.isclose(other.velocity_limit or 0.0, command[1], rel_tol=1e-3))
+    return next(alike, None) if command[0] == -command[1] else None
 
 
 def _turns(row: LedgerRow) -> bool:
