@@ -69,10 +69,10 @@ class RangeInDegrees(RuleInParts):
                     and least <= largest(command) <= self.option(case, "most")
                 ):
                     speed = _speed_of(case, row, command)
-                    if speed is None:
-                        yield self._of_degrees(row, command, joint, artifact)
-                    else:
+                    if speed is not None:
                         yield (_graded(self._of_speed(row, command, joint, speed), artifact),)
+                    elif not _is_left(case, index, row.joint, command):
+                        yield self._of_degrees(row, command, joint, artifact)
         # One range that is radians by its servo tells that all of the file are, endless joints' too; ±90 is none's.
         radians = Counter(row.artifact for row in found if not _turns(row))
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
@@ -116,9 +116,11 @@ class RangeInDegrees(RuleInParts):
             if index in locked:
                 yield (_graded(self._of_file(case, index, _moving(hinges)), artifact),)
                 continue
+            far_hinges = [hinge for hinge in hinges if self._is_far(case, hinge)]
             virtual = _placeholder_ranges(artifact)
+            virtual |= {one.range for one in far_hinges if _is_left(case, index, one.name, one.range)}
             # Several angles that are no turns are no joints of many turns.
-            several = {hinge.range for hinge in hinges if self._is_far(case, hinge)} - virtual
+            several = {hinge.range for hinge in far_hinges} - virtual
             several = {ends for ends in several if not all(map(_is_turns, ends or ()))}
             far = sum(hinge.range in several for hinge in hinges)
             in_radians = artifact.kind is FileKind.URDF or artifact.states(b"radian")
@@ -404,6 +406,22 @@ def _scaled(case: Case) -> set[Span]:
         for view in (() if artifact.robot is None else artifact.robot.actuators)
         if view.is_scaled
     }
+
+
+def _is_left(case: Case, index: int, joint: str, ends: tuple[float, float] | None) -> bool:
+    """Whether a keyframe or a configuration of the robot has the joint outside of a range, were that in degrees.
+
+    It is inside of it in radians then: the range is a wide one, of which nobody meant degrees.
+    """
+    low, high = ends or (0.0, 0.0)
+    own = case.joints.get((index, joint), ())
+    rows = (*own, *(other for row in own[:1] for other in partner_rows(case, row)))
+    poses = [row.default_position for row in rows if row.default_position is not None]
+    return any(
+        max(low, -_TURN) <= pose <= min(high, _TURN)
+        and not low / DEGREES - _ROUNDED <= pose <= high / DEGREES + _ROUNDED
+        for pose in poses
+    )
 
 
 def _speed_of(case: Case, row: LedgerRow, command: tuple[float, float]) -> LedgerRow | None:
