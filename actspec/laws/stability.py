@@ -33,6 +33,12 @@ class StepDrive:
     explicit: float
     implicit: float
 
+    @property
+    def formula(self) -> str:
+        """What `figure` is of this drive, in letters: d is the damping that is taken implicitly."""
+        damping, inertia = ("h (kd + d)", "(I + h d)") if self.implicit else ("h kd", "I")
+        return f"{damping}/{inertia}" + (f" + h^2 kp/2{inertia}" if self.kp else "")
+
     def figure(self, inertia: float) -> float:
         """h kd/I + h^2 kp/(2 I), with joint damping on both sides where it is implicit; 2 is the limit.
 

@@ -36,7 +36,7 @@ from actspec.readings.joint_names import (
     selected,
     share_joints,
 )
-from actspec.readings.pair_lone import with_deploy_files, with_mappings, with_runs
+from actspec.readings.pair_lone import with_deploy_files, with_environments, with_mappings, with_runs
 
 VARIANT = 0.5
 """Patterns that must match where the names say that it is the same robot. Chosen: a cfg for a robot with hands
@@ -55,14 +55,14 @@ def pair(
     robot's name; a file that is called nothing belongs to those of its folder, or to the only one with its joints. A
     configuration joins the robot whose file it names, or that of its name where at least half of its patterns match a
     joint, else the one whose joints all of its patterns match and that nothing tells from it, such as another name that
-    it shares with its own file; where several do, none: nothing is guessed; without a robot,
-    the deploy file that has its keys. A file without a name beside several robots is of the one whose joints are most
-    nearly its own; a deploy file beside what a run recorded is called as that is. What a run recorded joins the one
-    configuration that was named with its patterns and its model, and a deploy file that somebody named what was named
-    with it and has the same joints, where nothing else has them. Ranges of randomisation without actuators join the
-    robot that their file's name tells, or the only one. Models that somebody named are one robot where they
-    have one body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never compared with
-    `arm1.xml`, nor one in `my_arm.xml`.
+    it shares with its own file; where several do, none: nothing is guessed; without a robot, the deploy file that has
+    its keys; an environment follows the constant that it imports. A file without a name beside several robots is of the
+    one whose joints are most nearly its own; a deploy file beside what a run recorded is called as that is. What a run
+    recorded joins the one configuration that was named with its patterns and its model, and a deploy file that somebody
+    named what was named with it and has the same joints, where nothing else has them. Ranges of randomisation without
+    actuators join the robot that their file's name tells, or the only one. Models that somebody named are one robot
+    where they have one body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never
+    compared with `arm1.xml`, nor one in `my_arm.xml`.
 
     Args:
         artifacts: All robots of all files.
@@ -174,6 +174,7 @@ def pair(
             groups.append([index])
         else:
             groups[choice[0]].append(index)
+    groups = with_environments(groups, artifacts, {i for i, own in enumerate(names) if own is not None})
     groups = with_mappings(groups, artifacts, share_joints, agree)
     groups = with_runs(groups, artifacts, records, by_hand, agree)
     groups = with_deploy_files(

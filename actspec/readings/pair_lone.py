@@ -1,6 +1,7 @@
 """What is alone after models and configurations are paired, and belongs to one group by what it has.
 
-A configuration whose joints stand in a deploy file's mappings alone; a run beside the configuration that it was trained
+An environment beside the constant that its robot is; a configuration whose joints stand in a deploy file's mappings
+alone; a run beside the configuration that it was trained
 from; a deploy file that somebody named together with what it is of, whatever it is called.
 """
 
@@ -8,7 +9,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Set as AbstractSet
 
+from actspec.diagnostics import Span
 from actspec.readings.artifact import Artifact, FileKind
 
 
@@ -23,6 +26,28 @@ def _each_with_its_only(
             found.remove([index])
             next(group for group in found if its[0] in group).append(index)
     return found
+
+
+def with_environments(
+    groups: Sequence[list[int]], artifacts: Sequence[Artifact], known: AbstractSet[int]
+) -> list[list[int]]:
+    """Groups, a configuration in that of the one robot a configuration of which has its actuators and its model.
+
+    An environment has the actuators of the constant that it imports, at the places where these are written.
+
+    Args:
+        groups: Of artifacts that are one robot each.
+        artifacts: All of them.
+        known: Those that name their joints.
+    """
+    homes = [group for group in groups if not known.isdisjoint(group)]
+    return _each_with_its_only(
+        groups,
+        [group[0] for group in groups if len(group) == 1 and group[0] not in known],
+        lambda index: [
+            home[0] for home in homes if any(_is_robot_of(artifacts[index], artifacts[i]) for i in home)
+        ],
+    )
 
 
 def with_mappings(
@@ -148,12 +173,20 @@ def _is_trained_from(run: Artifact, other: Artifact, agree: bool) -> bool:
     return models[0] == models[1] if len(models) == 2 else agree and patterns != {".*"}
 
 
+def _is_robot_of(one: Artifact, other: Artifact) -> bool:
+    """Whether two configurations have one model, and actuators that are written at the same places."""
+    if one.config is None or other.config is None or one.config.model is None:
+        return False
+    places = _places(one)
+    return bool(places) and places == _places(other) and one.config.model == other.config.model
+
+
+def _places(artifact: Artifact) -> frozenset[Span]:
+    """Where the actuators of a configuration are written."""
+    return frozenset(group.span for group in (artifact.config.groups if artifact.config else ()))
+
+
 def _are_one(groups: Sequence[Sequence[int]], artifacts: Sequence[Artifact]) -> bool:
     """Whether groups are one robot: an environment's robot is the constant of its file, whose groups stand there."""
-    places = {
-        frozenset(group.span for group in config.groups)
-        for each in groups
-        for config in (artifacts[i].config for i in each)
-        if config is not None
-    }
+    places = {_places(artifacts[i]) for each in groups for i in each if artifacts[i].config is not None}
     return len(groups) == 1 or (len(places) == 1 and all(places))

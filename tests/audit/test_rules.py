@@ -176,7 +176,7 @@ def test_the_worst_joint_of_a_group_speaks_for_it() -> None:
     (said,) = check_actuators(replace(found, joints=joints), {EULER: {"hip", "calf"}})
     assert said.message == (
         "calf: the drive (ideal_pd) takes kd 5 N*m*s/rad explicitly: with a step of 5 ms the velocity "
-        "diverges (h kd/I + h^2 kp/2I = 2.5 in some poses, 0.025 in others, limit 2, "
+        "diverges (h kd/I = 2.5 in some poses, 0.025 in others, limit 2, "
         "with I = 0.01 kg*m^2, no armature stated); concerns MuJoCo with the Euler integrator"
     )
 

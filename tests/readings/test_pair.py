@@ -383,6 +383,25 @@ def test_a_cfg_is_of_the_robot_whose_file_it_names() -> None:
     ]
 
 
+def test_an_environment_is_of_the_robot_of_the_constant_that_it_imports() -> None:
+    """It has its actuators, at their places, and its model; with another model, or actuators of its own, it is open."""
+
+    def loading(usd: str, name: str, at: str) -> Artifact:
+        found = config(at, name, LEGS)
+        assert found.config is not None
+        return replace(found, config=replace(found.config, settings={"model": Setting(usd, Span(at, 3))}))
+
+    robots = model("a/trotter.urdf", "trotter", DOG), model("b/strider.urdf", "strider", DOG)
+    constant = loading("loop.usd", "TROTTER_CFG", "a/trotter_cfg.py")
+    task = replace(loading("loop.usd", "BoxEnvCfg", "a/trotter_cfg.py"), path="tasks/box_env_cfg.py")
+    assert _together(*robots, constant, task) == [(0, 2, 3), (1,)]
+    assert _together(*robots, task, constant) == [(0, 2, 3), (1,)]
+    other = replace(loading("arm.usd", "BoxEnvCfg", "a/trotter_cfg.py"), path="tasks/box_env_cfg.py")
+    assert _together(*robots, constant, other) == [(0, 2), (1,), (3,)]
+    own = loading("loop.usd", "BoxEnvCfg", "tasks/box_env_cfg.py")
+    assert _together(*robots, constant, own) == [(0, 2), (1,), (3,)]
+
+
 def _mapped(path: str, keys: Sequence[str]) -> Artifact:
     """A deploy file that names its joints by the keys of its mappings."""
     stem = path.rpartition("/")[2].partition(".")[0]

@@ -173,8 +173,9 @@ class NoEffectiveLimit(RuleInParts):
                     severity = Severity.INFO if undriven else worst
                     yield (replace(self._zero(row, field, effect), severity=severity),)
             for field, limit in limits.items():
-                if field == "effort_limit" and row.artifact in case.once(round_for_all) and not undriven:
-                    nothing = _graver(case, row, self._round(case, row))
+                mass = None if limit is None else case.once(round_for_all).get((row.artifact, limit))
+                if mass is not None and field == "effort_limit" and not undriven:
+                    nothing = _graver(case, row, self._round(case, row, limit, mass))
                     yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
                 elif limit is not None:
                     found = self._stated(case, row, field, limit, idle, undriven)
@@ -311,15 +312,15 @@ class NoEffectiveLimit(RuleInParts):
         least = self.option(case, "least")
         return is_nobodys(row, field, least) and row.span not in case.once(limited_by_own)
 
-    def _round(self, case: Case, row: LedgerRow) -> Finding:
-        """Of a round effort that every joint of a light robot has."""
-        robot, effort = case.artifacts[row.artifact].robot, row.effort_limit or 0.0
-        mass = 0.0 if robot is None else robot.mass or 0.0
+    def _round(self, case: Case, row: LedgerRow, effort: float, mass: float) -> Finding:
+        """Of a round effort that every hinge of a light robot has, and a slide too."""
+        robot, times = f"the whole robot, {format_quantity(mass, 'kg', 3)}", effort / (mass * GRAVITY)
+        why = f"every hinge has it, and it would hold {robot}, on a lever of {format_quantity(times, 'm', 3)}"
+        if row.kind is JointKind.SLIDE:
+            why = f"every hinge has the same figure, and it is {times:.3g} times the weight of {robot}"
         return Finding(
             self.code,
-            f"the effort limit of {own_figure(row, 'effort_limit', 6)} is a placeholder: every joint has it, and it "
-            f"would hold the whole robot, {format_quantity(mass, 'kg', 3)}, on a lever of "
-            f"{format_quantity(effort / (mass * GRAVITY), 'm', 3)}",
+            f"the effort limit of {own_figure(row, 'effort_limit', 6)} is a placeholder: {why}",
             row.place("effort_limit"),
             row.joint,
             effort,

@@ -96,9 +96,13 @@ def _without(case: Case, field: str, other: str) -> frozenset[int]:
     return frozenset(found)
 
 
-def round_for_all(case: Case) -> frozenset[int]:
-    """Models with a round effort on every hinge, two or more, that would hold the robot on a lever which none has."""
-    found = set()
+def round_for_all(case: Case) -> dict[tuple[int, float], float]:
+    """Models and their round effort of every hinge, two or more, that would hold the robot on a lever which none has.
+
+    Returns:
+        The robot's mass [kg] by model and effort.
+    """
+    found = {}
     for index, artifact in case.of_kind(*MODELS):
         mass = None if artifact.robot is None else artifact.robot.mass
         rows = [
@@ -117,8 +121,8 @@ def round_for_all(case: Case) -> frozenset[int]:
             and effort == float(f"{effort:.0e}")
             and effort > LONGEST_LEVER * mass * GRAVITY
         ):
-            found.add(index)
-    return frozenset(found)
+            found[index, effort] = mass
+    return found
 
 
 def furniture(case: Case) -> frozenset[int]:

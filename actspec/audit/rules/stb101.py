@@ -103,10 +103,11 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
             limit_here = finite(row.effort_limit)
             of = "" if limit_here is None else f" of {own_figure(row, 'effort_limit')}"
             what += f" as far as the limit{of} lets it"
+        implicit = f", with d = {shown(row, 'kd', drive.implicit)}" if drive.implicit else ""
         return Finding(
             self.code,
             f"{robot.integrator} takes the damping of {shown(row, 'kd', drive.explicit)} explicitly: with a step of "
-            f"{drive.step * 1e3:g} ms {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {limit:g})",
+            f"{drive.step * 1e3:g} ms {what} ({drive.formula} = {figure:.3g}, limit {limit:g}{implicit})",
             row.place("kd"),
             row.joint,
             figure,

@@ -70,6 +70,7 @@ class ExplicitDrive(RuleOver[_Subject]):
         gain = "kp" if StepDrive(step, 0.0, kd, drive.implicit).figure(inertia) < 0.5 * figure else "kd"
         value = row.kp if gain == "kp" else kd
         # What else sets an armature, or another step, nobody sees here: what the figure is made of is said.
+        implicit = f", d = {shown(row, 'kd', drive.implicit)}" if drive.implicit else ""
         rotor = "" if row.armature else ", no armature stated"
         what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
         pose = "" if least >= LIMIT or not beyond else f" in some poses, {least:.3g} in others"
@@ -81,8 +82,8 @@ class ExplicitDrive(RuleOver[_Subject]):
         yield Finding(
             self.code,
             f"the drive ({row.control}) takes {gain} {shown(row, gain, value)} explicitly: with a step of "
-            f"{step * 1e3:g} ms {what} (h kd/I + h^2 kp/2I = {figure:.3g}{pose}, limit {LIMIT:g}, "
-            f"with I = {shown(row, 'inertia_free_min', inertia)}{rotor}){concerned}",
+            f"{step * 1e3:g} ms {what} ({drive.formula} = {figure:.3g}{pose}, limit {LIMIT:g}, "
+            f"with I = {shown(row, 'inertia_free_min', inertia)}{implicit}{rotor}){concerned}",
             row.place(gain),
             row.joint,
             figure,

@@ -9,9 +9,9 @@ from typing import ClassVar
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import compiler_of, written_actuators
-from actspec.audit.rules.joints import by_joint, shown
+from actspec.audit.rules.joints import by_joint, own_figure, partner_rows, shown
 from actspec.diagnostics import Span
-from actspec.fields import is_power_of_ten
+from actspec.fields import PLACEHOLDER_SPEED, is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, without_comments
 from actspec.readings.compare import DEGREES
@@ -68,7 +68,11 @@ class RangeInDegrees(RuleInParts):
                     and largest(joint) <= _TURN
                     and least <= largest(command) <= self.option(case, "most")
                 ):
-                    yield self._of_degrees(row, command, joint, artifact)
+                    speed = _speed_of(case, row, command)
+                    if speed is not None:
+                        yield (_graded(self._of_speed(row, command, joint, speed), artifact),)
+                    elif not _is_left(case, index, row.joint, command):
+                        yield self._of_degrees(row, command, joint, artifact)
         # One range that is radians by its servo tells that all of the file are, endless joints' too; ±90 is none's.
         radians = Counter(row.artifact for row in found if not _turns(row))
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
@@ -112,9 +116,11 @@ class RangeInDegrees(RuleInParts):
             if index in locked:
                 yield (_graded(self._of_file(case, index, _moving(hinges)), artifact),)
                 continue
+            far_hinges = [hinge for hinge in hinges if self._is_far(case, hinge)]
             virtual = _placeholder_ranges(artifact)
+            virtual |= {one.range for one in far_hinges if _is_left(case, index, one.name, one.range)}
             # Several angles that are no turns are no joints of many turns.
-            several = {hinge.range for hinge in hinges if self._is_far(case, hinge)} - virtual
+            several = {hinge.range for hinge in far_hinges} - virtual
             several = {ends for ends in several if not all(map(_is_turns, ends or ()))}
             far = sum(hinge.range in several for hinge in hinges)
             in_radians = artifact.kind is FileKind.URDF or artifact.states(b"radian")
@@ -211,6 +217,25 @@ class RangeInDegrees(RuleInParts):
         )
         noted = _is_placeholder(command) or _is_part(artifact, row.place("position_range"))
         yield _of_a_part(found) if noted else found
+
+    def _of_speed(
+        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], speed: LedgerRow
+    ) -> Finding:
+        (low, high), (least, most) = (
+            (shown(row, "default_position", end) for end in ends) for ends in (command, joint)
+        )
+        return Finding(
+            self.code,
+            f"the control range of this position servo, {low} ... {high}, is the joint's speed limit, "
+            f"{own_figure(speed, 'velocity_limit')} in {speed.file}: it clamps no position of a joint that has {least} "
+            f"... {most}",
+            row.place("command_range"),
+            row.joint,
+            largest(command),
+            "rad",
+            largest(joint),
+            f"write {_written(joint)}",
+        )
 
     def _of_turns(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
         low, high = (shown(row, "default_position", end) for end in joint)
@@ -381,6 +406,32 @@ def _scaled(case: Case) -> set[Span]:
         for view in (() if artifact.robot is None else artifact.robot.actuators)
         if view.is_scaled
     }
+
+
+def _is_left(case: Case, index: int, joint: str, ends: tuple[float, float] | None) -> bool:
+    """Whether a keyframe or a configuration of the robot has the joint outside of a range, were that in degrees.
+
+    It is inside of it in radians then: the range is a wide one, of which nobody meant degrees.
+    """
+    low, high = ends or (0.0, 0.0)
+    own = case.joints.get((index, joint), ())
+    rows = (*own, *(other for row in own[:1] for other in partner_rows(case, row)))
+    poses = [row.default_position for row in rows if row.default_position is not None]
+    return any(
+        max(low, -_TURN) <= pose <= min(high, _TURN)
+        and not low / DEGREES - _ROUNDED <= pose <= high / DEGREES + _ROUNDED
+        for pose in poses
+    )
+
+
+def _speed_of(case: Case, row: LedgerRow, command: tuple[float, float]) -> LedgerRow | None:
+    """Another file's row of a joint with a speed limit that is the control range to both sides; None: no file's is.
+
+    From 100 rad/s on nobody knows: the limit may be a placeholder, and the range one too.
+    """
+    others = (other for other in partner_rows(case, row) if (other.velocity_limit or 0.0) < PLACEHOLDER_SPEED)
+    alike = (other for other in others if math.isclose(other.velocity_limit or 0.0, command[1], rel_tol=1e-3))
+    return next(alike, None) if command[0] == -command[1] else None
 
 
 def _turns(row: LedgerRow) -> bool:

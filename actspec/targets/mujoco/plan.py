@@ -213,7 +213,7 @@ def integrator_for(
     if any(option.get("integrator") is not None for option in document.sections("option")):
         return None
     step = actuators.physics_dt.require()
-    figures = {}
+    drives, figures = {}, {}
     for actuator in actuators.joints:
         kd = None if actuator.kd is None else actuator.kd.value
         least = None if actuator.inertia_free is None else actuator.inertia_free.low
@@ -221,7 +221,8 @@ def integrator_for(
             continue
         kp = None if actuator.kp is None else actuator.kp.value
         passive = max(actuator.friction_viscous.value or 0.0, 0.0)
-        figures[actuator.joint] = StepDrive(step, kp or 0.0, kd, passive).figure(least)
+        drives[actuator.joint] = StepDrive(step, kp or 0.0, kd, passive)
+        figures[actuator.joint] = drives[actuator.joint].figure(least)
     worst = max(figures, key=figures.__getitem__, default=None)
     if worst is None or figures[worst] < 1.0:
         return None
@@ -229,7 +230,7 @@ def integrator_for(
     collector.at("option/integrator", Span(robot.path)).info(
         "MJC028",
         "becomes implicitfast: the file states none, and Euler takes kd explicitly, too coarsely for "
-        f"{listed(needing)} (h kd/I + h^2 kp/2I = {format_number(figures[worst], 3)} at {worst}, limit {LIMIT:g})",
+        f"{listed(needing)} ({drives[worst].formula} = {format_number(figures[worst], 3)} at {worst}, limit {LIMIT:g})",
         'to keep it, state `<option integrator="Euler"/>`, in a URDF `<mujoco><option integrator="Euler"/></mujoco>`',
     )
     return "implicitfast"
