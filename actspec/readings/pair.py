@@ -53,18 +53,18 @@ def pair(
     """Put the artifacts of one robot together.
 
     Artifacts that name their joints (models, specs, deploy files) come together when they share joints and the
-    robot's name, models of one kind also figures; of several such robots a file is of the one with its joints, then of
-    the nearest folder's. A file that is called nothing belongs to those of its folder, or to the only one with its
-    joints. A configuration joins the robot whose file it names, or that of its name where at least half of its patterns
-    match a joint, else the one whose joints all of its patterns match and that nothing tells from it, such as another name that
-    it shares with its own file; where several do, none: nothing is guessed; without a robot,
-    the deploy file that has its keys. A file without a name beside several robots is of the one whose joints are most
+    robot's name, models of one kind also figures; of several such robots a file is of the one with its joints, then
+    of the nearest folder's. A file that is called nothing belongs to those of its folder, or to the only one with its
+    joints. A configuration joins the robot whose file it names, or that of its name where at least half of its
+    patterns match a joint, else the one whose joints all of its patterns match and that nothing tells from it, such
+    as another name that it shares with its own file; where several do, none: nothing is guessed; without a robot, the
+    deploy file that has its keys. A file without a name beside several robots is of the one whose joints are most
     nearly its own; a deploy file beside what a run recorded is called as that is. What a run recorded joins the one
     configuration that was named with its patterns and its model, and a deploy file that somebody named what was named
     with it and has the same joints, where nothing else has them. Ranges of randomisation without actuators join the
-    robot that their file's name tells, or the only one. Models that somebody named are one robot where they
-    have one body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never compared with
-    `arm1.xml`, nor one in `my_arm.xml`.
+    robot that their file's name tells, or the only one. Models that somebody named are one robot where they have one
+    body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never compared with `arm1.xml`,
+    nor one in `my_arm.xml`.
 
     Args:
         artifacts: All robots of all files.
