@@ -31,7 +31,7 @@ from actspec.readings.artifact import (
 from actspec.readings.called import agreement
 from actspec.readings.dict_keys import Found, may_match, plain_name, settled, value_of
 from actspec.readings.isaaclab import has_curve, idle_speeds, settle_friction, take_curve, take_limits
-from actspec.readings.joint_names import joint_names, matching
+from actspec.readings.joint_names import fits, joint_names, matching
 from actspec.readings.ledger import LedgerRow, dynamics_at
 from actspec.readings.overlap import has_last, last_of_each, left_by, taken_by
 from actspec.readings.versions import Versions, is_native
@@ -121,7 +121,8 @@ def lost_keys(
 def models_of(config: RobotConfig, partners: Sequence[Artifact]) -> list[Artifact]:
     """The robot files among partners, the one first that a configuration is for.
 
-    That is the one that it names, else that in which it selects the most, an MJCF and then the first of equals.
+    That is the one that it loads, else one in which all of its patterns match, that of the USD's name before others,
+    then that in which it selects the most, an MJCF and then the first of equals.
 
     Args:
         config: The configuration.
@@ -130,18 +131,27 @@ def models_of(config: RobotConfig, partners: Sequence[Artifact]) -> list[Artifac
     return sorted((partner for partner in partners if partner.robot is not None), key=_fit(config))
 
 
-def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[int, int, bool]]:
-    """Sorting key of models: the one that a configuration names, then by the joints that it selects in it.
+def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[int, bool, int, int, bool]]:
+    """Sorting key of models: the one that a configuration loads, then by the joints that it selects in it.
 
-    Of equals an MJCF comes first: it says whether the base is free, and a URDF does not.
+    A USD has joints of its own, whichever model beside it has its name. Of equals an MJCF comes first: it says whether
+    the base is free, and a URDF does not.
     """
+    loads = _is_of_model(config.model)
 
-    def key(model: Artifact) -> tuple[int, int, bool]:
+    def key(model: Artifact) -> tuple[int, bool, int, int, bool]:
         joints = joint_names(model) or ()
         most = sum(len(selected(config, group, joints)) for group in config.groups)
-        return -agreement(config.model or "", model.path), -most, model.kind is not FileKind.MJCF
+        named = agreement(config.model or "", model.path)
+        fitting = fits(config, joints)
+        return -named if loads else 0, not fitting, -named, -most, model.kind is not FileKind.MJCF
 
     return key
+
+
+def _is_of_model(path: str | None) -> bool:
+    """Whether a path is a URDF's or an MJCF's."""
+    return (path or "").lower().endswith((".urdf", ".xml", ".mjcf"))
 
 
 def _simulated(config: RobotConfig, models: Sequence[Artifact]) -> list[RobotView]:
@@ -150,8 +160,7 @@ def _simulated(config: RobotConfig, models: Sequence[Artifact]) -> list[RobotVie
     A file that is not there, or has no inertia, has no other one's: a robot of the same joints weighs something else.
     """
     name = os.path.basename(config.model or "")
-    of_file = name.lower().endswith((".urdf", ".xml", ".mjcf"))
-    if not of_file:
+    if not _is_of_model(name):
         return [model.robot for model in models if model.robot is not None]
     named = [model for model in models if os.path.basename(model.path) == name]
     most = max((agreement(config.model or "", model.path) for model in named), default=0)
@@ -417,8 +426,7 @@ def rows_of_config(
     Args:
         artifact: With a `config`.
         index: Of the artifact in the case.
-        partners: The other artifacts of the same robot. The model among them that the configuration names names the
-            joints, else the one in which it selects the most, an MJCF and then the first of equals; without a model
+        partners: The other artifacts of the same robot. The first of `models_of` names the joints; without a model
             its own order of joints does, and then another configuration's.
         versions: Decides what Isaac Lab's `friction` means; unknown without.
         whole: Give a row to each joint that legged_gym gives gains of 0 too. Its default pose, which must have all

@@ -11,6 +11,7 @@ import os
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import cache
 
+from actspec.files import in_common
 from actspec.readings.artifact import Artifact, FileKind, Robot, RobotConfig
 from actspec.readings.body import BODY, Figures, are_alike, figures_of, share_a_body
 from actspec.readings.called import (
@@ -52,17 +53,18 @@ def pair(
     """Put the artifacts of one robot together.
 
     Artifacts that name their joints (models, specs, deploy files) come together when they share joints and the
-    robot's name; a file that is called nothing belongs to those of its folder, or to the only one with its joints. A
-    configuration joins the robot whose file it names, or that of its name where at least half of its patterns match a
-    joint, else the one whose joints all of its patterns match and that nothing tells from it, such as another name that
-    it shares with its own file; where several do, none: nothing is guessed; without a robot, the deploy file that has
-    its keys; an environment follows the constant that it imports. A file without a name beside several robots is of the
-    one whose joints are most nearly its own; a deploy file beside what a run recorded is called as that is. What a run
-    recorded joins the one configuration that was named with its patterns and its model, and a deploy file that somebody
-    named what was named with it and has the same joints, where nothing else has them. Ranges of randomisation without
-    actuators join the robot that their file's name tells, or the only one. Models that somebody named are one robot
-    where they have one body, and one name inside or the same joints: else a wrong figure in `arm2.xml` is never
-    compared with `arm1.xml`, nor one in `my_arm.xml`.
+    robot's name, models of one kind also figures; of several such robots a file is of the one with its joints, then
+    of the nearest folder's. A file that is called nothing belongs to those of its folder, or to the only one with its
+    joints. A configuration joins the robot whose file it names, or that of its name where at least half of its
+    patterns match a joint, else the one whose joints all of its patterns match and that nothing tells from it, such
+    as another name that it shares with its own file; where several do, none: nothing is guessed; without a robot, the
+    deploy file that has its keys; an environment follows the constant that it imports. A file without a name beside
+    several robots is of the one whose joints are most nearly its own; a deploy file beside what a run recorded is
+    called as that is. What a run recorded joins the one configuration that was named with its patterns and its model,
+    and a deploy file that somebody named what was named with it and has the same joints, where nothing else has them.
+    Ranges of randomisation without actuators join the robot that their file's name tells, or the only one. Models that
+    somebody named are one robot where they have one body, and one name inside or the same joints: else a wrong figure
+    in `arm2.xml` is never compared with `arm1.xml`, nor one in `my_arm.xml`.
 
     Args:
         artifacts: All robots of all files.
@@ -75,7 +77,7 @@ def pair(
     """
     names = [joint_names(artifact) for artifact in artifacts]
     sets = [frozenset(own or ()) for own in names]
-    calls = _called_as_their_runs([names_of(artifact) for artifact in artifacts], artifacts, records)
+    calls = _called_as_others([names_of(artifact) for artifact in artifacts], artifacts, records)
     words = [own or folder for own, folder in calls]
     figures = cache(lambda index: figures_of(artifacts[index].robot))
 
@@ -108,8 +110,8 @@ def pair(
         if held and own is not None and share_joints(sets[i], frozenset(held))
     }
     groups: list[list[int]] = []
-    # What is called nothing fits too many, and is put to those that are called something.
-    for index in sorted(range(len(names)), key=lambda i: not calls[i][0]):
+    # What is called nothing fits too many, and is put to those that are called something; a list has no figures.
+    for index in sorted(range(len(names)), key=lambda i: (not calls[i][0], artifacts[i].robot is None)):
         if names[index] is None:
             continue
         fitting_groups = (
@@ -119,14 +121,10 @@ def pair(
             and any(
                 {index, i} <= bound
                 or _may_be_one(artifacts, figures, index, i, 3 if words[index] == words[i] else 2)
-                for i in group
+                for i in _of_its_kind(artifacts, index, group)
             )
         )
-        home = (
-            next(fitting_groups, None)
-            if calls[index][0]
-            else _nearest(sets, calls, index, list(fitting_groups))
-        )
+        home = _nearest(artifacts, sets, calls, index, list(fitting_groups))
         if home is None:
             groups.append([index])
         else:
@@ -199,16 +197,23 @@ def pair(
     return tuple(sorted(robots, key=lambda robot: robot.artifacts))
 
 
-def _called_as_their_runs(
+def _called_as_others(
     calls: Sequence[tuple[frozenset[str], frozenset[str]]],
     artifacts: Sequence[Artifact],
     records: Collection[int],
 ) -> list[tuple[frozenset[str], frozenset[str]]]:
-    """What artifacts are called, a deploy file as what the run that exported it recorded beside it."""
+    """What artifacts are called, a scene as the model that all of its joints are in, and a deploy file as what the run
+    that exported it recorded beside it.
+    """
     found = list(calls)
-    for index in range(len(artifacts)):
-        runs = {calls[i] for i in runs_of(artifacts, index, records)}
-        own = runs.pop() if len(runs) == 1 else calls[index]
+    models = {artifact.path: index for index, artifact in enumerate(artifacts) if artifact.robot is not None}
+    for index, artifact in enumerate(artifacts):
+        joints = artifact.robot.joints if artifact.robot is not None else ()
+        inside = {joint.span.path for joint in joints}
+        others = {calls[i] for i in runs_of(artifacts, index, records)}
+        if len(inside) == 1:
+            others = {calls[models[path]] for path in inside & models.keys()}
+        own = others.pop() if len(others) == 1 else calls[index]
         found[index] = own if own[0] else calls[index]
     return found
 
@@ -227,20 +232,38 @@ def runs_of(artifacts: Sequence[Artifact], index: int, records: Iterable[int]) -
     return tuple(i for i in records if os.path.dirname(artifacts[i].path) == folder)
 
 
+def _of_its_kind(artifacts: Sequence[Artifact], index: int, group: Sequence[int]) -> Sequence[int]:
+    """The models of a group that are of a model's kind, which speak for the others; all where there are none.
+
+    What every MJCF and URDF of one name is compared by brings no second MJCF of another robot to the first.
+    """
+    artifact = artifacts[index]
+    own = [i for i in group if artifacts[i].kind is artifact.kind] if artifact.robot is not None else []
+    return own or group
+
+
 def _nearest(
+    artifacts: Sequence[Artifact],
     sets: Sequence[frozenset[str]],
     calls: Sequence[tuple[frozenset[str], frozenset[str]]],
     index: int,
     groups: Sequence[list[int]],
 ) -> list[int] | None:
-    """The first group with most of a file's joints and fewest others; None where another one is of another robot."""
+    """The group with most of a file's joints and fewest others, of several the nearest folder's, the first.
+
+    None for a file without a name where another one is of another robot.
+    """
     nearness = [
         max(len(sets[index] & sets[i]) / len(sets[index] | sets[i]) for i in group) for group in groups
     ]
     tied = [group for group, near in zip(groups, nearness, strict=True) if near == max(nearness)]
     members = [i for group in tied for i in group]
-    apart = any(are_two(calls[one], calls[other]) for one in members for other in members)
-    return None if apart or not tied else tied[0]
+    unnamed = not calls[index][0]
+    apart = unnamed and any(are_two(calls[one], calls[other]) for one in members for other in members)
+    if apart or not tied:
+        return None
+    folders = [os.path.dirname(os.path.abspath(artifact.path)).split(os.sep) for artifact in artifacts]
+    return max(tied, key=lambda group: max(in_common(folders[index], folders[i]) for i in group))
 
 
 def _is_outdone(

@@ -327,8 +327,10 @@ def named_parents(model: ModelLists, names: Sequence[str]) -> list[str]:
     return found
 
 
-def joint_axes(model: mujoco.MjModel, *, in_world: bool = False) -> list[tuple[float, float, float] | None]:
-    """Direction of each hinge and slide in the frame of the body at the root of its tree, all joints at `qpos0`.
+def joint_axes(
+    model: mujoco.MjModel, *, in_world: bool = False
+) -> list[dict[str, tuple[float, float, float]]]:
+    """`axis` and `point` of each hinge and slide in the frame of the body at the root of its tree, at `qpos0`.
 
     Where that body stands does not matter: a scene may turn the robot.
 
@@ -336,22 +338,27 @@ def joint_axes(model: mujoco.MjModel, *, in_world: bool = False) -> list[tuple[f
         model: Compiled.
         in_world: In the world's frame, which is that of a URDF's base as MuJoCo imports it.
 
-    Returns: Unit vectors; None for balls and free joints, and where a number is not finite.
+    Returns: Fields of a `JointView`; none for balls and free joints, and where a number is not finite.
     """
     import mujoco
     import numpy as np
 
-    turned = np.tile([1.0, 0.0, 0.0, 0.0], (model.nbody, 1))
+    turned, moved = np.tile([1.0, 0.0, 0.0, 0.0], (model.nbody, 1)), np.zeros((model.nbody, 3))
     for body, parent in enumerate(model.body_parentid.tolist()):
         if parent or in_world:
             mujoco.mju_mulQuat(turned[body], turned[parent], model.body_quat[body])
-    found: list[tuple[float, float, float] | None] = []
+            mujoco.mju_rotVecQuat(moved[body], model.body_pos[body], turned[parent])
+            moved[body] += moved[parent]
+    found: list[dict[str, tuple[float, float, float]]] = []
     for joint, kind in enumerate(model.jnt_type.tolist()):
-        axis = np.zeros(3)
-        mujoco.mju_rotVecQuat(axis, model.jnt_axis[joint], turned[model.jnt_bodyid[joint]])
+        body = model.jnt_bodyid[joint]
+        axis, point = np.zeros(3), np.zeros(3)
+        mujoco.mju_rotVecQuat(axis, model.jnt_axis[joint], turned[body])
+        mujoco.mju_rotVecQuat(point, model.jnt_pos[joint], turned[body])
         scalar = _name(mujoco.mjtJoint, kind) in ("mjJNT_HINGE", "mjJNT_SLIDE")
-        x, y, z = axis.tolist()
-        found.append((x, y, z) if scalar and np.isfinite(axis).all() else None)
+        (x, y, z), (a, b, c) = axis.tolist(), (moved[body] + point).tolist()
+        known = scalar and np.isfinite([x, y, z, a, b, c]).all()
+        found.append({"axis": (x, y, z), "point": (a, b, c)} if known else {})
     return found
 
 

@@ -248,7 +248,8 @@ def _joints(
             parent=parents[index],
             places=places,
             unknown=frozenset({"damping", "stiffness"}) if invented else frozenset(),
-            axis=axes[index],
+            axis=axes[index].get("axis"),
+            point=axes[index].get("point"),
             tree=int(model.body_rootid[model.jnt_bodyid[index]]),
             # For a hinge or slide MuJoCo's `invweight0` is the diagonal of M^-1 itself.
             zero_inertia=(held[dof], 1.0 / mobility[dof])

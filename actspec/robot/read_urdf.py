@@ -380,5 +380,5 @@ def _order(model: mujoco.MjModel) -> dict[str, dict[str, Any]]:
             scalar = int(model.jnt_type[index]) not in free
             position = float(model.qpos0[model.jnt_qposadr[index]]) if scalar else 0.0
             dof = int(model.jnt_dofadr[index])
-            found[name] = {"dof": dof, "reference_position": position, "axis": axes[index], "tree": 0}
+            found[name] = {"dof": dof, "reference_position": position, "tree": 0, **axes[index]}
     return found

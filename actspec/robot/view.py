@@ -76,6 +76,7 @@ class JointView:
             in them means nothing.
         axis: Its direction in the frame of the robot's base in the pose in which the file draws it, of length 1; None:
             unknown, or it has none.
+        point: A point on that axis, in the same frame and pose [m]; None: unknown, or it has none.
         tree: Number of the body whose frame that is: joints of one have it in one frame; 0 in a URDF, None where
             nobody knows.
         zero_inertia: M_jj and 1/(M^-1)_jj at qpos0, armature included [kg*m^2 or kg], of a compiled hinge or
@@ -103,6 +104,7 @@ class JointView:
     places: Mapping[str, Span] = field(default_factory=dict)
     unknown: frozenset[str] = frozenset()
     axis: tuple[float, float, float] | None = None
+    point: tuple[float, float, float] | None = None
     tree: int | None = None
     zero_inertia: tuple[float, float] | None = None
 

@@ -300,6 +300,41 @@ def test_formats_are_compared_whatever_they_say() -> None:
     assert len(pair([_with(base, "arm.xml", (1.0, 1.0, 1.0)), urdf])) == 1
 
 
+def test_two_robots_of_one_name_in_two_folders() -> None:
+    """No figure of the MJCFs and of the URDFs agrees: each folder's two files are one robot, though an MJCF and a URDF
+    of one name are compared whatever they say. A list of joints is the nearest folder's, as its joints are both's.
+    """
+    base = model("arm.xml", "arm", ARM)
+    big, small = (1.0, 1.0, 1.0), (1.5, 3.0, 0.5)
+    one = [_with(base, "big/arm.xml", big), replace(_with(base, "big/arm.urdf", big), kind=FileKind.URDF)]
+    other = [
+        _with(base, "small/arm.xml", small),
+        replace(_with(base, "small/urdf/arm.urdf", small), kind=FileKind.URDF),
+    ]
+    lists = [
+        _listed(path, "arm_props", ARM, FileKind.DEPLOY)
+        for path in ("big/arm_props.yaml", "small/urdf/arm_props.yaml")
+    ]
+    for artifacts in ([*one, *other, *lists], [*lists, *other, *one], [lists[1], *one, lists[0], *other]):
+        folders = [
+            {artifacts[i].path.partition("/")[0] for i in robot.artifacts} for robot in pair(artifacts)
+        ]
+        assert sorted(map(sorted, folders)) == [["big"], ["small"]]
+
+
+def test_a_scene_is_called_as_the_model_in_it() -> None:
+    """A scene that was copied with another robot's name has all of its joints in the file of this one's model."""
+    arm = model("arm/robot.xml", "picker", ARM)
+    assert arm.robot is not None
+    joints = tuple(replace(joint, span=Span("arm/robot.xml", 1)) for joint in arm.robot.joints)
+    scene = replace(
+        model("arm/scene.xml", "reacher_scene", ARM),
+        robot=replace(arm.robot, path="arm/scene.xml", joints=joints),
+    )
+    assert len(pair([arm, scene])) == 1
+    assert len(pair([arm, model("arm/scene.xml", "reacher_scene", ARM)])) == 2
+
+
 def test_folders_tell_versions_apart() -> None:
     """`anymal.urdf` of ANYmal B and of C, by folders further up; folders that tell nothing do not part copies."""
     paths = ("anymal_b_description/urdf/anymal.xml", "anymal_c_description/urdf/anymal.xml")

@@ -104,6 +104,29 @@ def test_which_model_names_the_joints(named: dict[str, str], joints: list[str]) 
         assert list(_rows("DCMotorCfg", settings, *partners, general=named)) == joints
 
 
+@pytest.mark.parametrize(
+    ("named", "knee"),
+    [
+        ({"model": "robots/leg.usd"}, "knee"),
+        ({"model": "robots/leg.xml"}, "c_knee"),
+        ({"model": "robots/short.usd"}, "knee"),
+    ],
+    ids=["a USD of the name", "the file itself", "a USD of the other's name"],
+)
+def test_names_that_do_not_fit_are_another_variants(named: dict[str, str], knee: str) -> None:
+    """`.*knee` selects a joint in both, `hip` in one: the other one names none, unless it is the very file that the
+    configuration loads; a USD of its name is not.
+    """
+    short = replace(_model(), path="short.xml")
+    assert short.robot is not None
+    joints = tuple(replace(joint, name=f"c_{joint.name}") for joint in short.robot.joints)
+    leg = replace(short, path="leg.xml", robot=replace(short.robot, joints=joints))
+    settings = {"stiffness": 25.0, "damping": 0.5}
+    for partners in ((short, leg), (leg, short)):
+        rows = _rows("DCMotorCfg", settings, *partners, joints=("hip", ".*knee"), general=named)
+        assert list(rows) == (["hip", knee] if knee == "knee" else [knee])
+
+
 def test_a_drive_is_judged_with_the_models_inertia() -> None:
     """kp 4, kd 0.2, armature 0.01: hip held 0.05, so 8.944 rad/s; free least 0.05; step 5 ms: 0.005*0.2/0.05."""
     settings = {"stiffness": 4.0, "damping": 0.2, "armature": 0.01, "viscous_friction": 0.1}

@@ -72,7 +72,7 @@ def differences(compiled: RobotView, text: RobotView) -> list[str]:
             if field.name != "unknown" and field.name not in other.unknown:
                 a, b = getattr(one, field.name), getattr(other, field.name)
                 # The text does not tell where a spatial tendon runs, nor how bodies and frames turn an axis.
-                if not same(a, b) and not (field.name in ("moves", "axis", "tree") and b is None):
+                if not same(a, b) and not (field.name in ("moves", "axis", "point", "tree") and b is None):
                     found.append(f"{one.name} {field.name}: {a} {b}")
     return found
 

@@ -426,10 +426,13 @@ def test_real_file_equals_its_text(path: Path) -> None:
 def test_axes_are_in_the_frame_of_the_base() -> None:
     """MuJoCo takes the base for the world: half a turn about x turns z to -z, and a quarter more turns it to y.
 
-    A quarter about x is y to z and z to -y: half and a quarter are z to y.
+    A quarter about x is y to z and z to -y: half and a quarter are z to y. The second joint is 0.5 m along y from
+    the first, which half a turn makes -y: (1, 2 - 0.5, 3).
     """
-    half = joint('<origin rpy="3.14159265358979 0 0"/>', "continuous", "j", "base", "a")
-    quarter = joint('<origin rpy="1.5707963267949 0 0"/>', "continuous", "k", "a", "b")
+    half = joint('<origin xyz="1 2 3" rpy="3.14159265358979 0 0"/>', "continuous", "j", "base", "a")
+    quarter = joint('<origin xyz="0 0.5 0" rpy="1.5707963267949 0 0"/>', "continuous", "k", "a", "b")
     first, second = read(robot(half + quarter)).joints
     assert first.axis == pytest.approx((0.0, 0.0, -1.0), abs=1e-9)
     assert second.axis == pytest.approx((0.0, 1.0, 0.0), abs=1e-9)
+    assert first.point == pytest.approx((1.0, 2.0, 3.0), abs=1e-9)
+    assert second.point == pytest.approx((1.0, 1.5, 3.0), abs=1e-9)

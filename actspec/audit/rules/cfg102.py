@@ -13,7 +13,7 @@ from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.dict_keys import selects_nothing
-from actspec.readings.joint_names import joint_names
+from actspec.readings.joint_names import joint_names, selected
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
 _Subject = tuple[int, RobotConfig, Sequence[tuple[int, RobotView]]]
@@ -130,8 +130,9 @@ def _models(case: Case, index: int, config: RobotConfig) -> Iterator[tuple[int, 
 
 def _moved(case: Case, index: int, other: int, robot: RobotView) -> tuple[set[str], dict[str, int]]:
     """Joints that a configuration drives, and those that something beside it does, each with the artifact that does."""
-    covered = {row.joint for row in case.rows_of(index)}
     config = case.artifacts[index].config
+    # By this model's names: those of the configuration's rows may be another variant's.
+    covered = selected(config, joint_names(case.artifacts[other]) or ())
     if robot.format is not ModelFormat.URDF or (config is not None and config.framework is Framework.MJLAB):
         return covered, {
             row.joint: other for row in case.rows_of(other) if row.joint and row.control != "none"

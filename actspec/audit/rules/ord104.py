@@ -18,6 +18,7 @@ from actspec.diagnostics import Span, listed, nearest, shortened
 from actspec.joints import LETTERS, respelt
 from actspec.patterns import match_names, recased
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.config import models_of
 from actspec.readings.dict_keys import PLAIN, POSE, dead_keys, may_match, meant_for, meets, selects_nothing
 from actspec.readings.joint_names import joint_names, matching
 
@@ -234,6 +235,8 @@ class PatternMatchesNothing(RuleOver[_Subject]):
         # Else it is the model of another robot.
         fitting = len(every) - len(missing) >= self.option(case, "share") * len(every)
         lost = _lost(config, joint_names(model) or ()) if fitting and missing else ()
+        # Of files in a stranger's folder the model may be another variant's.
+        lost = () if case.is_met_at(config.span) else lost
         cased = {(group.span, one): right for group, one in missing if (right := recased(one, names))}
         if cased and is_as_written(config):
             yield self._cased(
@@ -253,8 +256,7 @@ class PatternMatchesNothing(RuleOver[_Subject]):
             near = key or _joint_meant(pattern, names)
             # Several names that are nearly those of a model that nobody named with the file are another robot's.
             other = near and len(missing) > 1 and case.is_met_at(group.span)
-            # The robot of the configuration has those joints, and so not others in their place.
-            instead = () if near or case.is_met_at(group.span) else lost
+            instead = () if near else _in_its_place(config, pattern, names, lost)
             likely = is_as_written(config) and (
                 (near and not other) or instead or _is_loaded(case, config, model)
             )
@@ -323,10 +325,25 @@ def _joint_meant(pattern: str, names: Sequence[str]) -> str | None:
     return found[0] if len(found) == 1 else near
 
 
+def _in_its_place(
+    config: RobotConfig, pattern: str, names: Sequence[str], lost: Collection[str]
+) -> tuple[str, ...]:
+    """The lost joints that a pattern selects with one of their words in the place of its own.
+
+    The configuration's robot has those joints, and so no others in their place; a part that moves one from afar, as a
+    pulley or rod, is no other name of it.
+    """
+    words = dict.fromkeys(word for name in lost for word in LETTERS.findall(name))
+    found = (matching(config.framework, meant, names) for meant in respelt(pattern, lambda _: words))
+    return next((joints for joints in found if joints and set(joints) <= set(lost)), ())
+
+
 def _model(case: Case, index: int) -> Artifact | None:
     """The model of the configuration's robot."""
-    members = (case.artifacts[other] for other in case.robot_of(index).artifacts)
-    return next((member for member in members if member.robot is not None), None)
+    artifact = case.artifacts[index]
+    members = [case.artifacts[other] for other in case.robot_of(index).artifacts]
+    assert artifact.config is not None
+    return next(iter(models_of(artifact.config, members)), None)
 
 
 def _is_loaded(case: Case, config: RobotConfig, model: Artifact) -> bool:

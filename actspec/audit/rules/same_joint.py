@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 
 from actspec.audit.case import Case
 from actspec.audit.rules.sided import are_of_two_sides
+from actspec.joints import plain_words
 from actspec.readings.artifact import Artifact
 from actspec.readings.body import are_two_limbs, figures_of
 from actspec.readings.joint_names import last_numbers, series
 
 _LEAST = 4
 """Joints that a limb has. Chosen: fingers and a wrist are of the arm that has them, and told with it."""
+
+
+_ELSEWHERE = 0.005
+"""From this distance on joints stand in two places [m]. Chosen: drawings of one robot agree to a millimetre; half the
+difference of the tracks of two rovers is 8 mm."""
 
 
 def is_one_joint(case: Case, one: int, other: int, joint: str) -> bool:
@@ -28,6 +35,22 @@ def is_one_joint(case: Case, one: int, other: int, joint: str) -> bool:
         joint: Name of the joint in both.
     """
     return _counts_alike(case, one, other, joint) and not case.once(_limbs)(one, other, joint)
+
+
+def are_of_two_products(case: Case, one: int, other: int, joint: str) -> bool:
+    """Whether two files of one format may be of two machines of one maker, with an arm in common, say, as to a joint.
+
+    Each is called by a word that the other has not, and the joint stands elsewhere: a rover with mecanum wheels and one
+    with plain ones, on another track. What is only added to a name, or only a number, is a version's.
+    """
+    artifacts = case.artifacts[one], case.artifacts[other]
+    if artifacts[0].kind is not artifacts[1].kind:
+        return False
+    words = [{word for word in plain_words(artifact.name) if word.isalpha()} for artifact in artifacts]
+    views = [artifact.robot.joint(joint) if artifact.robot is not None else None for artifact in artifacts]
+    points = [view.point for view in views if view is not None and view.point is not None]
+    apart = len(points) == 2 and math.dist(*points) > _ELSEWHERE
+    return apart and bool(words[0] - words[1]) and bool(words[1] - words[0])
 
 
 def _counts_alike(case: Case, one: int, other: int, joint: str) -> bool:

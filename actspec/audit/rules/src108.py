@@ -9,7 +9,7 @@ from actspec.audit.case import MODELS
 from actspec.audit.difference import axis_text
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.axes import angle, are_parallel
-from actspec.audit.rules.same_joint import is_one_joint
+from actspec.audit.rules.same_joint import are_of_two_products, is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_pairs import is_one_machine
 from actspec.readings.artifact import Artifact, FileKind, Robot
@@ -105,7 +105,11 @@ class AxisDisagrees(RuleOver[Robot]):
         mine, theirs = (own[joint] for own in joints)
         assert mine.axis is not None and theirs.axis is not None
         path = case.artifacts[other].path
-        apart = _are_variants(*joints) or not is_one_machine(case, index, other)
+        apart = (
+            _are_variants(*joints)
+            or not is_one_machine(case, index, other)
+            or are_of_two_products(case, index, other, joint)
+        )
         return Finding(
             self.code,
             f"the axis points the other way than in {path}: in the base's frame it is {_text(mine.axis)} here and "

@@ -10,7 +10,7 @@ from actspec.audit.case import MODELS
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.axes import are_opposite
 from actspec.audit.rules.joints import is_called_undriven, shown, unit
-from actspec.audit.rules.same_joint import is_one_joint
+from actspec.audit.rules.same_joint import are_of_two_products, is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_pairs import is_one_machine
 from actspec.audit.rules.source_rule import revision
@@ -152,6 +152,7 @@ def _are_apart(case: Case, row: LedgerRow, other: LedgerRow) -> bool:
     return bool(
         revision(case, row.artifact) ^ revision(case, other.artifact)
         or not is_one_machine(case, row.artifact, other.artifact, LIKENESS)
+        or are_of_two_products(case, row.artifact, other.artifact, row.joint)
         or is_called_undriven(row)
     )
 
