@@ -389,7 +389,7 @@ def _blind(told: Sequence[dict[str, Any]]) -> Iterator[str]:
     )
     for block in told:
         files, *worth = _sums(block["sources"])
-        share = f"{100 * worth[0] / sum(worth):.0f} %"
+        share = _share(worth[0], sum(worth))
         yield f"| {' | '.join(map(str, (block['name'], len(block['sources']), files, *worth, share)))} |"
     for block in told:
         files, useful, true, false = _sums(block["sources"])
@@ -398,13 +398,18 @@ def _blind(told: Sequence[dict[str, Any]]) -> Iterator[str]:
             "",
             f"### {block['name']}, on the rules of {block['rules']}",
             "",
-            f"{useful} of {count} findings in {files} files are worth acting on ({100 * useful / count:.0f} %), "
+            f"{useful} of {count} findings in {files} files are worth acting on{_share(useful, count, ' ({})')}, "
             f"{true} are true, {false} false. {' '.join(block['note'].split())}",
             "",
             f"Changed after it: {' '.join(block['after'].split())}",
             "",
             *_wheels(block["sources"], "found"),
         )
+
+
+def _share(useful: int, count: int, form: str = "{}") -> str:
+    """How many of all are worth acting on; "" of none."""
+    return form.format(f"{100 * useful / count:.0f} %") if count else ""
 
 
 def _sums(sources: dict[str, Any]) -> list[int]:
