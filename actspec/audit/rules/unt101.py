@@ -28,6 +28,7 @@ class RangeInDegrees(RuleInParts):
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     noted_in_folders = True
+    paired = True
     fix = Safety.UNSAFE
     needs = "no MJCF or URDF with a limited hinge among the files"
     options: ClassVar[dict[str, float]] = {"least": 12.6, "most": 720.0}
