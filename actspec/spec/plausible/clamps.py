@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Path, Span, listed
@@ -149,11 +150,13 @@ class Poses:
         place: Where the spec states default positions; None: it states none.
         units: The unit that it writes all those of a kind of joint in, as `deg` or `mm`.
         keyframe: Positions in the first keyframe of the robot's file, by joint, as far as they are known [rad or m].
+        shared: Where one default position is written for several joints.
     """
 
     place: Span | None
     units: Mapping[JointKind, str]
     keyframe: Mapping[str, float]
+    shared: Collection[Span]
 
     def inside(self, joint: JointActuator) -> float | None:
         """Position of a joint in the keyframe, if that is in the joint's range [rad or m]."""
@@ -161,7 +164,9 @@ class Poses:
         return at if at is not None and limits is not None and limits[0] <= at <= limits[1] else None
 
 
-def poses_of(model: SpecModel, spans: SourceMap, keyframe: Mapping[str, float]) -> Poses:
+def poses_of(
+    model: SpecModel, joints: Iterable[JointActuator], spans: SourceMap, keyframe: Mapping[str, float]
+) -> Poses:
     """The default positions of a spec, beside its robot's keyframe."""
     units = {}
     for kind in (JointKind.HINGE, JointKind.SLIDE):
@@ -171,7 +176,8 @@ def poses_of(model: SpecModel, spans: SourceMap, keyframe: Mapping[str, float]) 
         written = {amount_of(pose)[1] for pose in stated}
         units[kind] = written.pop() if len(written) == 1 else ""
     place = spans.value(("robot", "default_pose")) if model.robot.default_pose else None
-    return Poses(place, units, keyframe)
+    counts = Counter(joint.default_position.span for joint in joints)
+    return Poses(place, units, keyframe, {span for span, count in counts.items() if span and count > 1})
 
 
 def pose_found(joint: JointActuator, written: Mapping[Span, SpecValue], poses: Poses) -> Iterator[Found]:
@@ -197,7 +203,8 @@ def pose_found(joint: JointActuator, written: Mapping[Span, SpecValue], poses: P
     if found is None:
         return
     (low, high), (beyond, message, help) = limits, found
-    at = poses.inside(joint)
+    # What the keyframe has is one joint's, and a number that several have is another one for each.
+    at = None if pose.span in poses.shared else poses.inside(joint)
     meant = None if at is None else shown_in(at, pose.unit, own)
     if meant is not None and meant not in (help or ""):
         help = f"{help}. Or did" if help else "did"

@@ -110,7 +110,7 @@ def check_joints(
     rubbed = {span for doubt in doubts if doubt.code == "FRC101" for span in doubt.judged}
     rubbed.update(span for doubt in doubts if doubt.diagnostic in found for span in doubt.blamed)
     drives = {drive.name: drive for drive in witnessed(joints, model, document.spans, kept)}
-    poses = poses_of(model, document.spans, keyframe)
+    poses = poses_of(model, joints, document.spans, keyframe)
     told = _joint_doubts_of(joints, model, poses, drives, found, rubbed, levers, document.spans, kept)
     tell([*by_number(told), *left_out_doubts(joints, poses)], kept, collector)
     accepted = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}

@@ -781,6 +781,13 @@ def test_what_is_offered_for_a_pose_outside_of_the_range(
     assert (found.message, found.help) == (f"calf: the default position {message}", help)
 
 
+def test_a_number_of_several_joints_is_offered_no_joints_keyframe() -> None:
+    """The calf's -1.57 rad is not the toe's, and the one number is both joints'."""
+    text = spec_of(POSED, robot='name: leg, model: robot.xml, default_pose: {"calf|toe": 0 rad, rail: 0.2 m}')
+    (found,) = said(text, posed("0 -1.57 -1 0.2"))
+    assert (found.message.partition(":")[0], found.help) == ("calf, toe", None)
+
+
 @pytest.mark.parametrize(("pose", "told"), [("", False), ("calf: 0.1 rad", True)])
 def test_a_command_range_without_the_zero_of_a_joint_that_has_no_pose(pose: str, told: bool) -> None:
     """-1 to 0.5 rad have 0, and the command cannot: a joint that `default_pose` leaves out is there at zero action."""
