@@ -12,6 +12,7 @@ from actspec.audit.rules.axes import angle, are_parallel
 from actspec.audit.rules.same_joint import are_of_two_products, is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
 from actspec.audit.rules.source_pairs import is_one_machine
+from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, Robot
 from actspec.robot.view import JointView, RobotView
 
@@ -228,10 +229,16 @@ def _above(name: str, joints: Mapping[str, JointView]) -> list[str]:
 
 
 def _are_variants(here: Mapping[str, JointView], there: Mapping[str, JointView]) -> bool:
-    """Whether one of two models has a joint alone that does not carry all the rest, as those of a base do."""
+    """Whether one of two models has a joint alone that does not carry all the rest, as those of a base do.
+
+    On a free joint hangs all that it has, though no joint has it for a parent.
+    """
     shared = here.keys() & there.keys()
     return any(
-        not shared <= _behind(name, joints) for joints in (here, there) for name in joints.keys() - shared
+        joint.kind is not JointKind.FREE and not shared <= _behind(name, joints)
+        for joints in (here, there)
+        for name, joint in joints.items()
+        if name not in shared
     )
 
 
