@@ -96,8 +96,13 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         reference: float | None,
     ) -> Finding:
         beyond = figure >= limit
-        sure = beyond and reference is not None and drive.figure(reference) >= limit
+        usual = None if reference is None else drive.figure(reference)
+        sure = beyond and usual is not None and usual >= limit
         what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
+        figures = f"{figure:.3g}"
+        if beyond and usual is not None and not sure:
+            what += " in some poses"
+            figures += f", {usual:.3g} in the reference pose"
         row = rows[0]
         if beyond and bounded:
             limit_here = finite(row.effort_limit)
@@ -107,7 +112,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         return Finding(
             self.code,
             f"{robot.integrator} takes the damping of {shown(row, 'kd', drive.explicit)} explicitly: with a step of "
-            f"{drive.step * 1e3:g} ms {what} ({drive.formula} = {figure:.3g}, limit {limit:g}{implicit})",
+            f"{drive.step * 1e3:g} ms {what} ({drive.formula} = {figures}, limit {limit:g}{implicit})",
             row.place("kd"),
             row.joint,
             figure,
