@@ -319,7 +319,8 @@ class _Reader:
                 self._step(key)
                 if isinstance(key, yaml.ScalarNode):
                     found.setdefault(str(key.value), value)
-        return found | {key: names_in_a_row(found[key], self._written) for key in NAMES if key in found}
+        beside, named = found.values(), [key for key in NAMES if key in found]
+        return found | {key: names_in_a_row(found[key], self._written, beside) for key in named}
 
     def _written(self, node: yaml.MappingNode) -> _Block:
         """A mapping's keys as they stand there."""

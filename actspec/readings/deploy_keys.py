@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import yaml
@@ -238,19 +238,26 @@ def in_a_row(
 
 
 def names_in_a_row(
-    node: yaml.Node, mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]]
+    node: yaml.Node,
+    mapping: Callable[[yaml.MappingNode], Mapping[str, yaml.Node]],
+    beside: Iterable[yaml.Node] = (),
 ) -> yaml.Node:
     """Names by the numbers of joints, from 0 or 1 on, as the list that they are; any other node as it is.
 
     Args:
         node: What stands below a key of names.
         mapping: A mapping's keys.
+        beside: What stands below the keys beside it: where figures are numbered from elsewhere on, which is whose is
+            open.
     """
     own = mapping(node) if isinstance(node, yaml.MappingNode) else {}
     # One that stands twice, or a key that is no number, leaves open which is meant.
     whole = bool(own) and len(own) == len(node.value)
-    names = whole and all(value.tag == "tag:yaml.org,2002:str" for value in own.values())
-    return _row(node, own, int("0" not in own)) if names else node
+    if not (whole and all(value.tag == "tag:yaml.org,2002:str" for value in own.values())):
+        return node
+    others = (mapping(one).keys() for one in beside if isinstance(one, yaml.MappingNode))
+    starts = {"0" in keys for keys in others if keys and all(map(str.isdecimal, keys))}
+    return _row(node, own, int("0" not in own)) if starts <= {"0" in own} else node
 
 
 def _row(node: yaml.Node, own: Mapping[str, yaml.Node], first: int) -> yaml.Node:

@@ -96,6 +96,15 @@ def test_names_that_are_not_numbered_in_a_row(names: str) -> None:
     assert "DEPLOY002" in [note.code for note in reading.diagnostics]
 
 
+@pytest.mark.parametrize(("names", "first"), [("{0: hip, 1: knee}", 1), ("{1: hip, 2: knee}", 0)])
+def test_names_and_figures_that_are_numbered_from_unlike_ends(names: str, first: int) -> None:
+    """Of `{1: hip, 2: knee}` and `{0: 20, 1: 40}` the hip has 20 by the order, and 40 by its number: it stays open."""
+    kp, kd = (f"{{{first}: {one}, {first + 1}: {two}}}" for one, two in ((20, 40), (1, 2)))
+    reading = read_deploy("walk.yaml", f"joint_names: {names}\nkp: {kp}\nkd: {kd}".encode())
+    configs = [artifact.config for artifact in reading.artifacts if artifact.config is not None]
+    assert not {"hip", "knee"} & {group.name for config in configs for group in config.groups}
+
+
 def test_numbers_within_names_are_no_places() -> None:
     """legged_gym's rule: a key is a part of the name."""
     text = b"joint_names: [leg2, leg1]\nkp: {1: 20, 2: 40}\nkd: {1: 1, 2: 2}"
