@@ -115,7 +115,6 @@ _NOT_OF_LISTS = frozenset((STEP_OF_WHAT, NO_NUMBER, STANDING_UP))
 _Block: TypeAlias = "dict[str, yaml.Node]"
 """A mapping of the file: key to value."""
 
-
 _GAINS = re.compile(
     rb"(?:^[^\w#\n]*|[{,][ \t]{0,9}[\"']?)(?:%s|(?:\w+_)?[kK][pPdD][sS]?(?:_\w+)?)[\"']?[ \t]*:"
     % "|".join(GAIN_KEYS).encode(),

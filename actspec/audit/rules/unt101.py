@@ -165,10 +165,37 @@ class RangeInDegrees(RuleInParts):
         self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], fix: Fix | None
     ) -> Finding:
         low, high = (shown(row, "default_position", end) for end in command)
+        message = (
+            f"the control range is {low} ... {high}, {DEGREES:.3g} times the joint's: degrees, which MuJoCo takes for "
+            "radians here whatever the file's angle is"
+        )
+        return self._as_joint(row, command, joint, message, fix)
+
+    def _of_speed(
+        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], speed: LedgerRow
+    ) -> Finding:
+        (low, high), (least, most) = (
+            (shown(row, "default_position", end) for end in ends) for ends in (command, joint)
+        )
+        message = (
+            f"the control range of this position servo, {low} ... {high}, is the joint's speed limit, "
+            f"{own_figure(speed, 'velocity_limit')} in {speed.file}: it clamps no position of a joint that has {least} "
+            f"... {most}"
+        )
+        return self._as_joint(row, command, joint, message, None)
+
+    def _as_joint(
+        self,
+        row: LedgerRow,
+        command: tuple[float, float],
+        joint: tuple[float, float],
+        message: str,
+        fix: Fix | None,
+    ) -> Finding:
+        """Of a control range in whose place the joint's is right."""
         return Finding(
             self.code,
-            f"the control range is {low} ... {high}, {DEGREES:.3g} times the joint's: degrees, which MuJoCo takes for "
-            "radians here whatever the file's angle is",
+            message,
             row.place("command_range"),
             row.joint,
             largest(command),
@@ -218,25 +245,6 @@ class RangeInDegrees(RuleInParts):
         )
         noted = _is_placeholder(command) or _is_part(artifact, row.place("position_range"))
         yield _of_a_part(found) if noted else found
-
-    def _of_speed(
-        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], speed: LedgerRow
-    ) -> Finding:
-        (low, high), (least, most) = (
-            (shown(row, "default_position", end) for end in ends) for ends in (command, joint)
-        )
-        return Finding(
-            self.code,
-            f"the control range of this position servo, {low} ... {high}, is the joint's speed limit, "
-            f"{own_figure(speed, 'velocity_limit')} in {speed.file}: it clamps no position of a joint that has {least} "
-            f"... {most}",
-            row.place("command_range"),
-            row.joint,
-            largest(command),
-            "rad",
-            largest(joint),
-            f"write {_written(joint)}",
-        )
 
     def _of_turns(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
         low, high = (shown(row, "default_position", end) for end in joint)
