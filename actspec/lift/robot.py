@@ -30,7 +30,8 @@ from actspec.lift.figures import real_limit
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.lift.unsupported import held_joints, unsupported
 from actspec.readings.compare import EXACT
-from actspec.readings.joint import NOT_IN_FILE, DriveReading, JointReading, largest, read_joints
+from actspec.readings.drive import NOT_IN_FILE, DriveReading, largest
+from actspec.readings.joint import JointReading, read_joints
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml_tree import XmlDocument
 

@@ -24,13 +24,8 @@ from actspec.fields import FIELDS, unit_of
 from actspec.ir import Command, JointActuator, Level, Origin, Quantity
 from actspec.joints import InertiaRange, JointKind
 from actspec.readings.artifact import Artifact
-from actspec.readings.joint import (
-    IMPLICIT,
-    DriveReading,
-    JointReading,
-    largest,
-    read_joints,
-)
+from actspec.readings.drive import DriveReading, largest
+from actspec.readings.joint import IMPLICIT, JointReading, read_joints
 from actspec.robot.view import ActuatorView, ModelFormat, RobotView
 
 CONTROLS = (

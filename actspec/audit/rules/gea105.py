@@ -9,7 +9,7 @@ from actspec.audit.rules.joints import by_joint, clamp_of, partner_rows, shown, 
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind
-from actspec.readings.joint import largest
+from actspec.readings.drive import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView
 from actspec.units import format_number, format_quantity

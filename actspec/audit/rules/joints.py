@@ -19,8 +19,8 @@ from actspec.fields import (
 )
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.drive import largest
 from actspec.readings.dynamics import undriven
-from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of
 from actspec.robot.view import JointView

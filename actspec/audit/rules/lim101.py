@@ -38,7 +38,7 @@ from actspec.fields import FIELDS, GRAVITY, PLACEHOLDER
 from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Setting
-from actspec.readings.joint import largest
+from actspec.readings.drive import largest
 from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.view import ActuatorView
 from actspec.units import format_number, format_quantity

@@ -7,7 +7,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import own_figure, shown, unit
 from actspec.readings.artifact import FileKind
-from actspec.readings.joint import largest
+from actspec.readings.drive import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView, JointView
 

@@ -15,7 +15,7 @@ from actspec.fields import PLACEHOLDER_SPEED, is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, without_comments
 from actspec.readings.compare import DEGREES
-from actspec.readings.joint import largest
+from actspec.readings.drive import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import JointView
 from actspec.robot.xml_edit import exact_number

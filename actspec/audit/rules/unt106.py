@@ -11,7 +11,7 @@ from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
-from actspec.readings.joint import largest
+from actspec.readings.drive import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView, JointView
 

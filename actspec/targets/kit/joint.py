@@ -14,7 +14,7 @@ from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.laws.actuator import LackedFigure
 from actspec.patterns import resolve_patterns
-from actspec.readings.joint import NOT_IN_FILE, largest
+from actspec.readings.drive import NOT_IN_FILE, largest
 from actspec.resolution.quantities import Reports
 from actspec.robot.view import JointView, RobotView
 from actspec.targets.base import TargetOptions
