@@ -311,10 +311,17 @@ def is_held(row: LedgerRow) -> bool:
 
 
 def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:
-    """The row whose finite effort limit holds for the joint: its own, else the least of the other files."""
+    """The row whose finite effort limit holds for the joint: its own, else the least that other files state.
+
+    What an exporter wrote into another file nobody stated.
+    """
     if finite(row.effort_limit) is not None:
         return row
-    others = [other for other in partner_rows(case, row) if finite(other.effort_limit) is not None]
+    others = [
+        other
+        for other in partner_rows(case, row)
+        if finite(other.effort_limit) is not None and not is_exporters(other)
+    ]
     return min(others, key=lambda other: other.effort_limit or 0.0, default=None)
 
 

@@ -73,7 +73,8 @@ _MEANING = {FileKind.URDF, FileKind.MJCF, FileKind.CFG}
 other, and a compile writes an MJCF, a configuration and a deploy file of one spec."""
 
 _ROUGH = 0.1
-"""Share of a dry friction up to which two figures of it are one. Chosen: identification tells it no better."""
+"""Share of a dry friction up to which two figures of it are one, and of a joint's inertia up to which two armatures
+are. Chosen: identification tells them no better."""
 
 _DERIVED = 0.05
 """Share of a gain up to which two are one. Chosen: a damping ratio makes such gains of the masses of two sides."""
@@ -340,12 +341,16 @@ def _is_meant(
 
 
 def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: float, other: float) -> bool:
-    """Whether it makes no difference: nearly equal friction, gains or speeds, or a speed out of reach."""
+    """Whether it makes no difference: friction, gains, speeds or inertias nearly equal, or a speed out of reach."""
     if field in ("kp", "kd"):
         return abs(one - other) <= _DERIVED * max(abs(one), abs(other))
     rough = abs(one - other) <= _ROUGH * max(abs(one), abs(other))
     if field == "frictionloss":
         return rough
+    if field == "armature":
+        inertia = [row.inertia_min for row in sides if row.inertia_min is not None]
+        if inertia and abs(one - other) <= _ROUGH * min(inertia):
+            return True
     if field == "joint_damping" and rough:
         return True
     if field == "velocity_limit" and (
