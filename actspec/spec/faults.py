@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
-from actspec.diagnostics import Path, did_you_mean, listed
+from actspec.diagnostics import Collector, Path, did_you_mean, listed
 from actspec.patterns import apart
 from actspec.spec.document import Breaches
 from actspec.spec.gears import Stage
 from actspec.spec.models import Actuators, Friction, Motor, Randomize, Robot, SpecModel, Timing, Tunable
+from actspec.spec.rules.groups import RANDOMIZED_KINDS, check_randomize
 from actspec.spec.shape import fields_of, model_at
 from actspec.spec.values import short
 from actspec.units import Kind, UnitError, parse_quantity
@@ -38,8 +40,9 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
     given = item.get("input")
     if kind == "actspec":
         help = context["help"]
-        if help == in_units(Kind.RATIO) and path[-1] == "scale" and path[-2] not in _FACTORS:
-            help = f"{help}; of values write `abs: {short(given)}`"
+        if help == in_units(Kind.RATIO) and path[-1] == "scale":
+            values = _range(str(path[-2]), given, breaches)
+            help += "" if values is None else f"; of values write `{values}`"
         path = (*path, *context["at"])
         breaches.error("SPEC110", context["message"], path, help)
     elif kind == "missing":
@@ -76,7 +79,11 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
         )
     else:
         of = (*path, 0) if kind in ("tuple_type", "list_type") else path
-        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model_at(root, of), of[-1:])
+        model = model_at(root, of)
+        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model)
+        if model is Randomize and isinstance(given, list):
+            meant = _range(str(of[-1]), given, breaches)
+            help = help if meant is None else f"write `{{{meant}}}`"
         if kind == "dict_type" and isinstance(given, list) and not message.endswith("a list"):
             help = _as_mapping(path, given)
             if path[-1] == "default_pose":
@@ -105,18 +112,34 @@ def _are_factors(ends: Sequence[Any]) -> bool:
     return len(numbers) == len(ends) > 0 and min(numbers) <= 1.0 <= max(numbers)
 
 
+def _range(field: str, ends: list[Any], breaches: Breaches) -> str | None:
+    """A range as it is written below its field; None: no operation takes such ends."""
+    if field not in RANDOMIZED_KINDS or short(ends).endswith("..."):
+        return None
+    percent = [str(end).endswith("%") for end in ends]
+    if any(percent) and not all(percent):
+        return None
+    # A bias has no nominal value that a factor could change.
+    scaled = field != "encoder_bias" and (field in _FACTORS or _are_factors(ends))
+    for operation in ("scale", "abs", "add") if scaled else ("abs", "add"):
+        found = replace(breaches, collector=Collector())
+        try:
+            check_randomize((), field, Randomize.model_validate({operation: ends}), found)
+        except ValidationError:
+            continue
+        if not list(found.collector):
+            return f"{operation}: {short(ends)}"
+    return None
+
+
 def _in_yaml_words(
     kind: str,
     message: str,
     context: Mapping[str, Any],
     given: Any,
     model: type[BaseModel] | None,
-    place: Path,
 ) -> tuple[str, str | None]:
-    """Message and help of a pydantic error about the shape of a value, or of a list of which `model` is an item.
-
-    `place` is the key that it stands at.
-    """
+    """Message and help of a pydantic error about the shape of a value, or of a list of which `model` is an item."""
     got = f", got {_got(given)}"
     if kind in ("tuple_type", "list_type"):
         if isinstance(given, bool) or not isinstance(given, (str, int, float)):
@@ -138,13 +161,12 @@ def _in_yaml_words(
     if kind in ("dict_type", "model_type", "model_attributes_type"):
         keys = sorted(fields_of(model))
         key = _ALONE.get(model) if model is not None else None
-        if key is not None and isinstance(given, list if model is Randomize else (str, int, float)):
-            if isinstance(given, list) and place[0] not in _FACTORS and not _are_factors(given):
-                key = "abs"
+        if key is not None and isinstance(given, (str, int, float)):
             if model is Stage:
                 return f"must be a mapping{got}", f"write `{_stage(given)}`"
             return f"must be a mapping{got}", f"write `{{{key}: {short(given)}}}`"
-        if isinstance(given, list) and given and all(isinstance(item, Mapping) for item in given):
+        listed_keys = isinstance(given, list) and given and all(isinstance(item, Mapping) for item in given)
+        if listed_keys and model is not Randomize:
             first = next(iter(given[0]), "name")
             if first == "name" and isinstance(given[0]["name"], str):
                 # Of what is held by its name.
@@ -182,7 +204,7 @@ def _in_yaml_words(
     return message[:1].lower() + message[1:] + got, None
 
 
-_ALONE: dict[type[BaseModel], str] = {Friction: "coulomb", Randomize: "scale", Stage: "ratio"}
+_ALONE: dict[type[BaseModel], str] = {Friction: "coulomb", Stage: "ratio"}
 """Key that is meant by a value which stands alone."""
 
 _TO_ONE = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(?::\s*1\s*)?")

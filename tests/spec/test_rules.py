@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from actspec.diagnostics import SpecError
@@ -298,3 +300,41 @@ def test_a_datasheet_without_one_of_the_torques(motor: str, limit: str, help: st
     (found,) = caught.value.diagnostics
     assert found.code == ("SPEC144" if limit else "SPEC147")
     assert help in str(found.help)
+
+
+@pytest.mark.parametrize(
+    ("field", "ends", "meant"),
+    [
+        ("kp", "[32, 48]", "abs: [32, 48]"),
+        ("kp", "[0.9, 1.1]", "scale: [0.9, 1.1]"),
+        ("kp", "[{value: 32}, {value: 48}]", "abs: [{value: 32}, {value: 48}]"),
+        # A gain is never below 0.
+        ("kp", "[-5 N*m/rad, 5 N*m/rad]", "add: ['-5 N*m/rad', '5 N*m/rad']"),
+        ("kp", "{scale: [-5 N*m/rad, 5 N*m/rad]}", "add: ['-5 N*m/rad', '5 N*m/rad']"),
+        ("delay", "[-1 ms, 1 ms]", "add: ['-1 ms', '1 ms']"),
+        ("encoder_bias", "[-0.5 deg, 0.5 deg]", "abs: ['-0.5 deg', '0.5 deg']"),
+        # A position has a unit, and 0 times 1.1 stays 0.
+        ("encoder_bias", "[-0.02, 0.02]", None),
+        ("encoder_bias", "[0.9, 1.1]", None),
+        ("kp", "[]", None),
+        ("gains", "[]", None),
+        ("kp", "[32, 40, 48]", None),
+        ("kp", "[80 %, 48]", None),
+        ("kp", "{scale: [80 %, 48 N*m/rad]}", None),
+        ("kp", "[48, 32]", None),
+        ("gains", "[-0.1, 0.1]", None),
+        ("strength", "[20 N*m, 30 N*m]", None),
+    ],
+)
+def test_a_range_without_its_operation_is_offered_one_that_takes_it(
+    field: str, ends: str, meant: str | None
+) -> None:
+    """Where no operation takes the numbers, none is offered."""
+    legs = "legs: {joints: [hip], level: ideal_pd, kp: 40, kd: 1, delay: 2 ms, randomize: {%s: %s}}"
+    with pytest.raises(SpecError) as caught:
+        model_of(spec_of(legs % (field, ends)))
+    (fault,) = caught.value.diagnostics
+    offered = re.search(r"write `\{?((?:scale|abs|add): .*\])\}?`", fault.help or "")
+    assert (offered and offered[1]) == meant
+    if meant is not None:
+        model_of(spec_of(legs % (field, f"{{{meant}}}")))

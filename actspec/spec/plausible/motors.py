@@ -88,6 +88,8 @@ SMALL = 0.01
 USUAL_SLOW = (2e4, 1e4)
 """The least that a rotor usually has, and one behind a gear [rad/s^2]. Published: 29400 (legs); strain wave gears have
 5000 and more."""
+THERMAL = 0.1
+"""Part of that by a continuous torque that stands alone. Published: 0.1 to 1 of the peak torque."""
 USUAL_SMALL = 1e6
 """The most that such a one usually has. Chosen: motors of 8 mm have 7e5."""
 STRONG = 1.0
@@ -486,6 +488,7 @@ def _linear(motor: Motor, root: Path) -> Iterator[Relation]:
 
 def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
     torque, gear = output.torque, output.gear
+    part = THERMAL if output.thermal else 1.0
     if motor.rotor_inertia is not None and motor.reflected_inertia is not None:
         # Which of the two is meant, nobody knows: that is told (SPEC132).
         return
@@ -511,7 +514,7 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             rate,
             (low, high),
             (
-                USUAL_SLOW[is_geared(output)],
+                part * USUAL_SLOW[is_geared(output)],
                 USUAL_SMALL if own < SMALL * (1.0 if at_rotor else turns) else 2e5,
             )
             if at_rotor or gear
@@ -536,7 +539,7 @@ def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
             "SPEC185",
             fast / rate,
             (0.0, most),
-            (2e-4, 0.1),
+            (2e-4, 0.1 / part),
             f"{what} of {given} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} to its "
             f"{format_quantity(fast if at_rotor else output.speed, 'rad/s', 4)} in "
             f"{format_quantity(fast / rate, 's', 3)}",

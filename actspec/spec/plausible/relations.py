@@ -39,8 +39,11 @@ TIE_OF_UNITS = 0.05
 TIE_OF_INERTIA = 0.2
 """The same of the points of an inertia: rotors of one torque differ by two powers of ten."""
 TIE_OF_PRODUCT = 0.2
-"""The same of the points of a speed and a voltage: constant times speed is all that is known of the two."""
-_FACTORS = frozenset(("no_load_speed", "nominal_voltage"))
+"""The same of the points of two of which hardly more than the ratio is known, such as a torque and the effort limit."""
+_RATIOS = (
+    frozenset(("no_load_speed", "nominal_voltage")),
+    *(frozenset(("effort_limit", f"{word}_torque")) for word in ("stall", "peak", "continuous")),
+)
 
 FAR_ABOVE_FILE = 30.0
 """A limit, or what a motor gives, over the limit of the robot's file: it is doubted whatever the file meant."""
@@ -192,7 +195,7 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
     rivals: dict[tuple[Path, ...], Repair] = {}
     for cost, repair in sorted(found, key=lambda item: item[0]):
         tie = TIE_OF_UNITS if max(best.rare, repair.rare) < RARE else TIE
-        if best.is_point and repair.is_point and {best.paths[0][-1], repair.paths[0][-1]} == _FACTORS:
+        if best.is_point and repair.is_point and {best.paths[0][-1], repair.paths[0][-1]} in _RATIOS:
             tie = TIE_OF_PRODUCT
         if cost <= least + tie and repair.help is not None and set(repair.paths).isdisjoint(best.paths):
             rivals.setdefault(repair.paths, _told(repair, cost, found, refuted))

@@ -165,7 +165,9 @@ def transposed(value: SpecValue) -> Iterator[float]:
     text = value.written.partition(" ")[0] if unit else value.written
     for index in range(len(text) - 1):
         one, two = text[index], text[index + 1]
-        if one.isdigit() and two.isdigit() and one != two and amount and value.value:
+        # 080 is 800 with its point in another place.
+        leads = two == "0" and not text[:index].strip("+-")
+        if one.isdigit() and two.isdigit() and one != two and not leads and amount and value.value:
             yield value.value * float(text[:index] + two + one + text[index + 2 :]) / amount
 
 

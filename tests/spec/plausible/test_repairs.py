@@ -468,3 +468,79 @@ def test_an_inertia_of_a_slow_rotor() -> None:
     assert said(sheet=f"{sheet}, rotor_inertia: 3060 g*cm^2") == []
     (found,) = said(sheet=f"{sheet}, rotor_inertia: 3.06")
     assert "is it in kg*cm^2? 3.06 kg*cm^2 is 0.000306 kg*m^2" in (found.help or "")
+
+
+FLAT = "side: motor, no_load_speed: 2080 rpm, {}"
+"""maxon's EC 90 flat: 0.444 N*m turn its 3060 g*cm^2 with 1451 rad/s^2, to 2080 rpm (217.8 rad/s) in 0.15 s."""
+
+
+@pytest.mark.parametrize(
+    ("gear", "torque", "inertia", "where", "help"),
+    [
+        # 0.306 kg*m^2 would be 1.18e-4 at the rotor; 3060 g*cm^2 are what the sheet has.
+        (
+            "51",
+            "continuous_torque: 444 mN*m",
+            "3060 kg*cm^2",
+            "rotor_inertia",
+            "is it in g*cm^2? 3060 g*cm^2 is",
+        ),
+        ("51", "peak_torque: 1.4 N*m", "3060 kg*cm^2", "rotor_inertia", "is it in g*cm^2? 3060 g*cm^2 is"),
+        # 444 N*m x 217.8 rad/s^2 are 97 kW; 4.44 N*m would be more usual by the rotor, and nobody's unit.
+        (
+            "1",
+            "continuous_torque: 444",
+            "3060 g*cm^2",
+            "continuous_torque",
+            "is it in mN*m? 444 mN*m is 0.444 N*m",
+        ),
+        (
+            "6",
+            "continuous_torque: 444",
+            "3060 g*cm^2",
+            "continuous_torque",
+            "is it in mN*m? 444 mN*m is 0.444 N*m",
+        ),
+        # 0.444 N*m are no peak torque of such a rotor: 1451 rad/s^2.
+        ("6", "peak_torque: 444", "3060 g*cm^2", "peak_torque", "did you mean 4.44 N*m?"),
+    ],
+)
+def test_a_continuous_torque_alone_turns_its_rotor_slowly(
+    gear: str, torque: str, inertia: str, where: str, help: str
+) -> None:
+    (found,) = said(sheet=FLAT.format(f"gear_ratio: {gear}, {torque}, rotor_inertia: {inertia}"))
+    assert found.where == f"motors.m.{where}"
+    assert (found.help or "").startswith(help)
+    assert "`reflected_inertia`" not in (found.help or "")
+
+
+@pytest.mark.parametrize(
+    ("gear", "limit", "help"),
+    [
+        # 0.444 x 51 = 22.64.
+        (
+            "51",
+            "226.4",
+            "effort_limit: did you mean 22.64 N*m? Or continuous_torque (s.yaml:3:87): did you mean 4.44 N*m?",
+        ),
+        (
+            "1",
+            "4.44",
+            "continuous_torque: did you mean 4.44 N*m? Or effort_limit (s.yaml:4:91): did you mean 0.444 N*m?",
+        ),
+    ],
+)
+def test_a_limit_ten_times_above_the_motor_is_as_likely_the_wrong_one(
+    gear: str, limit: str, help: str
+) -> None:
+    sheet = FLAT.format(f"gear_ratio: {gear}, continuous_torque: 0.444 N*m, rotor_inertia: 3060 g*cm^2")
+    assert said(sheet=sheet) == []
+    (found,) = said(f", effort_limit: {limit} N*m", sheet=sheet)
+    assert (found.code, found.help) == ("SPEC187", f"one of 2 numbers is wrong. {help}")
+
+
+def test_a_limit_a_hundred_times_above_the_motor_is_the_wrong_one() -> None:
+    """0.444 x 51 = 22.64 N*m; 44.4 N*m would turn the rotor with 145098 rad/s^2 and give 9.7 kW."""
+    sheet = FLAT.format("gear_ratio: 51, continuous_torque: 0.444 N*m, rotor_inertia: 3060 g*cm^2")
+    (found,) = said(", effort_limit: 2264 N*m", sheet=sheet)
+    assert (found.where, found.help) == ("actuators.legs.effort_limit", "did you mean 22.64 N*m?")

@@ -291,6 +291,13 @@ def test_two_digits_exchanged(tmp_path: Path) -> None:
     assert found.help == "are stall_torque and peak_torque swapped?"
 
 
+def test_a_zero_too_many_is_no_exchange_of_digits(tmp_path: Path) -> None:
+    """400 is 40, the file's, with its point in another place, and not 040."""
+    (found,) = said(tmp_path, SHEET, effort=40, speed=33, peak_torque="400")
+    assert (found.code, found.where) == ("SPEC180", "motors.m.peak_torque")
+    assert found.help == "did you mean 40 N*m?"
+
+
 @pytest.mark.parametrize(
     ("wrong", "help"),
     [
