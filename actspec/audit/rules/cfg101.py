@@ -29,6 +29,9 @@ _ZERO = {
 }
 """Field of Isaac Lab 2.x to what 0 does there."""
 
+_SEVERAL = 2
+"""Dicts of a group that leave out the same joint, which so is hardly forgotten in each. Chosen."""
+
 _MIMIC = re.compile(rb"mimic[\w ]*joint", re.IGNORECASE)
 
 
@@ -45,11 +48,16 @@ class DictMissesJoint(RuleInParts):
         """Find joints without a key."""
         if not is_native(case.versions):
             for group in groups_of(case, Framework.ISAACLAB):
-                found = self._missed(group)
-                if group.artifact in case.once(_with_mimics):
-                    # Such a joint follows another one, in the USD, and needs no drive.
-                    found = ([replace(one, severity=Severity.INFO) for one in some] for some in found)
-                yield from found
+                mimics = group.artifact in case.once(_with_mimics)
+                absent = frozenset() if mimics else _may_be_absent(case, group)
+                # A mimic joint follows another one, in the USD, and needs no drive.
+                yield from (
+                    [
+                        replace(one, severity=Severity.INFO) if mimics or one.joint in absent else one
+                        for one in some
+                    ]
+                    for some in self._missed(group)
+                )
         for index, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             if config is None or config.framework is not Framework.LEGGED_GYM:
@@ -118,6 +126,27 @@ def _with_mimics(case: Case) -> frozenset[int]:
     """Configurations whose file speaks of mimic joints."""
     files = {file.path for file in case.files if any(_MIMIC.search(part.data) for part in file.files)}
     return frozenset(index for index, artifact in case.of_kind(FileKind.CFG) if artifact.path in files)
+
+
+def _may_be_absent(case: Case, group: Group) -> frozenset[str]:
+    """Joints that each dict of a group leaves out, where the robot is another file's than the model that names them.
+
+    A USD of a variant may lack them: nothing of it is read.
+    """
+    config = case.artifacts[group.artifact].config
+    if config is None or config.model is None:
+        return frozenset()
+    robots = (case.artifacts[other] for other in case.robot_of(group.artifact).artifacts)
+    if any(one.robot is not None and names_model(case, config, one) for one in robots):
+        return frozenset()
+    dicts = [setting.keys for setting in group.cfg.settings.values() if setting.keys]
+    if len(dicts) < _SEVERAL:
+        return frozenset()
+    keys = [key for some in dicts for key in some]
+    joints = (row.joint for row in group.rows)
+    return frozenset(
+        joint for joint in joints if not any(may_match(group.framework, key, joint) for key in keys)
+    )
 
 
 def _models(case: Case, index: int, config: RobotConfig) -> list[Artifact]:
