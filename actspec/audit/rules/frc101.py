@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, keeps_for_model, limiting_row, own_figure, shown, unit
+from actspec.audit.rules.limits_of_files import mimics
 from actspec.audit.rules.sym101 import doubted_limits
 from actspec.diagnostics import Span
 from actspec.fields import FRICTION_SHARE
@@ -35,12 +36,18 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
     needs = "no joint with dry friction and an effort limit among the files"
 
     def subjects(self, case: Case) -> Iterable[_Subject]:
-        """Each joint's friction once, with the least limit: a model that several scenes include has its line once."""
+        """Each joint's friction once, with the least limit: a model that several scenes include has its line once.
+
+        A joint that follows another one has no drive of its own.
+        """
+        followers = case.once(mimics)
         least: dict[tuple[str, Span], _Subject] = {}
         for rows in by_joint(case).values():
             row = rows[0]
             friction = row.frictionloss
-            if friction is None or not ("frictionloss" in row.stated or keeps_for_model(case, row)):
+            if friction is None or (row.artifact, row.joint) in followers:
+                continue
+            if not ("frictionloss" in row.stated or keeps_for_model(case, row)):
                 continue
             limiting = limiting_row(case, row)
             if limiting is None or limiting.effort_limit is None:

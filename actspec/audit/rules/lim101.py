@@ -363,7 +363,7 @@ class NoEffectiveLimit(RuleInParts):
         yield Finding(
             self.code,
             f"the effort of {effort} and the velocity of {speed} are what exporters write where nobody states any, and "
-            "another file of the robot has its motor's limit",
+            f"another file of the robot has {own_figure(other, 'effort_limit', 6)}",
             row.place("effort_limit"),
             row.joint,
             row.effort_limit,

@@ -12,6 +12,8 @@ from actspec.ir import JointKind
 from actspec.poses import POSE_TOLERANCE, far_words, outside_words
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.compare import angle_slip
+from actspec.readings.dict_keys import plain_name
+from actspec.readings.joint_names import joint_names
 from actspec.readings.ledger import LedgerRow
 
 _SINGLE = 1e-5
@@ -57,7 +59,8 @@ class PoseOutOfRange(RuleInParts):
         if loaded:
             yield from refused[:1]
             return
-        found = [self._finding(case, row, model, POSE_TOLERANCE[_kind(model)], False) for model in models]
+        meant = [model for model in models if not _has_other_names(case, row, model)]
+        found = [self._finding(case, row, model, POSE_TOLERANCE[_kind(model)], False) for model in meant]
         if all(found):
             yield from filter(None, found[:1])
 
@@ -145,6 +148,16 @@ def _is_loaded(case: Case, row: LedgerRow, model: LedgerRow) -> bool:
     if config is None or config.framework is not Framework.ISAACLAB or artifact.kind is not FileKind.URDF:
         return False
     return (config.model or "").lower().endswith(".urdf") and names_model(case, config, artifact)
+
+
+def _has_other_names(case: Case, row: LedgerRow, model: LedgerRow) -> bool:
+    """Whether a configuration sets the pose of a joint that the model has not: its USD names its joints otherwise."""
+    config, joints = case.artifacts[row.artifact].config, joint_names(case.artifacts[model.artifact]) or ()
+    setting = None if config is None else config.settings.get("default_position")
+    if config is None or setting is None:
+        return False
+    names = (plain_name(config.framework, key) for key in setting.keys or ())
+    return any(name is not None and name not in joints for name in names)
 
 
 def _kind(model: LedgerRow) -> JointKind:
