@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 from actspec.audit.case import MODELS, Case
@@ -296,15 +296,16 @@ def with_other_motors(case: Case) -> frozenset[int]:
 def _outside(artifact: Artifact) -> frozenset[str]:
     """What the file of a model is called, whatever name it has inside: somebody may have begun with a copy.
 
-    Of a URDF its own words tell; where they name no known robot, and of an MJCF, those of the nearest folder that names
-    one: `x30/robot.xml` of the model "lite3" is no Lite3.
+    Of a URDF its own words tell, of an MJCF those of its files that name known robots: `ur3e.xml` in a scene of the
+    model "ur5e scene" is no UR5e. Where they name none, those of the nearest folder that names one do:
+    `x30/robot.xml` of the model "lite3" is no Lite3.
     """
     robot = artifact.robot
     if artifact.kind not in MODELS or robot is None:
         return frozenset()
     every = _words()
     stems = [telling(os.path.splitext(os.path.basename(file.path))[0]) for file in robot.files]
-    own = stems[0] if artifact.kind is FileKind.URDF else frozenset()
+    own = stems[0] if artifact.kind is FileKind.URDF else every.intersection(chain.from_iterable(stems))
     if not any(words & every for words in stems):
         folders = os.path.dirname(os.path.abspath(artifact.path)).split(os.sep)[: -_FOLDERS - 1 : -1]
         own |= next((words for folder in folders if (words := telling(folder) & every)), frozenset())
