@@ -305,8 +305,9 @@ def _outside(artifact: Artifact) -> frozenset[str]:
         return frozenset()
     every = _words()
     stems = [telling(os.path.splitext(os.path.basename(file.path))[0]) for file in robot.files]
-    own = stems[0] if artifact.kind is FileKind.URDF else every.intersection(chain.from_iterable(stems))
-    if not any(words & every for words in stems):
+    named = every.intersection(chain.from_iterable(stems))
+    own = stems[0] if artifact.kind is FileKind.URDF else named
+    if not named:
         folders = os.path.dirname(os.path.abspath(artifact.path)).split(os.sep)[: -_FOLDERS - 1 : -1]
         own |= next((words for folder in folders if (words := telling(folder) & every)), frozenset())
     return own

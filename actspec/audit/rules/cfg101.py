@@ -134,10 +134,7 @@ def _may_be_absent(case: Case, group: Group) -> frozenset[str]:
     A USD of a variant may lack them: nothing of it is read.
     """
     config = case.artifacts[group.artifact].config
-    if config is None or config.model is None:
-        return frozenset()
-    robots = (case.artifacts[other] for other in case.robot_of(group.artifact).artifacts)
-    if any(one.robot is not None and names_model(case, config, one) for one in robots):
+    if config is None or config.model is None or _models(case, group.artifact, config):
         return frozenset()
     dicts = [setting.keys for setting in group.cfg.settings.values() if setting.keys]
     if len(dicts) < _SEVERAL:

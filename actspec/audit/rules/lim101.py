@@ -140,7 +140,7 @@ class NoEffectiveLimit(RuleInParts):
             settings = {} if artifact.config is None else artifact.config.settings
             if (factor := settings.get("soft_joint_pos_limit_factor")) is not None:
                 yield self._soft(factor)
-        followers = mimics(case)
+        followers = case.once(mimics)
         for row in case.rows:
             if row.effort_limit == math.inf and _is_empty(written.get(row.span)):
                 yield (self._empty(row, written[row.span]),)

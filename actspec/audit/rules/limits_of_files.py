@@ -140,12 +140,12 @@ def furniture(case: Case) -> frozenset[int]:
     return frozenset(found)
 
 
-def mimics(case: Case) -> set[tuple[int, str]]:
+def mimics(case: Case) -> frozenset[tuple[int, str]]:
     """Joints that follow another one and have no motor."""
-    return {
+    return frozenset(
         (index, joint.name)
         for index, artifact in case.of_kind(FileKind.URDF)
         if artifact.robot is not None
         for joint in artifact.robot.joints
         if joint.mimic is not None
-    }
+    )

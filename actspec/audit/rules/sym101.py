@@ -22,6 +22,7 @@ from actspec.audit.rules.joints import (
     shown,
     undriven_joints,
 )
+from actspec.audit.rules.limits_of_files import mimics
 from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import are_of_two_sides, mirrors, of_its_leg
 from actspec.audit.rules.source_pairs import is_one_machine
@@ -347,10 +348,8 @@ def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: 
     rough = abs(one - other) <= _ROUGH * max(abs(one), abs(other))
     if field == "frictionloss":
         return rough
-    if field == "armature":
-        inertia = [row.inertia_min for row in sides if row.inertia_min is not None]
-        if inertia and abs(one - other) <= _ROUGH * min(inertia):
-            return True
+    if field == "armature" and abs(one - other) <= _ROUGH * min(row.inertia_min or 0.0 for row in sides):
+        return True
     if field == "joint_damping" and rough:
         return True
     if field == "velocity_limit" and (
@@ -360,16 +359,10 @@ def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: 
         return True
     # Of a pair of fingers often one follows the other.
     return any(
-        _follows(case, row) or (field.endswith("limit") and (is_undriven(case, row) or is_held(row)))
+        (row.artifact, row.joint) in case.once(mimics)
+        or (field.endswith("limit") and (is_undriven(case, row) or is_held(row)))
         for row in sides
     )
-
-
-def _follows(case: Case, row: LedgerRow) -> bool:
-    """Whether a joint follows another one, and has no motor."""
-    robot = case.artifacts[row.artifact].robot
-    joint = None if robot is None else robot.joint(row.joint)
-    return joint is not None and joint.mimic is not None
 
 
 def doubted_limits(case: Case) -> frozenset[tuple[int, str]]:
