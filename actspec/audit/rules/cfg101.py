@@ -10,7 +10,7 @@ from actspec.audit.rules.configs import Group, groups_of, names_model
 from actspec.diagnostics import shortened
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.dict_keys import dead_keys, is_no_expression, may_match, meant_for
-from actspec.readings.joint_names import joint_names
+from actspec.readings.joint_names import joint_names, matching
 from actspec.readings.versions import is_native
 
 _DEAD = "the drive gives no torque"
@@ -131,7 +131,8 @@ def _with_mimics(case: Case) -> frozenset[int]:
 def _may_be_absent(case: Case, group: Group) -> frozenset[str]:
     """Joints that each dict of a group leaves out, where the robot is another file's than the model that names them.
 
-    A USD of a variant may lack them: nothing of it is read.
+    A USD of a variant may lack them: nothing of it is read. But each pattern matches a joint there, or Isaac Lab
+    raises: what is absent is beside one that has a key.
     """
     config = case.artifacts[group.artifact].config
     if config is None or config.model is None or _models(case, group.artifact, config):
@@ -139,11 +140,10 @@ def _may_be_absent(case: Case, group: Group) -> frozenset[str]:
     dicts = [setting.keys for setting in group.cfg.settings.values() if setting.keys]
     if len(dicts) < _SEVERAL:
         return frozenset()
-    keys = [key for some in dicts for key in some]
-    joints = (row.joint for row in group.rows)
-    return frozenset(
-        joint for joint in joints if not any(may_match(group.framework, key, joint) for key in keys)
-    )
+    keys, joints = [key for some in dicts for key in some], [row.joint for row in group.rows]
+    keyed = {joint for joint in joints if any(may_match(group.framework, key, joint) for key in keys)}
+    met = [{*matching(group.framework, pattern, joints)} for pattern in group.cfg.joints or ()]
+    return frozenset(joint for some in met if some & keyed for joint in some - keyed)
 
 
 def _models(case: Case, index: int, config: RobotConfig) -> list[Artifact]:
