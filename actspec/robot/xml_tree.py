@@ -299,8 +299,11 @@ def _scan(
             return found
         root = found[0].tag if found else None
         inside = (open_[-1].tag, open_[-1].line) if open_ else None
-        byte = lenient.place(parser.ErrorByteIndex)
-        message, help = explain(err.code, data, byte, inside)
+        code, byte = err.code, lenient.place(parser.ErrorByteIndex)
+        if b"<" not in data and (text := data.lstrip()):
+            # Where expat stops tells nothing of a text.
+            code, byte = expat.errors.codes[expat.errors.XML_ERROR_SYNTAX], len(data) - len(text)
+        message, help = explain(code, data, byte, inside)
         place = place_of(file.path, data, byte)
         raise Malformed(Diagnostic(_NOT_XML, Severity.ERROR, message, "", place, help), root) from err
     return found

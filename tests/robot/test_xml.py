@@ -204,6 +204,9 @@ def test_walk_and_sections() -> None:
         pytest.param("<a><!--\1--></a>", "1:8: ROBOT004: a control character, 0x01", id="control"),
         pytest.param("<a>\0</a>", "1:4: ROBOT004: a control character, 0x00", id="nul"),
         pytest.param("hello", "1:1: ROBOT004: this is not XML", id="text"),
+        pytest.param("# old \n", "1:1: ROBOT004: this is not XML", id="a mark that XML allows nowhere"),
+        pytest.param("\n  # old\n", "2:3: ROBOT004: this is not XML", id="behind white space"),
+        pytest.param("# old\n<a b c/>", "2:6: ROBOT004: an attribute without a value", id="before a tag"),
         pytest.param(
             "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 130\n",
             "1:1: ROBOT004: this is a pointer of Git LFS, and not the file itself",
