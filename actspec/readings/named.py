@@ -297,6 +297,11 @@ def _chosen(
     chosen, passed_over = [], []
     past = {index for index, file in enumerate(files) if found[index].record and _is_past(file, skip_other)}
     not_read.update((files[index].path, RECORD) for index in sorted(past))
+    # Of the files of a folder nothing else names nothing.
+    xacros = {
+        index for index, file in enumerate(files) if file.folder is not None and found[index].names_nothing
+    }
+    not_read.update((files[index].path, NOT_READ[XACRO]) for index in sorted(xacros))
     concerned = {index for index in range(len(files)) if index not in past and _concerns(found[index])}
     empty = {path for path in paths if os.path.isdir(path)}
     empty.difference_update(
@@ -329,7 +334,7 @@ def _chosen(
                     idle=idle_there.configs.get(file.path, frozenset()),
                 )
             )
-        elif index not in past:
+        elif index not in past | xacros:
             passed_over.append(file.path)
     for path in dict.fromkeys(paths):
         if path in empty:

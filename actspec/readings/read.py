@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -113,11 +114,13 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
         return replace(unreadable(path, None, err.diagnostics), files=_main_file(path))
     tag = document.root.tag
     kind = KINDS.get(tag)
-    if kind is FileKind.URDF and path.lower().endswith(XACRO):
-        from actspec.robot.read_urdf import EXPAND, unexpanded
+    if kind is FileKind.URDF:
+        from actspec.robot.read_urdf import EXPAND, is_xacro, unexpanded
 
-        if next(unexpanded(document), None) is not None:
-            return nothing_to_audit(path, "this is a xacro, which has to be expanded first", EXPAND)
+        called = path.lower().endswith(XACRO)
+        if is_xacro(document) or (called and next(unexpanded(document), None) is not None):
+            help = EXPAND if called else f"xacro {os.path.basename(path)} -o EXPANDED.urdf, and name that"
+            return nothing_to_audit(path, "this is a xacro, which has to be expanded first", help)
     if kind is None:
         reason = f"the root element is <{tag}>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"
         return FileReading(path, None, reason, files=document.files)

@@ -58,6 +58,23 @@ def unexpanded(document: XmlDocument) -> Iterator[Element]:
             yield element
 
 
+def is_xacro(document: XmlDocument) -> bool:
+    """Whether a file that is called a URDF is a xacro: by its root's namespace, and a macro or figure that it computes.
+
+    Includes, arguments and properties that nothing uses leave the joints as its text has them.
+    """
+    idle = ("arg", "property", "include")
+    own = frozenset(unexpanded(document))
+    return any(
+        name.startswith("xmlns:") and "xacro" in value for name, value in document.root.values.items()
+    ) and any(
+        element.tag.partition(":")[2] not in idle
+        if element in own
+        else any("${" in value for value in element.values.values())
+        for element in document.walk()
+    )
+
+
 def read_urdf(
     files: Sequence[ModelFile],
     document: XmlDocument | None = None,

@@ -349,6 +349,36 @@ def test_a_xacro_is_to_be_expanded_first(capsys: pytest.CaptureFixture[str]) -> 
     assert read_file("r.xacro").readable
 
 
+def test_a_xacro_under_the_name_of_a_urdf(capsys: pytest.CaptureFixture[str]) -> None:
+    """It is told once, as what it is, where it is named, and counted in a folder; it had an error for each figure."""
+    Path("d").mkdir()
+    text = (
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/><link name="b"/>'
+        '<joint name="j" type="revolute"><parent link="a"/><child link="b"/>'
+        '<limit lower="-${pi}" upper="${pi}" effort="9" velocity="5"/></joint></robot>'
+    )
+    Path("d/r.urdf").write_text(text)
+    assert main(["audit", "d/r.urdf"]) == 2
+    told = "AUD014: nothing to audit: this is a xacro, which has to be expanded first"
+    help = "  help: xacro r.urdf -o EXPANDED.urdf, and name that"
+    assert capsys.readouterr().err == f"d/r.urdf: {told}\n{help}\n"
+    Path("d/s.urdf").write_text(URDF)
+    main(["audit", "d"])
+    out, err = capsys.readouterr()
+    assert out.splitlines()[-1].endswith(" in 1 file; 1 xacro file not read")
+    assert not err
+    # The namespace alone, and an include of colours, leave the joints as they are.
+    idle = text.replace("-${pi}", "-3").replace("${pi}", "3")
+    idle = idle.replace("<link", '<xacro:include filename="colours.xacro"/><xacro:arg name="n"/><link', 1)
+    Path("d/r.urdf").write_text(idle)
+    assert read_file("d/r.urdf").readable
+    Path("d/r.urdf").write_text(idle.replace("</robot>", '<xacro:wheel side="left"/></robot>'))
+    assert read_file("d/r.urdf").names_nothing
+    # Without the namespace xacro computes nothing: the figure is what is wrong.
+    Path("d/r.urdf").write_text(text.replace(' xmlns:xacro="http://www.ros.org/wiki/xacro"', ""))
+    assert "must be a number" in (read_file("d/r.urdf").reason or "")
+
+
 def test_files_of_a_robot_that_are_not_read_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
     """In the last line, each once however often its folder is named, and none that is excluded."""
     Path("d/old").mkdir(parents=True)
