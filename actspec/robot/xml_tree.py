@@ -300,9 +300,9 @@ def _scan(
         root = found[0].tag if found else None
         inside = (open_[-1].tag, open_[-1].line) if open_ else None
         code, byte = err.code, lenient.place(parser.ErrorByteIndex)
-        if b"<" not in data and (text := data.lstrip()):
+        if b"<" not in data and (words := data.lstrip()):
             # Where expat stops tells nothing of a text.
-            code, byte = expat.errors.codes[expat.errors.XML_ERROR_SYNTAX], len(data) - len(text)
+            code, byte = expat.errors.codes[expat.errors.XML_ERROR_SYNTAX], len(data) - len(words)
         message, help = explain(code, data, byte, inside)
         place = place_of(file.path, data, byte)
         raise Malformed(Diagnostic(_NOT_XML, Severity.ERROR, message, "", place, help), root) from err
