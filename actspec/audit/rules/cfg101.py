@@ -1,15 +1,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
 from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import Group, groups_of, names_model
+from actspec.audit.rules.joints import names_undriven
 from actspec.diagnostics import shortened
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.dict_keys import dead_keys, is_no_expression, may_match, meant_for
+from actspec.readings.dynamics import undriven
 from actspec.readings.joint_names import joint_names, matching
 from actspec.readings.versions import is_native
 
@@ -110,16 +112,32 @@ class DictMissesJoint(RuleInParts):
                 told.update(missed)
 
     def _legged_gym(self, model: Artifact, cfg: ActuatorGroup, keys: Sequence[str]) -> Iterator[Finding]:
-        for joint in joint_names(model) or ():
-            if not any(key in joint for key in keys):
-                yield Finding(
-                    self.code,
-                    f"no key of stiffness is part of the name of this joint of {basename(model.path)}: legged_gym "
-                    "gives it kp 0 and kd 0",
-                    cfg.settings["stiffness"].span,
-                    joint,
-                    help=f"keys: {', '.join(map(repr, keys[:8]))}",
-                )
+        joints = joint_names(model) or ()
+        missed = [joint for joint in joints if not any(key in joint for key in keys)]
+        passive = _without_drive(model, set(joints).difference(missed))
+        for joint in missed:
+            yield Finding(
+                self.code,
+                f"no key of stiffness is part of the name of this joint of {basename(model.path)}: legged_gym gives "
+                "it kp 0 and kd 0",
+                cfg.settings["stiffness"].span,
+                joint,
+                help=f"keys: {', '.join(map(repr, keys[:8]))}",
+                severity=Severity.INFO if joint in passive else None,
+            )
+
+
+def _without_drive(model: Artifact, driven: Set[str]) -> frozenset[str]:
+    """Joints of a model that hang on purpose: their name says so, no actuator of the model drives them, or they are
+    those without an effort where each of the driven ones has one.
+    """
+    robot = model.robot
+    if robot is None:
+        return frozenset()
+    powered = {joint.name for joint in robot.scalar_joints if any(joint.effort_range or ())}
+    without = {joint.name for joint in robot.scalar_joints} - powered
+    by_effort = without if model.kind is FileKind.URDF and driven and driven <= powered else set()
+    return undriven(robot) | by_effort | set(filter(names_undriven, joint_names(model) or ()))
 
 
 def _with_mimics(case: Case) -> frozenset[int]:
