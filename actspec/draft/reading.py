@@ -56,6 +56,7 @@ from actspec.readings.named import PendingFiles, named_as_run
 from actspec.readings.pair import pair
 from actspec.readings.read import PYTHON, read_file
 from actspec.readings.versions import Versions
+from actspec.robot.submodules import not_checked_out, of_missing
 from actspec.robot.view import JointView
 from actspec.units import format_quantity
 
@@ -89,12 +90,16 @@ def read_robot_files(
     out = Collector()
     for path in paths:
         if os.path.isdir(path):
-            help = named_as_run(path, path)
-            out.error("DRF004", "is a folder: name the files", span=Span(path), help=help)
+            message, help = "is a folder: name the files", named_as_run(path, path)
+            if submodule := not_checked_out(os.path.normpath(path), os.path.join(path, "*")):
+                message, help = str(submodule), submodule.help
+            out.error("DRF004", message, span=Span(path), help=help)
         elif not os.path.exists(path):
             broken = os.path.islink(path)
-            message = "is a link to no file" if broken else "there is no such file"
-            out.error("DRF004", message, span=Span(path), help=None if broken else _near(path))
+            message, help = of_missing("there is no such file", path, _near(path))
+            if broken:
+                message, help = "is a link to no file", None
+            out.error("DRF004", message, span=Span(path), help=help)
     out.raise_if_failed(AuditError)
     programs = tuple(dict.fromkeys(path for path in paths if path.lower().endswith(PYTHON)))
     read = partial(read_file, named=programs)

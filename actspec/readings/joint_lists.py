@@ -36,6 +36,7 @@ from actspec.readings.named import PendingFiles
 from actspec.readings.python.source import MAX_BYTES, UnreadableError, parse
 from actspec.readings.read import MOST_YAML_BYTES, YAML
 from actspec.readings.yaml_nodes import MOST_STEPS, Unfit, compose, node_span
+from actspec.robot.submodules import of_missing
 from actspec.robot.view import JointView
 
 Joints: TypeAlias = "tuple[JointView | str, ...]"
@@ -98,10 +99,11 @@ def joint_lists(text: str) -> tuple[JointList, ...]:
     if not is_there and not lower.endswith(_KNOWN) and ("/" not in text or "," in text):
         found = [JointList(names, "the list") for names in _told(lambda: [distinct(text)], text)]
     elif not is_there:
-        raise _refusal("there is no such file", text, _HELP)
+        message, help = of_missing("there is no such file", text, _HELP)
+        raise _refusal(message, text, help)
     elif lower.endswith(_USD):
-        help = f"{_HELP}. In Isaac Lab `print(robot.joint_names)` prints them"
-        raise _refusal("USD is not read for names of joints", text, help)
+        printed = f"{_HELP}. In Isaac Lab `print(robot.joint_names)` prints them"
+        raise _refusal("USD is not read for names of joints", text, printed)
     elif os.path.isdir(text):
         found = list(_of_files(text))
     else:
@@ -206,7 +208,10 @@ def fitting(lists: Sequence[JointList], robot: Sequence[Artifact], named: str) -
     if called := [one for one in meant if _best([one], configs, words, named) is not None]:
         message = f"all of its files with these joints are called as other robots: {_shown(called)}"
         raise _refusal(message, named, _NAME_ONE)
-    if found is not None and len(lists) == 1 and found.path and not shared_words(words, found.words):
+    if found is not None and len(lists) == 1 and found.path:
+        # A kind, which tells no robots apart, is a name all the same where it is the only one: `leg`.
+        if shared_words(words, found.words) or (found.words and found.words <= words):
+            return found
         return replace(found, why="the only file there with joints, which is not called as the configuration")
     return found
 

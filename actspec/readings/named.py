@@ -18,7 +18,7 @@ from actspec.readings.motor_names import with_names
 from actspec.readings.pins import pins_here
 from actspec.readings.programs import ASIDE, Idle, files_in, idle, programs_in
 from actspec.readings.read import FAULT, PYTHON, ROBOT, ROBOT_ALONE, XACRO, YAML, nothing_to_audit, read_file
-from actspec.robot.submodules import not_checked_out
+from actspec.robot.submodules import not_checked_out, of_missing
 from actspec.spec.variants import split
 
 RECORD = "past run"
@@ -364,9 +364,7 @@ def named_as_run(folder: str, called: str) -> str | None:
 
 def _nothing_at(path: str) -> FileReading:
     """A name without a file."""
-    reason, help = "there is no such file or folder", None
-    if submodule := not_checked_out(path, path):
-        reason, help = f"{reason}: {submodule}", submodule.help
+    reason, help = of_missing("there is no such file or folder", path)
     fault = Diagnostic("AUD016", Severity.ERROR, reason, "", Span(path), help)
     return FileReading(path, None, reason, diagnostics=(fault,))
 

@@ -66,6 +66,18 @@ def not_checked_out(beside: str, path: str) -> Submodule | None:
     return None
 
 
+def of_missing(message: str, path: str, help: str | None = None) -> tuple[str, str | None]:
+    """What is said of a named file that is not there, and its help: with the submodule that it belongs to, if any.
+
+    Args:
+        message: What is said of any.
+        path: The file, or `FOLDER/*`.
+        help: Of one in no submodule.
+    """
+    submodule = not_checked_out(path, path)
+    return (message, help) if submodule is None else (f"{message}: {submodule}", submodule.help)
+
+
 def _has_nothing(folder: str) -> bool:
     """Whether it is not there, or empty, as git leaves it."""
     try:

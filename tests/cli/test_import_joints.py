@@ -791,6 +791,35 @@ def test_the_only_file_of_a_folder(
     assert " (--joints)\n" in capsys.readouterr().out
 
 
+def test_a_robot_that_is_called_as_its_kind(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`leg` is a name, too, whatever the project's folder is called."""
+    (folder / "hopper").mkdir()
+    (folder / "hopper" / "leg_cfg.py").write_text(CFG, encoding="utf-8")
+    (folder / "hopper" / "leg").mkdir()
+    (folder / "hopper" / "leg" / "leg.urdf").write_text(URDF, encoding="utf-8")
+    assert main(["import", "hopper/leg_cfg.py", "--joints", "hopper/leg"]) == 0
+    assert f" are from {Path('leg') / 'leg.urdf'} (--joints)\n" in capsys.readouterr().out
+
+
+def test_files_of_a_submodule_that_is_not_checked_out(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The command that gets them is said, as the audit says it."""
+    (folder / ".gitmodules").write_text('[submodule "m"]\n\tpath = robots\n', encoding="utf-8")
+    (folder / "robots").mkdir()
+    why = "'robots' is a git submodule that is not checked out"
+    for named, said in (
+        (["robots/leg.urdf"], f"robots/leg.urdf: DRF004: there is no such file: {why}"),
+        (["robots"], f"robots: DRF004: {why}"),
+        (["leg_cfg.py", "--joints", "robots/leg.urdf"], f"'robots/leg.urdf': there is no such file: {why}"),
+    ):
+        assert main(["import", *named]) == 2
+        assert f"{said}\n  help: git submodule update --init robots\n" in capsys.readouterr().err
+    (folder / "robots" / "a.urdf").write_text(URDF, encoding="utf-8")
+    assert main(["import", "robots/leg.urdf"]) == 2
+    assert "submodule" not in capsys.readouterr().err
+
+
 def test_files_with_the_same_joints_are_one_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Copies, and ranges in fewer digits (1.57 of 1.5708), are no reason to refuse a folder."""
     (folder / "cfg.py").write_text(CFG, encoding="utf-8")
