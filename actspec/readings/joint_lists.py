@@ -467,6 +467,7 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
     pending = [] if root is None else [("joints", root)]
     # `joints: {hip: {...}, knee: {...}}`, where the file has no list.
     keyed: list[Joints] | None = []
+    fault: yaml.Node | None = None
     # Aliases may form a circle, or be many: below each key of names a node counts once, below all others, too.
     seen = set[tuple[str, int]]()
     for key, node in itertools.islice(pending, MOST_STEPS):
@@ -475,10 +476,13 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
             continue
         seen.add(place)
         if key in NAMES:
-            node = names_in_a_row(node, lambda own: dict(_entries(own)))
+            node = names_in_a_row(node, lambda own: {name: _name_in(one) for name, one in _entries(own)})
         if isinstance(node, yaml.MappingNode):
             entries = _entries(node)
             pending += entries
+            if key in NAMES and _are_numbered(node):
+                fault = fault or node
+                continue
             below = node is not root and key in NAMES and entries
             if keyed is not None and below and all(isinstance(v, yaml.MappingNode) for _, v in entries):
                 keyed.append(tuple(dict(entries)))
@@ -504,7 +508,28 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
                 yield tuple(names)
             else:
                 pending += [("", item) for item in node.value]
+    if keyed is not None and fault is not None:
+        message = "its names by number are not from 0 or 1 on, each once and written out"
+        raise _refusal(
+            message, path, "a merge `<<` is not read among them", replace(node_span(fault), path=path)
+        )
     yield from keyed or ()
+
+
+def _name_in(node: yaml.Node) -> yaml.Node:
+    """The name in a mapping that has one; any other node as it is."""
+    names = [
+        value for key, value in _entries(node) if key in NAME_KEYS and value.tag == "tag:yaml.org,2002:str"
+    ]
+    return names[0] if len(names) == 1 else node
+
+
+def _are_numbered(node: yaml.MappingNode) -> bool:
+    """Whether the keys are numbers, or merges beside them, of names."""
+    entries = _entries(node)
+    numbers = [_name_in(value) for key, value in entries if key.isdecimal()]
+    rest = [key for key, _ in entries if not key.isdecimal() and key != "<<"]
+    return bool(numbers) and not rest and all(one.tag == "tag:yaml.org,2002:str" for one in numbers)
 
 
 def _data(path: str) -> bytes:

@@ -91,7 +91,11 @@ def lists_in(text: str) -> list[tuple[str, ...]]:
     if found := _called(text):
         return found
     columns = _columns(text)
-    return [distinct(text)] if columns is None else [_checked([(n, 0) for n in names]) for names in columns]
+    if columns is None:
+        return [distinct(text)]
+    if any("" in names for names in columns):
+        raise NoNamesError("a row of its table has no name", "write the joint's name, or take the row out")
+    return [_checked([(n, 0) for n in names]) for names in columns]
 
 
 def lists_in_notebook(data: bytes) -> list[tuple[str, ...]]:
@@ -280,7 +284,7 @@ def _columns(text: str) -> list[list[str]] | None:
 
     Raises: NoNamesError: it has numbers, and several columns that may be the names.
     """
-    lines = [line for line in text.splitlines() if line.strip()]
+    lines = [line for line in text.splitlines() if line.strip(" \t,;")]
     for mark in (",", ";", "\t", None):
         rows = [[cell.strip().strip("\"'") for cell in line.split(mark)] for line in lines]
         if not rows or any(len(row) != len(rows[0]) for row in rows):
@@ -292,10 +296,10 @@ def _columns(text: str) -> list[list[str]] | None:
         if mark is not None and (heads_only := _heads(rows)):
             return heads_only
         columns = list(zip(*rows, strict=True))
-        counts = [len(rows) > 1 and all(map(_NUMBER.fullmatch, column[1:])) for column in columns]
+        counts = [len(rows) > 1 and _are_numbers(column[1:]) for column in columns]
         if any(counts) and not all(counts):
             own = zip(columns, counts, strict=True)
-            headed = any(count and not _NUMBER.fullmatch(column[0]) for column, count in own)
+            headed = any(count and not _are_numbers(column) for column, count in own)
             words = [
                 column[headed:]
                 for column, count in zip(columns, counts, strict=True)
@@ -311,6 +315,12 @@ def _columns(text: str) -> list[list[str]] | None:
                 )
             return [list(names[0])]
     return None
+
+
+def _are_numbers(column: Sequence[str]) -> bool:
+    """Whether a column has numbers alone; a cell may be empty."""
+    cells = [cell for cell in column if cell]
+    return bool(cells) and all(map(_NUMBER.fullmatch, cells))
 
 
 def _heads(rows: Sequence[Sequence[str]]) -> list[list[str]]:

@@ -791,6 +791,53 @@ def test_the_only_file_of_a_folder(
     assert " (--joints)\n" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("a.csv", "left_hip;24,5\nright_hip;\nleft_knee;24,5\nright_knee;24,5\n;\n"),
+        ("a.yaml", "joints:\n" + "".join(f"  {at}: {{name: {name}}}\n" for at, name in enumerate(NAMES))),
+    ],
+    ids=["empty figure", "names in mappings by number"],
+)
+def test_names_beside_what_is_left_out(
+    folder: Path, file: str, text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """All four names are read."""
+    (folder / file).write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", file]) == 0
+    assert f"  the names of the 4 joints are from {file} (--joints)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "said"),
+    [
+        (
+            "a.csv",
+            "left_hip;24,5\n;24,5\nleft_knee;24,5\n",
+            "a.csv: DRF011 --joints: a row of its table has no name",
+        ),
+        (
+            "a.yaml",
+            "base: &b {0: left_hip}\njoints:\n  <<: *b\n  1: left_knee\n",
+            "a.yaml:3:3: DRF011 --joints: its names by number are not from 0 or 1 on, each once and written out",
+        ),
+        (
+            "b.yaml",
+            "joints: {0: {name: left_hip}, 2: {name: left_knee}}\n",
+            "b.yaml:1:9: DRF011 --joints: its names by number are not from 0 or 1 on, each once and written out",
+        ),
+    ],
+    ids=["no name", "merge", "gap"],
+)
+def test_a_name_that_is_missing(
+    folder: Path, file: str, text: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A list without one of the robot's joints is none, and the fault is named."""
+    (folder / file).write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", file]) == 2
+    assert said in capsys.readouterr().err
+
+
 def test_a_robot_that_is_called_as_its_kind(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """`leg` is a name, too, whatever the project's folder is called."""
     (folder / "hopper").mkdir()
