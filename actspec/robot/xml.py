@@ -144,7 +144,7 @@ def parse_document(files: Sequence[ModelFile]) -> XmlDocument:
         files: As `open_document` reads them, or with the same includes and other bytes.
 
     Raises:
-        RobotError: a file is not UTF-8, not well-formed, holds a DOCTYPE, is too large or deep, or is
+        RobotError: a file is not UTF-8, not well-formed, holds a DOCTYPE that may define, is too large or deep, or is
             not fit to be included.
         ValueError: the files are not those that the includes name.
     """

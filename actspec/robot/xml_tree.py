@@ -260,7 +260,9 @@ def _scan(
     def at() -> int:
         return lenient.place(parser.CurrentByteIndex)
 
-    def doctype(*_: object) -> None:
+    def doctype(_: str, *more: str | int | None) -> None:
+        if not may_define(*more):
+            return
         message = "the file has a DOCTYPE, which can define entities and name other files"
         # expat calls at the end of the name.
         place = place_of(file.path, data, data.rfind(b"<!DOCTYPE", 0, at() + 1))
@@ -307,6 +309,11 @@ def _scan(
         place = place_of(file.path, data, byte)
         raise Malformed(Diagnostic(_NOT_XML, Severity.ERROR, message, "", place, help), root) from err
     return found
+
+
+def may_define(system: str | None, public: str | None, subset: int) -> bool:
+    """Whether a DOCTYPE can define entities, or name a file that does, as expat tells it; `<!DOCTYPE robot>` cannot."""
+    return system is not None or public is not None or bool(subset)
 
 
 _NOT_XML = "ROBOT004"
@@ -412,7 +419,7 @@ def _is_behind(rest: bytes) -> bool:
     # MuJoCo takes any for a declaration, which has to come first.
     parser.ProcessingInstructionHandler = lambda *_: text.append("<?")
     try:
-        # A DOCTYPE is refused inside an element, and so are entities.
+        # A DOCTYPE is no XML inside an element, and nor are entities.
         parser.Parse(b"<r>" + rest + b"</r>", True)
     except expat.ExpatError:
         return False
