@@ -113,9 +113,9 @@ def on_disk(main: str, including: str, name: str) -> ModelFile:
         except Missing:
             continue
     for candidate in candidates:
-        submodule = not_checked_out(including, candidate)
-        if submodule is not None:
-            raise NotCheckedOut(str(submodule), submodule.help)
+        absent = not_checked_out(including, candidate)
+        if absent is not None:
+            raise NotCheckedOut(str(absent), absent.help)
     folder = _missing_folder(main, including, name)
     if folder is not None:
         # Of many files in it that is said once.
@@ -322,7 +322,7 @@ class Missing(Unreadable):
 
 
 class NotCheckedOut(Missing):
-    """It is in a git submodule without its files."""
+    """It is in a git submodule, or a clone, without its files."""
 
     code = NOT_CHECKED_OUT
 
