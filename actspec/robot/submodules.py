@@ -86,7 +86,7 @@ def _menagerie(beside: str, path: str) -> NotThere | None:
 
 
 def of_missing(message: str, path: str, help: str | None = None) -> tuple[str, str | None]:
-    """What is said of a named file that is not there, and its help: with what it belongs to, as `not_checked_out` has it.
+    """What is said of a named file that is not there, and its help: with what it belongs to, if anything.
 
     Args:
         message: What is said of any.
