@@ -884,6 +884,21 @@ def test_circle_names_the_chain(tmp_path: Path) -> None:
     )
 
 
+def test_a_part_that_includes_again_is_not_at_fault(tmp_path: Path) -> None:
+    """MuJoCo takes `b.xml` by itself; the main file includes both, and is told at its second include."""
+    main = '<mujoco>\n<include file="a.xml"/>\n<include file="b.xml"/>\n</mujoco>'
+    part = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
+    path = written(tmp_path, {"m/main.xml": main, "m/b.xml": including("a.xml"), "m/a.xml": part})
+    assert mujoco.MjModel.from_xml_path(f"{tmp_path}/m/b.xml").ngeom == 1
+    with pytest.raises(ValueError, match="already included"):
+        mujoco.MjModel.from_xml_path(path)
+    with pytest.raises(RobotError) as caught:
+        open_document(path)
+    (told,) = caught.value.diagnostics
+    assert str(told.span) == f"{path}:3:1"
+    assert told.message == "'a.xml' is included already, and 'b.xml' includes it again, which MuJoCo refuses"
+
+
 def test_repeated_includes_do_not_explode(tmp_path: Path) -> None:
     """Files that include two others that both include the next would double at each step."""
     files = {"m/main.xml": including("a0.xml")}
