@@ -32,6 +32,7 @@ from actspec.audit.rules.limits_of_files import (
     taken_by_gym,
 )
 from actspec.audit.rules.src101 import placeholders_beside_limits
+from actspec.audit.rules.urdf_drives import is_left_undriven, wheel_drive
 from actspec.diagnostics import Span
 from actspec.fields import FIELDS, GRAVITY, PLACEHOLDER
 from actspec.ir import JointKind
@@ -127,20 +128,16 @@ class NoEffectiveLimit(RuleInParts):
             if gym is not None:
                 yield (self._taken_by_gym(row, *gym),)
                 continue
-            unused = row.artifact in case.once(furniture)
             if urdf and not idle and limits == dict.fromkeys(LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
-                quiet = undriven or unused or row.artifact in case.once(few_zeros) or _is_overruled(case, row)
-                yield (replace(nothing, severity=Severity.INFO) if quiet else nothing,)
+                quiet = undriven or row.artifact in case.once(few_zeros) or _is_overruled(case, row)
+                yield self._heard(case, row, (nothing,), quiet)
                 continue
             if urdf and is_exporters(row):
-                found = self._exporters(case, row)
-                quiet = unused or _is_overruled(case, row)
-                yield (replace(one, severity=Severity.INFO) for one in found) if quiet else found
+                yield self._heard(case, row, self._exporters(case, row), _is_overruled(case, row))
                 continue
             if all(self._is_placeholder(case, row, field) for field in LIMITS):
-                nothing = _graver(case, row, self._placeholders(row, limits))
-                yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
+                yield self._heard(case, row, (_graver(case, row, self._placeholders(row, limits)),))
                 continue
             for field, effect in _LINE.items() if case.artifacts[row.artifact].kind is FileKind.CFG else ():
                 if field in row.stated and getattr(row, field) == 0.0 and not idle:
@@ -150,13 +147,28 @@ class NoEffectiveLimit(RuleInParts):
             for field, limit in limits.items():
                 mass = None if limit is None else case.once(round_for_all).get((row.artifact, limit))
                 if mass is not None and field == "effort_limit" and not undriven:
-                    nothing = _graver(case, row, self._round(case, row, limit, mass))
-                    yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
+                    yield self._heard(case, row, (_graver(case, row, self._round(case, row, limit, mass)),))
                 elif limit is not None:
                     found = self._stated(case, row, field, limit, idle, undriven)
                     if field == "effort_limit" and row.span in held:
                         found = self._held_back(case, row, limit, held[row.span])
-                    yield (replace(one, severity=Severity.INFO) for one in found) if unused else found
+                    yield self._heard(case, row, found)
+
+    def _heard(
+        self, case: Case, row: LedgerRow, found: Iterable[Finding], quiet: bool = False
+    ) -> Iterator[Finding]:
+        """Of limits, notes where nothing takes them, and where a plugin of the file has a torque of the wheel."""
+        for one in found:
+            drive = wheel_drive(case, row) if one.value and "effort_limit" in one.fields else None
+            if drive is not None and drive.most < (one.value or 0.0):
+                torque = shown(row, "effort_limit", drive.most, 6)
+                message = f"{one.message}; in Gazebo {drive.plugin} drives it with {torque} at most"
+                related = (*one.related, drive.place)
+                yield replace(one, message=message, related=related, severity=Severity.INFO)
+            elif quiet or row.artifact in case.once(furniture) or is_left_undriven(case, row):
+                yield replace(one, severity=Severity.INFO)
+            else:
+                yield one
 
     def _soft(self, setting: Setting) -> Iterator[Finding]:
         """Of a share of the joints' ranges that is none."""
@@ -291,10 +303,13 @@ class NoEffectiveLimit(RuleInParts):
     def _exporters(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
         """Limits that nobody stated, where another file of the robot has the motor's.
 
-        Not in a file that gives another joint of that speed another effort: somebody wrote efforts there.
+        Not in a file that gives another joint of that speed, or most of its joints, another effort: somebody wrote
+        efforts there.
         """
-        speed_alike = (one for one in case.rows_of(row.artifact) if one.velocity_limit == row.velocity_limit)
-        if any(one.effort_limit not in (None, row.effort_limit) for one in speed_alike):
+        stated = [one for one in case.rows_of(row.artifact) if one.effort_limit is not None]
+        other_efforts = [one for one in stated if one.effort_limit != row.effort_limit]
+        speeds_alike = any(one.velocity_limit == row.velocity_limit for one in other_efforts)
+        if speeds_alike or 2 * len(other_efforts) > len(stated):
             return
         others = (
             other for other in partner_rows(case, row) if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER
