@@ -121,7 +121,7 @@ def _cost(
     case: Case, robot: Robot, here: int, there: int, pairs: Sequence[tuple[JointView, JointView]]
 ) -> str | None:
     """What it costs that two files call joints otherwise: a figure that differs, in words; "" where a name is itself
-    wrong, misspelt or not the one that a configuration, deploy file or spec has; None where nothing shows a cost.
+    wrong, misspelt or not the one that a deploy file, spec or list of joints has; None where nothing shows a cost.
     """
     for mine, its in pairs:
         rows = [case.joints.get((file, joint.name), ()) for file, joint in ((here, mine), (there, its))]
@@ -132,9 +132,14 @@ def _cost(
                     file = basename(case.artifacts[there].path)
                     values = f"{own_figure(row, field)} here and {own_figure(other, field)} in {file}"
                     return f"; the {FIELDS[field].noun} of {shortened(mine.name)} is {values}"
-    users = [case.artifacts[index] for index in robot.artifacts if case.artifacts[index].robot is None]
+    # Patterns are for the model that their configuration loads, of which CFG101 and CFG102 tell.
+    lists = [
+        frozenset(joint_names(case.artifacts[index]) or ())
+        for index in robot.artifacts
+        if case.artifacts[index].robot is None
+    ]
     wrong = any(
-        _is_a_slip(mine, its) or any(_has(one, mine.name) is not _has(one, its.name) for one in users)
+        _is_a_slip(mine, its) or any((mine.name in names) is not (its.name in names) for names in lists)
         for mine, its in pairs
     )
     return "" if wrong else None
@@ -143,11 +148,6 @@ def _cost(
 def _own(row: LedgerRow, field: str) -> float | None:
     """A figure of a joint that somebody stated."""
     return None if is_exporters(row) or is_nobodys(row, field) else finite(getattr(row, field))
-
-
-def _has(member: Artifact, name: str) -> bool:
-    """Whether a file has a joint's name, or selects it."""
-    return name in (joint_names(member) or ()) or selects(member, name)
 
 
 def _models(case: Case, robot: Robot) -> list[int]:
@@ -305,6 +305,6 @@ def _having(case: Case, robot: Robot, name: str) -> tuple[int, bool, int]:
     Of names that are even in both the one of a later file departs, in every two of the files alike.
     """
     members = [case.artifacts[index] for index in robot.artifacts]
-    having = [_has(one, name) for one in members]
-    mirrored = any(other_side(name, joint_names(one) or ()) is not None for one in members)
-    return sum(having), mirrored, -having.index(True)
+    names = [joint_names(one) or () for one in members]
+    having = [name in own or selects(one, name) for one, own in zip(members, names, strict=True)]
+    return sum(having), any(other_side(name, own) is not None for own in names), -having.index(True)
