@@ -11,6 +11,7 @@ from actspec.audit.case import MODELS
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import clamps_not_in_force, is_turned, ranges_not_in_force
+from actspec.audit.rules.commands import bound_of, is_in_doubt
 from actspec.audit.rules.joints import (
     is_called_undriven,
     is_driven_by_mjlab,
@@ -32,14 +33,13 @@ from actspec.audit.rules.limits_of_files import (
     taken_by_gym,
 )
 from actspec.audit.rules.src101 import placeholders_beside_limits
-from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
 from actspec.fields import FIELDS, GRAVITY, PLACEHOLDER
 from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Setting
 from actspec.readings.drive import largest
-from actspec.readings.ledger import LedgerRow, bound_of_command
+from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView
 from actspec.units import format_number, format_quantity
 
@@ -202,7 +202,7 @@ class NoEffectiveLimit(RuleInParts):
         limit = row.effort_limit
         if view is None or limit is None or not self.option(case, "least") <= limit < math.inf:
             return None
-        bound, how = _bound(row, view)
+        bound, how = bound_of(row, view)
         if bound is None or bound >= limit:
             return None
         bounded = self._by_command(case, row, view, bound, how)
@@ -214,7 +214,7 @@ class NoEffectiveLimit(RuleInParts):
         ]
         most = max(beside, key=lambda other: other.effort_limit or 0.0, default=None)
         far = most is not None and bound >= _TIMES * (most.effort_limit or 0.0)
-        if bounded.confidence is not None or most is None or not far or _is_in_doubt(case, row):
+        if bounded.confidence is not None or most is None or not far or is_in_doubt(case, row):
             return bounded
         limit_there = own_figure(most, "effort_limit", 6)
         effect = f"{bounded.effect}, and no other joint of the file has more than {limit_there}"
@@ -242,7 +242,7 @@ class NoEffectiveLimit(RuleInParts):
     ) -> Iterator[Finding]:
         """Of an actuator without a limit, with the ranges of force, joint and control that are not in force."""
         noun = "force" if row.kind is JointKind.SLIDE else "torque"
-        bound, how = _bound(row, view) if view is not None else (None, "")
+        bound, how = bound_of(row, view) if view is not None else (None, "")
         bounded = _Bounded(f"its {noun} is unlimited", None, self.confidence)
         if bound is not None:
             bounded = self._by_command(case, row, view, bound, how)
@@ -284,7 +284,7 @@ class NoEffectiveLimit(RuleInParts):
         """
         clamped = "command" if _input(view) == "ctrl" else "activation"
         noun = "force" if row.kind is JointKind.SLIDE else "torque"
-        if _is_in_doubt(case, row):
+        if is_in_doubt(case, row):
             effect = f"the {noun} that its clamped {clamped} allows is unknown: a range is in the wrong unit (UNT101)"
             return _Bounded(effect, None, None)
         effect = f"its clamped {clamped} bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
@@ -479,12 +479,6 @@ def _published(case: Case) -> dict[tuple[int, str], tuple[str, float]]:
     }
 
 
-def _is_in_doubt(case: Case, row: LedgerRow) -> bool:
-    """Whether the range of a joint or of its command is in another unit than it is read in."""
-    places = (row.place(field).path for field in ("position_range", "command_range"))
-    return any((path, row.joint) in case.once(ranges_in_doubt) for path in places)
-
-
 def _common(one: str, other: str) -> int:
     """How many folders two paths have in common: files of one robot lie together."""
     return in_common(*(os.path.dirname(path).split(os.sep) for path in (one, other)))
@@ -540,18 +534,6 @@ def _is_limited_alone(row: LedgerRow, view: ActuatorView) -> bool:
     nothing = view.gain == view.offset == 0.0 and "gain" not in view.unknown and not (row.kp or row.kd)
     of_input = (view.control == "motor" or view.is_filled) and view.input_range is not None
     return nothing or of_input or view.force_range is not None
-
-
-def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:
-    """As `bound_of_command`: the largest torque, and how it comes about in words."""
-    found = bound_of_command(row, view)
-    if found is None:
-        return None, ""
-    gain, reach = found
-    field, of, name = (
-        ("kd", "velocity_limit", "kv") if row.control == "velocity" else ("kp", "default_position", "kp")
-    )
-    return gain * reach, f"{name} {shown(row, field, gain)} x {shown(row, of, reach)}"
 
 
 def _limited_elsewhere(case: Case, artifact: int) -> dict[str, LedgerRow]:
