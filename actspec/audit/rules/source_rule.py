@@ -203,9 +203,9 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
 
 
 def _is_another_motor(case: Case, found: Disagreement) -> bool:
-    """Whether a joint has a motor in each of two models that the other one has elsewhere, and the models weigh otherwise.
+    """Whether a joint has a motor in each of two models that the other has elsewhere, and the models weigh otherwise.
 
-    Who builds in another motor changes torque and speed together, and the links that hold it; a slip changes one figure.
+    Who builds in another motor changes torque and speed together, and the links that hold it; a slip changes one.
     """
     rows = found.rows[0], found.others[0]
     robots = [case.artifacts[row.artifact].robot for row in rows]
