@@ -185,6 +185,10 @@ def rows_of_robot(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
     return tuple(found)
 
 
+_OF_ALONE = ("natural_frequency", "damping_ratio", "stability")
+"""Fields that follow from a joint's own inertia where it moves alone."""
+
+
 def _rows(file: str, index: int, reading: JointReading, robot: RobotView) -> list[LedgerRow]:
     """One for each actuator, or the bare joint's."""
     mjcf = reading.format is ModelFormat.MJCF
@@ -218,6 +222,8 @@ def _rows(file: str, index: int, reading: JointReading, robot: RobotView) -> lis
             reading.timestep,
             reading.explicit_damping(damping),
         ),
+        # What an equality couples it with moves along, and damps.
+        **(dict.fromkeys(_OF_ALONE) if joint.name in robot.coupled else {}),
         "position_range": None if "range" in joint.unknown else joint.range,
         "default_position": robot.keyframe_position(joint),
         "places": {**_elsewhere(places, joint.span), **pose},

@@ -19,6 +19,13 @@ joints (for one of them by number: a gripper's). What puts actuators that it mad
 into any configuration of Isaac Lab has their limits from elsewhere.
 """
 
+_LOADS = re.compile(
+    rb"\b(?:from_xml_(?:path|string)|load_model_from_(?:path|xml)|mj_loadXML|launch_from_path|MjSpec\.from_(?:file|string))\("
+    rb"|\bMujocoEnv\b"
+)
+_IMPLICIT = re.compile(rb"\bopt(?:ion)?\.integrator\s*=(?!=)[^\n]*(?:\b[23]\b|IMPLICIT)")
+"""A program that loads an MJCF, and one that has MuJoCo integrate implicitly (mjtIntegrator 2 and 3)."""
+
 _CLIPPED = (
     rb"(?:ctrl|tau|torques?|effort)(?:(?!ctrl|tau|torque|effort)\w)*(?:\[[^\]\n]*\])?\s*=\s*\w+"
     rb"\.(?:clip|clamp)\("
@@ -85,8 +92,13 @@ def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
 
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
-    """What programs write over, of `_WRITES`; of URDFs efforts that are no drive's limit."""
+    """What programs write over, of `_WRITES`; the integrator, where each that loads an MJCF does; of URDFs efforts that
+    are no drive's limit.
+    """
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
+    loads = [text for text in texts if _LOADS.search(text)]
+    if loads and all(map(_IMPLICIT.search, loads)):
+        found.add("integrator")
     if any(map(_CLIPS.search, texts)):
         found.add("urdf_effort")
     if not any(map(_LIMITS_BY_URDF.search, texts)):

@@ -652,6 +652,48 @@ def test_joints_that_are_held_or_take_a_torque(group: str, gains: str, severity:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
+    ("programs", "severity"),
+    [
+        (
+            ["m = MjModel.from_xml_path('arm.xml')\nm.opt.integrator = 2\nmujoco.mj_step(m, d)\n"],
+            Severity.INFO,
+        ),
+        (
+            [
+                "s = MjSpec.from_file('arm.xml')\ns.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST\n"
+            ],
+            Severity.INFO,
+        ),
+        (["m = MjModel.from_xml_path('arm.xml')\nmujoco.mj_step(m, d)\n"], Severity.ERROR),
+        # RK4 is as explicit, and what is compared or commented out is not set.
+        (["m = MjModel.from_xml_path('arm.xml')\nm.opt.integrator = 1\n"], Severity.ERROR),
+        (["m = MjModel.from_xml_path('arm.xml')\nassert m.opt.integrator == 2\n"], Severity.ERROR),
+        (["m = MjModel.from_xml_path('arm.xml')\n# m.opt.integrator = 2\n"], Severity.ERROR),
+        # Another program takes the file as it is.
+        (
+            [
+                "m = MjModel.from_xml_path('arm.xml')\nm.opt.integrator = 2\n",
+                "MjModel.from_xml_path('arm.xml')\n",
+            ],
+            Severity.ERROR,
+        ),
+    ],
+)
+def test_an_integrator_that_programs_write_over(programs: list[str], severity: Severity) -> None:
+    """h kd/I = 0.01 x 5 / 0.02 = 2.5 under Euler, where 2 diverges."""
+    Path("arm").mkdir()
+    Path("arm/arm.xml").write_text(
+        '<mujoco><option timestep="0.01"/><worldbody><body><joint name="knee" armature="0.01"/>'
+        '<inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody>'
+        '<actuator><position joint="knee" kp="100" kv="5"/></actuator></mujoco>'
+    )
+    for number, program in enumerate(programs):
+        Path(f"arm/run_{number}.py").write_text(f"import mujoco\n{program}")
+    found = audit(["arm"], Settings(select=("STB101",))).findings
+    assert [item.severity for item in found] == [severity]
+
+
+@pytest.mark.parametrize(
     "text",
     [
         b"tau = np.clip(",

@@ -75,7 +75,9 @@ class RequiredFieldMissing(RuleInParts):
             return
         renamed = isaac and major_version(case.versions.isaaclab) >= 3
         name = "actuator_effort_limit" if renamed else "effort_limit"
-        limited = _of_the_urdf(case, group) if isaac else _limited_in_mjcf(case, group)
+        limited = _with_its_limit(case, group, FileKind.URDF) if isaac else _limited_in_mjcf(case, group)
+        # A USD has most likely the limit that the MJCF has, too.
+        likely = _with_its_limit(case, group, FileKind.MJCF) if isaac else set()
         for joint in group.joints:
             if joint not in limited:
                 yield Finding(
@@ -84,7 +86,7 @@ class RequiredFieldMissing(RuleInParts):
                     group.cfg.span,
                     joint,
                     help=f"set {name} to what the motor and its drive can give",
-                    severity=Severity.WARNING,
+                    severity=Severity.INFO if joint in likely else Severity.WARNING,
                     noted_in_folders=True,
                     about="effort_limit",
                 )
@@ -133,13 +135,13 @@ def _isaac_default(version: str | None, group: Group) -> str | None:
     return f"{CLIPPING_AT_SOLVERS} then clip {first}; later versions at {later} that the USD has"
 
 
-def _of_the_urdf(case: Case, group: Group) -> set[str]:
-    """Joints whose effort_limit_sim is the effort of their URDF, of which the USD is made: whichever counts."""
+def _with_its_limit(case: Case, group: Group, kind: FileKind) -> set[str]:
+    """Joints whose effort_limit_sim a model of this kind has; of a URDF the USD is made: whichever counts."""
     solver = group.written("effort_limit_sim")
-    found = set()
+    found: set[str] = set()
     for row in group.rows if solver is not None else ():
         own = group.number(solver, row.joint)
-        efforts = [other.effort_limit for other in partner_rows(case, row, FileKind.URDF)]
+        efforts = [other.effort_limit for other in partner_rows(case, row, kind)]
         if own is not None and any(limit is not None and same(limit, own) for limit in efforts):
             found.add(row.joint)
     return found

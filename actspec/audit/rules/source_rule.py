@@ -45,6 +45,9 @@ _COUNTED = re.compile(r"(?:v|ver|rev|version)[_-]?\d")
 _DIGIT = 10.0
 """From this ratio on a limit has a digit more or less. Chosen: versions stay below (4, knees of Atlas 3 and 4)."""
 
+_ROUNDED = 1e-3
+"""Chosen: up to here two masses of a robot are one. Its links are written with four digits or more."""
+
 _FOLDERS = 4
 """Last parts of a path that may tell which revision a file is of. Chosen: of the robot, of the kind of file."""
 
@@ -187,6 +190,8 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     if not is_times(found.ratio):
         return False
     one, other = found.rows[0].artifact, found.others[0].artifact
+    if found.variant and _is_another_motor(case, found):
+        return False
     if found.variant and (apart := revision(case, one) ^ revision(case, other)):
         return all(map(_COUNTED.match, apart)) and _is_slip(case, found)
     if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
@@ -195,6 +200,25 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
         # Whoever names both says that they are of one robot, and so do they.
         return True
     return _is_of_few(case, found)
+
+
+def _is_another_motor(case: Case, found: Disagreement) -> bool:
+    """Whether a joint has a motor in each of two models that the other has elsewhere, and the models weigh otherwise.
+
+    Who builds in another motor changes torque and speed together, and the links that hold it; a slip changes one.
+    """
+    rows = found.rows[0], found.others[0]
+    robots = [case.artifacts[row.artifact].robot for row in rows]
+    masses = [None if robot is None else robot.mass for robot in robots]
+    mine, its = ((row.effort_limit, row.velocity_limit) for row in rows)
+    if masses[0] is None or masses[1] is None or None in (*mine, *its) or mine[1] == its[1]:
+        return False
+    if math.isclose(masses[0], masses[1], rel_tol=_ROUNDED):
+        return False
+    here, there = (
+        {(other.effort_limit, other.velocity_limit) for other in case.rows_of(row.artifact)} for row in rows
+    )
+    return its in here and mine in there
 
 
 def _is_of_few(case: Case, found: Disagreement) -> bool:

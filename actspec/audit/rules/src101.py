@@ -1,11 +1,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
+from actspec.audit.rules.clamped import bound_of, is_in_doubt
 from actspec.audit.rules.joints import is_called_undriven, is_held, is_undriven
 from actspec.audit.rules.source_blame import GRAVE, Disagreement, is_met
 from actspec.audit.rules.source_pairs import are_variants, disagreements
@@ -134,6 +135,7 @@ class EffortLimit(SourceRule):
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where nothing meets the limit, where it is a task's, and of a robot program's margin."""
         nothing = _is_of_task(case, found) or _limits_nothing(case, found) or _is_margin(case, found)
+        nothing = nothing or _reached(case, found).ratio == 1.0
         return (Severity.INFO if nothing else self.severity), self.confidence
 
     def grave(self, case: Case, found: Disagreement) -> Severity | None:
@@ -143,6 +145,8 @@ class EffortLimit(SourceRule):
         if found.field == "stall_torque":
             return None
         if _limits_nothing(case, found) or not is_times_off(case, found):
+            return None
+        if not is_times(_reached(case, found).ratio):
             return None
         if not any(is_of_control(case, rows) for rows in (found.rows, found.others)):
             return Severity.ERROR
@@ -155,10 +159,16 @@ class EffortLimit(SourceRule):
         effort = "force" if _is_slide(found.rows[0]) else "torque"
         if found.field == "stall_torque":
             return f"the torque-speed line falls from {format_number(found.ratio, 3)} times the {effort} here"
-        if not _NONE_LEFT <= found.ratio < TIMES:
-            return f"the joint has {format_number(found.ratio, 3)} times the {effort} here"
-        share = abs(found.ratio - 1.0) * 100.0
-        return f"the joint has {share:.3g} % {'more' if found.ratio > 1.0 else 'less'} {effort} here"
+        reached = _reached(case, found)
+        bound = f"the clamped command bounds the {effort} {reached.bound}" if reached.bound else ""
+        if reached.ratio == 1.0:
+            return f"{bound}, no more than the lower limit"
+        if not _NONE_LEFT <= reached.ratio < TIMES:
+            has = f"has {format_number(reached.ratio, 3)} times the {effort} here"
+        else:
+            share = abs(reached.ratio - 1.0) * 100.0
+            has = f"has {share:.3g} % {'more' if reached.ratio > 1.0 else 'less'} {effort} here"
+        return f"{bound}, and the joint {has}" if bound else f"the joint {has}"
 
 
 def placeholders_beside_limits(case: Case) -> dict[tuple[int, str], LedgerRow]:
@@ -195,6 +205,36 @@ def _limits_nothing(case: Case, found: Disagreement) -> bool:
     if are_alternatives(case, found) and (all(_is_slide(row) for row in both) or _is_set_up_twice(found)):
         return True
     return is_beyond_the_joint(case, found) or any(is_undriven(case, row) or is_held(row) for row in both)
+
+
+@dataclass(frozen=True, slots=True)
+class _Reached:
+    """What of a disagreement a joint ever meets.
+
+    Attributes:
+        ratio: How many times what the other file lets the joint have; 1 where that is no less.
+        bound: In which file and at what the larger limit's servo is bounded below it by its clamped command.
+    """
+
+    ratio: float
+    bound: str = ""
+
+
+def _reached(case: Case, found: Disagreement) -> _Reached:
+    """The disagreement in what the joint can have: a servo's clamped command may never ask for all of a limit."""
+    ratio = found.ratio or 1.0
+    side, where = (found, "here") if ratio > 1.0 else (found.turned, "there")
+    robot, row = case.artifacts[side.rows[0].artifact].robot, side.rows[0]
+    view = next((one for one in robot.actuators if one.span == row.span), None) if robot is not None else None
+    if view is None or len(side.rows) > 1 or found.field != "effort_limit" or is_in_doubt(case, row):
+        return _Reached(ratio)
+    bound, how = bound_of(row, view)
+    limit, least = side.mine.value or 0.0, side.theirs.value or 0.0
+    if bound is None or bound >= limit or least <= 0.0:
+        return _Reached(ratio)
+    times = max(bound / least, 1.0)
+    bounded = f"{where} at {shown(bound, side.mine.unit)} ({how})"
+    return _Reached(times if ratio > 1.0 else 1.0 / times, bounded)
 
 
 def _is_of_task(case: Case, found: Disagreement) -> bool:

@@ -43,6 +43,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
     confidence = Confidence.HIGH
     # Over nine blind samples 7 of 12 in strangers' folders were worth acting on, and two were false.
     noted_in_folders = True
+    written_over = frozenset({"integrator"})
     needs = "no MJCF with drives on joints of known inertia among the files"
     options: ClassVar[dict[str, float]] = {"near": 1.0}
 

@@ -516,11 +516,13 @@ def _data_of(artifact: Artifact, path: str) -> bytes | None:
 
 
 def _limited_hinges(artifact: Artifact) -> list[JointView]:
+    """Without those of a URDF that move no link: no reader of URDFs takes them, and whose unit it is nobody knows."""
     joints = () if artifact.robot is None else artifact.robot.joints
     return [
         joint
         for joint in joints
         if joint.kind is JointKind.HINGE and joint.range is not None and "range" not in joint.unknown
+        if joint.body or artifact.kind is not FileKind.URDF
     ]
 
 
