@@ -103,6 +103,10 @@ class Case:
         """Whether a place is in a file that was found in a folder that was named, or in a part of such files alone."""
         return self.once(_met).get(place.path, False)
 
+    def is_run(self, place: Span) -> bool:
+        """Whether a place is in a model that a program of its folder names, or in a part of one."""
+        return place.path in self.once(_run)
+
     def is_idle(self, place: Span) -> bool:
         """Whether a place is in a file, or in a configuration of one, that nobody runs.
 
@@ -199,6 +203,12 @@ def _met(case: Case) -> dict[str, bool]:
         for path in (file.path, *(part.path for part in file.files)):
             found[path] = found.get(path, True) and file.in_folder and file.kind is not FileKind.SPEC
     return found
+
+
+def _run(case: Case) -> frozenset[str]:
+    """Models that programs of their folders name, with what they include."""
+    run = (file for file in case.files if file.in_folder and file.is_named)
+    return frozenset(path for file in run for path in (file.path, *(part.path for part in file.files)))
 
 
 def _limited_elsewhere(case: Case) -> frozenset[tuple[str, str]]:

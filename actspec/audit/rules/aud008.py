@@ -28,15 +28,19 @@ class Unreadable(Rule):
         # A file that was lost to a fault of actspec would have been read wherever it lies.
         lost = any(item.code == self.code for item in errors)
         reasons = [item for item in errors if item.code != self.code]
-        # In a folder it may be no robot, a template, or whole at its destination; whoever loads it is told at once.
-        noted = not (named or lost)
+        # In a folder it may be no robot, a template, or whole at its destination, but where a program there loads it.
+        noted = not (named or lost or file.is_named)
 
         def finding(
             message: str, place: Span, help: str | None, about: str, joint: str = "", away: bool = False
         ) -> Finding:
             # The audit makes a note of it in a folder, and counts it as one that is an error in a folder of one's own.
             severity = (
-                Severity.INFO if noted and not case.is_met_at(place) else Severity.WARNING if away else None
+                Severity.INFO
+                if noted and not case.is_met_at(place)
+                else Severity.WARNING
+                if away or not (named or lost)
+                else None
             )
             return Finding(
                 self.code,
