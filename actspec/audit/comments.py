@@ -15,6 +15,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 from xml.parsers import expat
 
+from actspec.robot.xml_tree import may_define
+
 _XML_START = re.compile(rb"(?:\xef\xbb\xbf)?\s*<[!?A-Za-z_]")
 
 
@@ -51,7 +53,7 @@ def comments(path: str, data: bytes) -> tuple[Comment, ...]:
 
 
 class _Stop(Exception):
-    """A DOCTYPE: nothing is read that could define entities."""
+    """A DOCTYPE that could define entities: nothing of it is read."""
 
 
 def _in_xml(data: bytes) -> tuple[Comment, ...]:
@@ -85,8 +87,9 @@ def _in_xml(data: bytes) -> tuple[Comment, ...]:
         else:
             found.append(Comment(line, column, text, line, line))
 
-    def doctype(*_: Any) -> None:
-        raise _Stop
+    def doctype(_: str, *more: Any) -> None:
+        if may_define(*more):
+            raise _Stop
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end

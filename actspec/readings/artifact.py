@@ -473,6 +473,7 @@ class FileReading:
             `drive` where they leave a configuration's gains to a simulator of their own.
         idle: Configurations in a folder that no program there imports, where one imports others.
         record: Whether it is what a training wrote of itself: it says what was, and is not for editing.
+        unread: Of a robot file that is not read where it is found in a folder, what it is: `xacro`, `template`.
     """
 
     path: str
@@ -494,6 +495,7 @@ class FileReading:
     written: frozenset[str] = frozenset()
     idle: frozenset[str] = frozenset()
     record: bool = False
+    unread: str = ""
 
     def as_named(self) -> FileReading:
         """The same file as if it was named, whatever its folder says of it."""

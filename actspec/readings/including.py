@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from actspec.files import FAULTS, above, folders_in, read_regular
+from actspec.diagnostics import Span
+from actspec.files import FAULTS, above, folders_in, place_of, read_regular
 from actspec.readings.artifact import FileReading, without_comments
 
 INCLUDED, ATTACHED = (
@@ -141,6 +142,15 @@ def _named(path: str, text: bytes, ways: Sequence[re.Pattern[bytes]]) -> Iterato
     folder = os.path.dirname(os.path.abspath(path))
     for name in (name for way in ways for name in way.findall(text)):
         yield os.path.normpath(os.path.join(folder, os.fsdecode(name)))
+
+
+def place_of_include(whole: FileReading, part: str) -> Span:
+    """Where a model includes a part; the model as a whole where a part of it does."""
+    for file in whole.files[:1]:
+        for found in INCLUDED.finditer(file.data):
+            if os.path.normpath(os.path.join(os.path.dirname(file.path), os.fsdecode(found[1]))) == part:
+                return Span(file.path, *place_of(file.data, found.start()))
+    return Span(whole.path)
 
 
 def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...]:

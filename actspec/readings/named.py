@@ -17,7 +17,20 @@ from actspec.readings.including import INCLUDED, MOST_WHOLES, Around
 from actspec.readings.motor_names import with_names
 from actspec.readings.pins import pins_here
 from actspec.readings.programs import ASIDE, Idle, files_in, idle, programs_in
-from actspec.readings.read import FAULT, PYTHON, ROBOT, ROBOT_ALONE, XACRO, YAML, nothing_to_audit, read_file
+from actspec.readings.read import (
+    EMPTY,
+    FAULT,
+    PYTHON,
+    ROBOT,
+    ROBOT_ALONE,
+    ROBOT_ROOT,
+    TEMPLATE,
+    XACRO,
+    XACRO_FILE,
+    YAML,
+    nothing_to_audit,
+    read_file,
+)
 from actspec.robot.submodules import not_checked_out, of_missing
 from actspec.spec.variants import split
 
@@ -25,13 +38,11 @@ RECORD = "past run"
 """What else of a folder is not read: a training's own `params/env.yaml`."""
 
 NOT_READ = {
-    XACRO: "xacro",
+    XACRO: XACRO_FILE,
     ".sdf": "SDF",
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), "USD"),
 }
 """Endings of robots that are not read, and what they are: a folder's are counted."""
-
-_ROBOT_ROOT = re.compile(rb"<(?:mujoco|mujocoinclude|robot)[\s>/]")
 
 _OTHER_ROBOT = re.compile(
     rb"<!DOCTYPE\s+\w+\s+PUBLIC\s"
@@ -298,12 +309,11 @@ def _chosen(
     chosen, passed_over = [], []
     past = {index for index, file in enumerate(files) if found[index].record and _is_past(file, skip_other)}
     not_read.update((files[index].path, RECORD) for index in sorted(past))
-    # Of the files of a folder nothing else names nothing.
-    xacros = {
-        index for index, file in enumerate(files) if file.folder is not None and found[index].names_nothing
+    unread = {index for index, file in enumerate(files) if file.folder is not None and found[index].unread}
+    not_read.update((files[index].path, found[index].unread) for index in sorted(unread))
+    concerned = {
+        index for index in range(len(files)) if index not in past | unread and _concerns(found[index])
     }
-    not_read.update((files[index].path, NOT_READ[XACRO]) for index in sorted(xacros))
-    concerned = {index for index in range(len(files)) if index not in past and _concerns(found[index])}
     empty = {path for path in paths if os.path.isdir(path)}
     empty.difference_update(
         *(file.folders for index, file in enumerate(files) if index in concerned or os.path.isdir(file.path))
@@ -336,7 +346,7 @@ def _chosen(
                     idle=idle_there.configs.get(file.path, frozenset()),
                 )
             )
-        elif index not in past | xacros:
+        elif index not in past | unread:
             passed_over.append(file.path)
     for path in dict.fromkeys(paths):
         if path in empty:
@@ -396,14 +406,14 @@ def _nothing_in(folder: str, count: int | None, not_read: Sequence[str] = ()) ->
     elif not_read:
         reason += f"; {counted_not_read(not_read)}"
         help = "name the env.yaml of one" if RECORD in not_read else help
-        if NOT_READ[XACRO] in not_read:
+        if XACRO_FILE in not_read:
             from actspec.robot.read_urdf import EXPAND as help
     return nothing_to_audit(folder, reason, help, " in this folder")
 
 
 def counted_not_read(kinds: Sequence[str]) -> str:
     """How many files are not read, by what each of them is: `1 xacro file, 3 USD files not read`."""
-    known = {**{kind: f"{kind} file" for kind in NOT_READ.values()}, RECORD: RECORD}
+    known = {**{kind: f"{kind} file" for kind in (*NOT_READ.values(), TEMPLATE, EMPTY)}, RECORD: RECORD}
     return (
         f"{listed(many(kinds.count(kind), word) for kind, word in known.items() if kind in kinds)} not read"
     )
@@ -430,5 +440,5 @@ def _concerns(reading: FileReading) -> bool:
         return reading.refused is not None and not reading.without_gains and any(map(names_gains, texts))
     own = lower.endswith(ROBOT_ALONE)
     return reading.kind is None and any(
-        (own or _ROBOT_ROOT.search(text)) and not _OTHER_ROBOT.search(text) for text in texts
+        (own or ROBOT_ROOT.search(text)) and not _OTHER_ROBOT.search(text) for text in texts
     )

@@ -1,4 +1,4 @@
-"""Which MuJoCo a project asks for: what it requires and what its programs import, as text, of which nothing is run."""
+"""Which MuJoCo a project asks for: what it requires, builds with and imports, as text, of which nothing is run."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ _REQUIREMENTS = re.compile(
     re.IGNORECASE,
 )
 """Files in which a project says what it needs."""
+_BUILDING = re.compile(r"CMakeLists\.txt|(?:GNU)?makefile", re.IGNORECASE)
+"""Files that say which folder of a release a program is built with."""
 
 _MOST_FILES = 200
 """Files of a folder that are looked at. Chosen: as of models around a part."""
@@ -48,6 +50,11 @@ _REQUIRED = re.compile(
 )
 _CLAUSE = re.compile(r"(===?|~=|!=|[<>]=?|[\^~])\s*(\d+(?:\.\d+)*)")
 _IMPORT = re.compile(rb"^[ \t]*(?:import|from)[ \t]+(?P<name>mujoco(?:_py)?)\b", re.MULTILINE)
+_BUILT_WITH = re.compile(
+    rb"(?<![\w.-])(?P<name>mujoco(?:[-_]?(?P<version>\d{1,3}(?:\.\d{1,3}){1,2})|(?P<digits>\d{3})))(?!\w|\.\d)",
+    re.IGNORECASE,
+)
+"""A folder of a release, as its archive has it: `mujoco-2.3.1`, and `mujoco210` until 2.1.0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,34 +63,35 @@ class Asked:
 
     Attributes:
         place: Where it says so.
-        text: `mujoco==2.3.7`, `mujoco_py<2.0`; of a program `mujoco_py`.
-        imported: Whether a program imports it.
+        text: `mujoco==2.3.7`, `mujoco_py<2.0`; of a program `mujoco_py`; of what it is built with `mujoco-2.3.1`.
+        verb: How: `asks for`, `imports` or `builds with`.
     """
 
     place: Span
     text: str
-    imported: bool = False
+    verb: str
 
     @property
     def told(self) -> str:
         """`requirements.txt:3 asks for mujoco==2.3.7, which may take it`."""
         # Source: the releases of mujoco-py, 1.50 to 2.1.2.14; their build looks for MuJoCo 1.50, 2.0 and 2.1.0.
         whose = "whose MuJoCo, 2.1 or older," if _is_wrapper(self.text) else "which"
-        return f"{self.place} {'imports' if self.imported else 'asks for'} {self.text}, {whose} may take it"
+        return f"{self.place} {self.verb} {self.text}, {whose} may take it"
 
 
 @dataclass(frozen=True, slots=True)
 class _Said:
-    """One statement: `clauses` are as written, "" without a version."""
+    """One statement: `clauses` are as pip writes them, "" without a version; `text` is what is told."""
 
     place: Span
     name: str
-    clauses: str = ""
-    imported: bool = False
+    clauses: str
+    text: str
+    verb: str
 
     @property
     def asked(self) -> Asked:
-        return Asked(self.place, self.name + self.clauses, self.imported)
+        return Asked(self.place, self.text, self.verb)
 
 
 class Pins:
@@ -175,8 +183,9 @@ def _statements(folder: str, *, programs: bool = True) -> Iterator[_Said]:
     except (OSError, ValueError):
         return
     asking = [name for name in names if _REQUIREMENTS.fullmatch(name)]
+    building = [name for name in names if _BUILDING.fullmatch(name)]
     running = [name for name in names if name.lower().endswith(".py") and name not in asking]
-    for name in (*asking, *(running if programs else ()))[:_MOST_FILES]:
+    for name in (*asking, *building, *(running if programs else ()))[:_MOST_FILES]:
         path = os.path.normpath(os.path.join(folder, name))
         try:
             # A link leads to another project. pip takes UTF-16 as PowerShell writes it: the letters tell.
@@ -186,12 +195,18 @@ def _statements(folder: str, *, programs: bool = True) -> Iterator[_Said]:
         if b"mujoco" not in data.lower():
             continue
         text = _REMARK.sub(b"", data)
-        for found in (_REQUIRED if name in asking else _IMPORT).finditer(text):
-            place = Span(path, place_of(text, found.start("name"))[0])
-            if name in asking:
-                yield _Said(place, found["name"].decode("ascii"), _clauses(found))
+        kind = _REQUIRED if name in asking else _BUILT_WITH if name in building else _IMPORT
+        for found in kind.finditer(text):
+            place, what = Span(path, place_of(text, found.start("name"))[0]), found["name"].decode("ascii")
+            if kind is _REQUIRED:
+                clauses = _clauses(found)
+                yield _Said(place, what, clauses, what + clauses, "asks for")
+            elif kind is _BUILT_WITH:
+                # `210` is 2.1.0.
+                version = (found["version"] or b".".join(re.findall(rb"\d", found["digits"]))).decode("ascii")
+                yield _Said(place, what, f"=={version}", what, "builds with")
             else:
-                yield _Said(place, found["name"].decode("ascii"), imported=True)
+                yield _Said(place, what, "", what, "imports")
 
 
 def _clauses(found: re.Match[bytes]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -10,8 +11,10 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.template import placeholder, statement
 from actspec.robot.sizes import TOO_LARGE
 from actspec.robot.view import ModelFile, RobotView
+from actspec.robot.xml_tree import NOT_XML
 from actspec.spec.variants import split
 from actspec.spec.yaml_text import is_spec
 
@@ -26,6 +29,10 @@ PYTHON = (".py",)
 YAML = (".yaml", ".yml")
 
 XACRO = ".xacro"
+ROBOT_ROOT = re.compile(rb"<(?:mujoco|mujocoinclude|robot)[\s>/]")
+
+XACRO_FILE, TEMPLATE, EMPTY = "xacro", "template", "empty"
+"""Robot files that are not read where they are found in a folder."""
 
 MOST_YAML_BYTES = 8 * 1024 * 1024
 """Chosen: the largest deploy file seen has 30 kB."""
@@ -111,7 +118,7 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
     try:
         document = open_document(path)
     except RobotError as err:
-        return replace(unreadable(path, None, err.diagnostics), files=_main_file(path))
+        return _not_xml(path, err.diagnostics)
     tag = document.root.tag
     kind = KINDS.get(tag)
     if kind is FileKind.URDF:
@@ -120,20 +127,54 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
         called = path.lower().endswith(XACRO)
         if is_xacro(document) or (called and next(unexpanded(document), None) is not None):
             help = EXPAND if called else f"xacro {os.path.basename(path)} -o EXPANDED.urdf, and name that"
-            return nothing_to_audit(path, "this is a xacro, which has to be expanded first", help)
+            reading = nothing_to_audit(path, "this is a xacro, which has to be expanded first", help)
+            return replace(reading, unread=XACRO_FILE)
     if kind is None:
         reason = f"the root element is <{tag}>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"
         return FileReading(path, None, reason, files=document.files)
     try:
         view = _view(document, kind, refusal)
     except RobotError as err:
+        for item in err.diagnostics:
+            if (value := placeholder(item.message, item.span, document)) is not None:
+                return _template(path, value, item.span)
         return replace(unreadable(path, kind, err.diagnostics), files=document.files)
+    value = None if view.refusal is None else placeholder(view.refusal, view.refused_at, document)
+    if value is not None:
+        return _template(path, value, view.refused_at)
     if view.inertia is not None:
         inertia = view.inertia if keep_matrices else None
         view = replace(view, joint_inertia=view.inertias(), inertia=inertia)
     artifact = Artifact(path, kind, view.name, robot=view, text_only=view.refusal)
     said = tuple(item for item in view.diagnostics if item.code not in _REPORTED_BY_RULES)
     return FileReading(path, kind, None, (artifact,), document.files, said)
+
+
+def _not_xml(path: str, diagnostics: Sequence[Diagnostic]) -> FileReading:
+    """A file that is no XML, or that cannot be put together, which a template may be."""
+    reading = replace(unreadable(path, None, diagnostics), files=_main_file(path))
+    data = b"".join(file.data for file in reading.files)
+    own = path.lower().endswith(ROBOT_ALONE)
+    if not data.strip():
+        return replace(reading, unread=EMPTY if own and reading.files else "")
+    if not own and ROBOT_ROOT.search(data) is None:
+        return reading
+    for item in diagnostics:
+        if (value := placeholder(item.message, item.span)) is not None:
+            return _template(path, value, item.span)
+        # Of an included file that is no XML, too.
+        for file in _main_file(item.span.path) if item.code == NOT_XML and item.span is not None else ():
+            if (found := statement(file)) is not None:
+                return _template(path, *found)
+    return reading
+
+
+def _template(path: str, value: str, place: Span | None) -> FileReading:
+    help = "name the file that the program which fills it in writes"
+    reading = nothing_to_audit(
+        path, f"this is a template, which has to be filled in first: {value}", help, place=place
+    )
+    return replace(reading, unread=TEMPLATE)
 
 
 def _view(document: XmlDocument, kind: FileKind, refusal: str | None) -> RobotView:
@@ -199,7 +240,10 @@ def _main_file(path: str) -> tuple[ModelFile, ...]:
         return ()
 
 
-def nothing_to_audit(path: str, reason: str, help: str, where: str = "") -> FileReading:
+def nothing_to_audit(
+    path: str, reason: str, help: str, where: str = "", place: Span | None = None
+) -> FileReading:
     """What stands for nothing that can be audited."""
-    fault = Diagnostic("AUD014", Severity.ERROR, f"nothing to audit{where}: {reason}", "", Span(path), help)
+    message = f"nothing to audit{where}: {reason}"
+    fault = Diagnostic("AUD014", Severity.ERROR, message, "", place or Span(path), help)
     return FileReading(path, None, reason, diagnostics=(fault,))

@@ -1,4 +1,5 @@
-"""Git submodules that are not checked out, from `.gitmodules`, which is read as text; git is not run."""
+"""Git submodules that are not checked out, from `.gitmodules`, which is read as text, and MuJoCo Menagerie where it is
+not cloned; git is not run."""
 
 from __future__ import annotations
 
@@ -17,35 +18,38 @@ _MOST_BYTES = 1024 * 1024
 """Chosen: a repository with a hundred submodules has 20 kB."""
 
 
+_MENAGERIE = "mujoco_menagerie"
+_CLONED_FROM = "https://github.com/google-deepmind/mujoco_menagerie"
+"""What models of many repositories include, by the name that its clone has, and git ignores."""
+
+
 @dataclass(frozen=True, slots=True)
-class Submodule:
-    """A submodule without its files.
+class NotThere:
+    """A submodule, or a clone of MuJoCo Menagerie, without its files.
 
     Attributes:
-        root: The folder of `.gitmodules`, as a user would name it.
-        path: Of the submodule, from there.
+        text: What it is.
+        help: The command that gets its files.
     """
 
-    root: str
-    path: str
+    text: str
+    help: str
 
     def __str__(self) -> str:
-        return f"{self.path!r} is a git submodule that is not checked out"
-
-    @property
-    def help(self) -> str:
-        """The command that gets its files."""
-        where = "" if self.root in ("", os.curdir) else f" -C {shell_word(self.root)}"
-        return f"git{where} submodule update --init {shell_word(self.path)}"
+        return self.text
 
 
-def not_checked_out(beside: str, path: str) -> Submodule | None:
-    """The submodule that a file which is not there belongs to; None: it is in none, or that one has files.
+def not_checked_out(beside: str, path: str) -> NotThere | None:
+    """What a file which is not there belongs to; None: it is in none, or that one has files.
 
     Args:
         beside: The file that names it: `.gitmodules` is in its folder or above, in the same repository.
         path: Of the file that is not there.
     """
+    return _submodule(beside, path) or _menagerie(beside, path)
+
+
+def _submodule(beside: str, path: str) -> NotThere | None:
     for folder in in_repository(beside):
         try:
             data = read_regular(os.path.join(folder, ".gitmodules"), _MOST_BYTES)
@@ -61,21 +65,36 @@ def not_checked_out(beside: str, path: str) -> Submodule | None:
                 and inside.startswith(f"{own}/")
                 and _has_nothing(os.path.join(folder, own))
             ):
-                return Submodule(folder, own)
+                where = "" if folder in ("", os.curdir) else f" -C {shell_word(folder)}"
+                command = f"git{where} submodule update --init {shell_word(own)}"
+                return NotThere(f"{own!r} is a git submodule that is not checked out", command)
         return None
     return None
 
 
+def _menagerie(beside: str, path: str) -> NotThere | None:
+    before, name, inside = os.path.normpath(path).replace(os.sep, "/").partition(f"{_MENAGERIE}/")
+    where = before + _MENAGERIE
+    # An absolute path is of one machine, unless the files are named so.
+    own = os.path.isabs(path) == os.path.isabs(beside) and (not before or before.endswith("/"))
+    # Where it lies in another folder, the path is wrong.
+    places = (where, *(os.path.join(folder, _MENAGERIE) for folder in in_repository(beside)))
+    if not (name and inside and own and all(map(_has_nothing, places))):
+        return None
+    command = f"git clone {_CLONED_FROM} {shell_word(where)}"
+    return NotThere(f"{where!r} is a clone of MuJoCo Menagerie that is not there", command)
+
+
 def of_missing(message: str, path: str, help: str | None = None) -> tuple[str, str | None]:
-    """What is said of a named file that is not there, and its help: with the submodule that it belongs to, if any.
+    """What is said of a named file that is not there, and its help: with what it belongs to, if anything.
 
     Args:
         message: What is said of any.
         path: The file, or `FOLDER/*`.
-        help: Of one in no submodule.
+        help: Of one that belongs to nothing.
     """
-    submodule = not_checked_out(path, path)
-    return (message, help) if submodule is None else (f"{message}: {submodule}", submodule.help)
+    absent = not_checked_out(path, path)
+    return (message, help) if absent is None else (f"{message}: {absent}", absent.help)
 
 
 def _has_nothing(folder: str) -> bool:

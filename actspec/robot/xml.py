@@ -113,9 +113,9 @@ def on_disk(main: str, including: str, name: str) -> ModelFile:
         except Missing:
             continue
     for candidate in candidates:
-        submodule = not_checked_out(including, candidate)
-        if submodule is not None:
-            raise NotCheckedOut(str(submodule), submodule.help)
+        absent = not_checked_out(including, candidate)
+        if absent is not None:
+            raise NotCheckedOut(str(absent), absent.help)
     folder = _missing_folder(main, including, name)
     if folder is not None:
         # Of many files in it that is said once.
@@ -144,7 +144,7 @@ def parse_document(files: Sequence[ModelFile]) -> XmlDocument:
         files: As `open_document` reads them, or with the same includes and other bytes.
 
     Raises:
-        RobotError: a file is not UTF-8, not well-formed, holds a DOCTYPE, is too large or deep, or is
+        RobotError: a file is not UTF-8, not well-formed, holds a DOCTYPE that may define, is too large or deep, or is
             not fit to be included.
         ValueError: the files are not those that the includes name.
     """
@@ -194,6 +194,7 @@ class _Assembly:
         self._elements = 0
         self._sites = 0
         self._direct: set[str] = set()
+        self._top: Span | None = None
 
     def add(self, file: ModelFile, site: Span | None, chain: tuple[str, ...], depth: int) -> Element | None:
         """Add a file with its includes.
@@ -250,6 +251,8 @@ class _Assembly:
         """Elements that take the place of an include; none after an error."""
         file = self.files[index]
         site = Span(file.path, element.line, element.column)
+        if len(chain) == 1:
+            self._top = site
         self._sites += 1
         if self._sites > MOST_FILES or len(chain) > MOST_CHAIN:
             raise RobotError.of(
@@ -275,12 +278,10 @@ class _Assembly:
             return []
         key = candidates_for(self.main, self.main, name)[0]
         if key in self._direct:
-            self.out.error(
-                "ROBOT007",
-                f"{name!r} is included already, which MuJoCo refuses",
-                span=site,
-                help="include a file once",
-            )
+            # The file in the way may be whole; the main one includes both.
+            again = f", and {file.include!r} includes it again" if len(chain) > 1 else ""
+            message = f"{name!r} is included already{again}, which MuJoCo refuses"
+            self.out.error("ROBOT007", message, span=self._top, help="include a file once")
             return []
         if len(chain) == 1:
             self._direct.add(key)
@@ -322,7 +323,7 @@ class Missing(Unreadable):
 
 
 class NotCheckedOut(Missing):
-    """It is in a git submodule without its files."""
+    """It is in a git submodule, or a clone, without its files."""
 
     code = NOT_CHECKED_OUT
 

@@ -240,7 +240,7 @@ def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> lis
     try:
         return _scan(file, _Lenient(data), index, depth, before, most)
     except Malformed as err:
-        lenient = _as_mujoco_reads(data) if err.diagnostic.code == _NOT_XML else None
+        lenient = _as_mujoco_reads(data) if err.diagnostic.code == NOT_XML else None
         if lenient is None or lenient.data == data:
             raise
     return _scan(file, lenient, index, depth, before, most)
@@ -260,12 +260,13 @@ def _scan(
     def at() -> int:
         return lenient.place(parser.CurrentByteIndex)
 
-    def doctype(*_: object) -> None:
-        message = "the file has a DOCTYPE, which can define entities and name other files"
-        # expat calls at the end of the name.
-        place = place_of(file.path, data, data.rfind(b"<!DOCTYPE", 0, at() + 1))
-        help = "delete it; MJCF and URDF need none"
-        raise Malformed(Diagnostic("ROBOT005", Severity.ERROR, message, "", place, help), None)
+    def doctype(_: str, *more: str | int | None) -> None:
+        if may_define(*more):
+            message = "the file has a DOCTYPE, which can define entities and name other files"
+            # expat calls at the end of the name.
+            place = place_of(file.path, data, data.rfind(b"<!DOCTYPE", 0, at() + 1))
+            help = "delete it; MJCF and URDF need none"
+            raise Malformed(Diagnostic("ROBOT005", Severity.ERROR, message, "", place, help), None)
 
     def start(tag: str, values: dict[str, str]) -> None:
         element = Element(tag, text, index, at(), parser.CurrentLineNumber, values)
@@ -305,11 +306,16 @@ def _scan(
             code, byte = expat.errors.codes[expat.errors.XML_ERROR_SYNTAX], len(data) - len(words)
         message, help = explain(code, data, byte, inside)
         place = place_of(file.path, data, byte)
-        raise Malformed(Diagnostic(_NOT_XML, Severity.ERROR, message, "", place, help), root) from err
+        raise Malformed(Diagnostic(NOT_XML, Severity.ERROR, message, "", place, help), root) from err
     return found
 
 
-_NOT_XML = "ROBOT004"
+def may_define(*doctype: str | int | None) -> bool:
+    """Whether a DOCTYPE can define entities, or name a file that does, as expat tells it; `<!DOCTYPE robot>` cannot."""
+    return doctype != (None, None, 0)
+
+
+NOT_XML = "ROBOT004"
 _BOM = b"\xef\xbb\xbf"
 _TAG_SO_FAR = re.compile(rb"""<[^"'>]*(?:(?:"[^"]*"|'[^']*')[^"'>]*)*""")
 _DECLARED = re.compile(rb"""<\?xml\b[^>]*?\bencoding\s*=\s*["']([A-Za-z][A-Za-z0-9._-]*)["']""")
@@ -412,7 +418,7 @@ def _is_behind(rest: bytes) -> bool:
     # MuJoCo takes any for a declaration, which has to come first.
     parser.ProcessingInstructionHandler = lambda *_: text.append("<?")
     try:
-        # A DOCTYPE is refused inside an element, and so are entities.
+        # A DOCTYPE is no XML inside an element, and nor are entities.
         parser.Parse(b"<r>" + rest + b"</r>", True)
     except expat.ExpatError:
         return False

@@ -141,6 +141,8 @@ def test_entities_are_not_read() -> None:
     """A DOCTYPE ends the scan before anything can be defined in it."""
     laughs = b'<!-- seen --><!DOCTYPE a [<!ENTITY b "bbbb"><!ENTITY c "&b;&b;">]><a>&c;<!-- not seen --></a>'
     assert [comment.text for comment in comments("a.xml", laughs)] == [" seen "]
+    plain = b"<!-- seen --><!DOCTYPE a><a><!-- this too --></a>"
+    assert [comment.text.strip() for comment in comments("a.xml", plain)] == ["seen", "this too"]
 
 
 def _judged(text: str, *lines: int, select: tuple[str, ...] = ("ALL",)) -> list[tuple[str, int, str]]:

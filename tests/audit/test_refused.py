@@ -239,3 +239,21 @@ def test_the_version_that_was_said_goes_before() -> None:
     Path("requirements.txt").write_text("mujoco==2.3.6\n")
     assert refused(Settings(versions=Versions(mujoco=INSTALLED)))[0] == "warning"
     assert refused(Settings(versions=Versions(mujoco=INSTALLED.split(".")[0] + ".99")))[0] == "warning"
+
+
+def test_what_is_whole_by_itself_is_not_at_fault() -> None:
+    """A scene with a model among its bodies is refused in that model, which compiles; its own fault stays its own."""
+    whole = MODEL.replace("nkee", "knee")
+    Path("robots/leg.xml").write_text(whole)
+    Path("robots/scene.xml").write_text(
+        '<mujoco>\n<worldbody>\n  <include file="leg.xml"/>\n</worldbody>\n</mujoco>\n'
+    )
+
+    def told() -> list[tuple[str, list[str]]]:
+        found = audit(["robots"], Settings(as_named=True, select=("AUD020",))).findings
+        return [(str(one.finding.span), list(map(str, one.finding.related))) for one in found]
+
+    assert told() == [("robots/scene.xml:3:3", ["robots/leg.xml:2"])]
+    Path("robots/leg.xml").write_text(whole.replace("<compiler", '<compiler angel="radian"'))
+    assert all(place.startswith("robots/leg.xml:2") and not related for place, related in told())
+    assert told()

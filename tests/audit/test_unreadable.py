@@ -286,6 +286,27 @@ def test_a_submodule_that_is_not_checked_out() -> None:
     assert found(audit(["robots/leg.xml"], Settings())) == [("AUD008", "robots/leg.xml", 2, Severity.ERROR)]
 
 
+def test_a_menagerie_that_is_not_cloned() -> None:
+    """As a submodule that is not checked out; an absolute path, and a file that a clone lacks, stay errors."""
+    Path("robots/leg.xml").write_text(
+        '<mujoco>\n  <include file="../mujoco_menagerie/a1/a1.xml"/>\n</mujoco>\n'
+    )
+    report = audit(["robots"], Settings(as_named=True))
+    assert found(report) == [("AUD008", "robots/leg.xml", 2, Severity.WARNING)]
+    assert found(audit(["robots"], Settings())) == [("AUD008", "robots/leg.xml", 2, Severity.INFO)]
+    (item,) = (one.finding for one in report.findings if one.finding.code == "AUD008")
+    assert item.message == (
+        "the file cannot be read: the include cannot be followed: 'mujoco_menagerie' is a clone of MuJoCo Menagerie "
+        "that is not there (ROBOT010)"
+    )
+    assert item.help == "git clone https://github.com/google-deepmind/mujoco_menagerie mujoco_menagerie"
+    Path("mujoco_menagerie/a1").mkdir(parents=True)
+    Path("mujoco_menagerie/a1/scene.xml").touch()
+    assert found(audit(["robots/leg.xml"], Settings())) == [("AUD008", "robots/leg.xml", 2, Severity.ERROR)]
+    Path("robots/leg.xml").write_text('<mujoco>\n  <include file="/a/mujoco_menagerie/a1.xml"/>\n</mujoco>\n')
+    assert found(audit(["robots/leg.xml"], Settings())) == [("AUD008", "robots/leg.xml", 2, Severity.ERROR)]
+
+
 @pytest.mark.parametrize(
     ("path", "code", "message"),
     [

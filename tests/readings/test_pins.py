@@ -44,6 +44,13 @@ def older(path: str = "assets/hand/leg.xml", installed: tuple[int, ...] = (4, 0,
         ("pyproject.toml", 'mujoco = {version = "^3.2", optional = true}', ":1 asks for mujoco^3.2, which"),
         ("environment.yml", "dependencies:\n  - pip:\n    - mujoco==3.2.3\n", ":3 asks for mujoco==3.2.3, which"),
         ("environment.yaml", "  - mujoco=2.1.5=py38\n", ":1 asks for mujoco==2.1.5, which"),
+        (
+            "CMakeLists.txt",
+            "project(leg)\ninclude_directories(/home/ada/.mujoco/mujoco-2.3.1/include/)",
+            ":2 builds with mujoco-2.3.1, which",
+        ),
+        ("CMakeLists.txt", 'set(MUJOCO "C:/dev/mujoco_3.3")', ":1 builds with mujoco_3.3, which"),
+        ("Makefile", "INC := -I$(HOME)/.mujoco/mujoco210/include", ":1 builds with mujoco210, which"),
         ("run.py", "import numpy\nfrom mujoco_py import MjSim", ":2 imports mujoco_py, whose MuJoCo, 2.1 or older,"),
     ],
 )  # fmt: skip
@@ -59,6 +66,9 @@ def test_what_is_older(name: str, text: str, asked: str) -> None:
 @pytest.mark.parametrize(
     ("name", "text"),
     [
+        ("CMakeLists.txt", "# include_directories(~/mujoco-3.2.0/include)\nfind_package(mujoco 3.1 REQUIRED)"),
+        ("CMakeLists.txt", "link_directories(/opt/mujoco-4.0.0/lib)"),
+        ("CMakeLists.txt", "add_subdirectory(libmujoco-2.3.1)\nadd_subdirectory(mujoco-2.3.1.4 mujoco2101 mujoco_w03)"),
         ("requirements.txt", "mujoco"),
         ("requirements.txt", "mujoco>=3.3"),
         ("requirements.txt", "mujoco==4.0.0"),

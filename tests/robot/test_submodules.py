@@ -1,4 +1,4 @@
-"""Files of git submodules that are not checked out, told by `.gitmodules` alone."""
+"""Files of git submodules that are not checked out, told by `.gitmodules` alone; a menagerie without a clone."""
 
 from __future__ import annotations
 
@@ -70,6 +70,31 @@ def test_no_farther_than_the_repository() -> None:
     Path(".gitmodules").unlink()
     os.mkfifo(".gitmodules")
     assert told("env/menagerie/panda.xml") is None
+
+
+CLONE = "git clone https://github.com/google-deepmind/mujoco_menagerie"
+
+
+def test_menagerie_that_is_not_cloned() -> None:
+    """Git ignores it in many repositories, and no `.gitmodules` tells; without files it is as one that is not there."""
+    Path(".gitmodules").unlink()
+    assert told("third party/mujoco_menagerie/a1/a1.xml") == f"{CLONE} 'third party/mujoco_menagerie'"
+    assert told("mujoco_menagerie/a1/a1.xml", "mujoco_menagerie/a1/a1.xml") == f"{CLONE} mujoco_menagerie"
+    here = os.path.abspath("")
+    assert told(f"{here}/mujoco_menagerie/a1.xml", f"{here}/a.xml") == f"{CLONE} {here}/mujoco_menagerie"
+    for other in ("my_mujoco_menagerie/a1.xml", "mujoco_menagerie_2/a1.xml", "mujoco_menagerie"):
+        assert told(other) is None
+    assert told("/home/ada/mujoco_menagerie/a1.xml") is None, "of one machine"
+    Path("env/mujoco_menagerie").mkdir()
+    assert told("env/mujoco_menagerie/a1.xml") is not None
+    Path("env/mujoco_menagerie/README.md").touch()
+    assert told("env/mujoco_menagerie/a1.xml") is None, "it is there, and has no such file"
+    assert told("mujoco_menagerie/a1.xml") is None, "it is in another folder"
+
+
+def test_a_submodule_is_told_as_one_whatever_it_is_called() -> None:
+    Path(".gitmodules").write_text('[submodule "m"]\n\tpath = env/mujoco_menagerie\n')
+    assert told("env/mujoco_menagerie/a1.xml") == "git submodule update --init env/mujoco_menagerie"
 
 
 @pytest.mark.parametrize(

@@ -233,6 +233,27 @@ def test_walk_and_sections() -> None:
             "3:1: ROBOT005: the file has a DOCTYPE, which can define entities and name other files",
             id="doctype",
         ),
+        *(
+            pytest.param(
+                f"<!DOCTYPE a {more}><a/>",
+                "1:1: ROBOT005: the file has a DOCTYPE, which can define entities and name other files",
+                id=f"doctype {more}",
+            )
+            for more in (
+                'SYSTEM "a.dtd"',
+                "SYSTEM ''",
+                'PUBLIC "a" "a.dtd"',
+                "[]",
+                "[ ]",
+                "SYSTEM 'a' []",
+                "[%a;]",
+            )
+        ),
+        pytest.param(
+            "<!DOCTYPE a><a x='1'>&b;</a>",
+            "1:22: ROBOT004: a reference to an entity that XML does not know",
+            id="entity behind a plain doctype",
+        ),
         pytest.param(
             b"<a>\n<!-- \xe9 --></a>", "2:6: ROBOT003: the file is not UTF-8: byte 0xe9", id="latin 1"
         ),
@@ -289,13 +310,14 @@ def test_help_for_what_mujoco_reads(data: bytes | str) -> None:
         ("C:\\a path ", True),
         ("a\nb\n", True),
         ('x<?xml version="1.0"?>', False),
-        ("x<!DOCTYPE mujoco>", False),
+        ("x<!DOCTYPE mujoco>", True),
+        ("x<!DOCTYPE mujoco SYSTEM 'a.dtd'>", False),
     ],
 )
 def test_text_before_the_root(before: str, reads: bool) -> None:
-    """MuJoCo passes over it; what follows has its place in the file. A DOCTYPE is refused here, wherever it stands."""
+    """MuJoCo passes over it; what follows has its place in the file. A DOCTYPE that names a file is refused here."""
     text = f"{before}<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
-    if "DOCTYPE" not in before:
+    if "SYSTEM" not in before:
         try:
             assert mujoco.MjModel.from_xml_string(text).ngeom == 1
         except ValueError:
@@ -304,6 +326,14 @@ def test_text_before_the_root(before: str, reads: bool) -> None:
         assert parsed(text).root.start == len(before)
     else:
         assert refused(text)
+
+
+def test_a_doctype_that_defines_nothing() -> None:
+    """It names no file either, and is read over, as MuJoCo does; the second of two is no XML."""
+    text = '<?xml version="1.0"?>\n<!DOCTYPE xml>\n<mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
+    assert mujoco.MjModel.from_xml_string(text).ngeom == 1
+    assert [element.tag for element in parsed(text).walk()] == ["mujoco", "worldbody", "geom"]
+    assert refused('<!DOCTYPE a><!DOCTYPE a [<!ENTITY b "b">]><a>&b;</a>').startswith("r.xml:1:13: ROBOT004")
 
 
 @pytest.mark.parametrize("before", ["\n", " ", "<!-- licence -->\n", "<!-- a -->"])
@@ -852,6 +882,21 @@ def test_circle_names_the_chain(tmp_path: Path) -> None:
         f"{folder}/b.xml:1:9: ROBOT007: the includes go in a circle: "
         f"{folder}/a.xml -> {folder}/b.xml -> {folder}/a.xml"
     )
+
+
+def test_a_part_that_includes_again_is_not_at_fault(tmp_path: Path) -> None:
+    """MuJoCo takes `b.xml` by itself; the main file includes both, and is told at its second include."""
+    main = '<mujoco>\n<include file="a.xml"/>\n<include file="b.xml"/>\n</mujoco>'
+    part = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
+    path = written(tmp_path, {"m/main.xml": main, "m/b.xml": including("a.xml"), "m/a.xml": part})
+    assert mujoco.MjModel.from_xml_path(f"{tmp_path}/m/b.xml").ngeom == 1
+    with pytest.raises(ValueError, match="already included"):
+        mujoco.MjModel.from_xml_path(path)
+    with pytest.raises(RobotError) as caught:
+        open_document(path)
+    (told,) = caught.value.diagnostics
+    assert str(told.span) == f"{path}:3:1"
+    assert told.message == "'a.xml' is included already, and 'b.xml' includes it again, which MuJoCo refuses"
 
 
 def test_repeated_includes_do_not_explode(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span, one_line
 from actspec.patterns import is_slip
 from actspec.readings.artifact import Artifact, FileReading
+from actspec.readings.including import place_of_include
 from actspec.readings.versions import mujoco_of
 from actspec.simulators import text_of
 
@@ -40,14 +41,24 @@ class RefusedModel(Rule):
                     help = f"audit {whole} in its place"
                 elif (older := _older(case, file, artifact)) is not None:
                     message, severity = f"{message} {older}", Severity.INFO
+                place, related = _place(case, file, artifact)
                 yield Finding(
                     self.code,
                     f"{message}, and is judged from its text alone: {artifact.text_only}",
-                    artifact.refused_at or Span(file.path),
+                    place,
+                    related=related,
                     about=" ".join(quoted(artifact.text_only or "")),
                     help=help,
                     severity=severity,
                 )
+
+
+def _place(case: Case, file: FileReading, artifact: Artifact) -> tuple[Span, tuple[Span, ...]]:
+    """Where MuJoCo refuses it; where that is in a model that compiles by itself, the include, which is at fault."""
+    at = artifact.refused_at or Span(file.path)
+    if at.path != file.path and any(other.path == at.path and other.compiles for other in case.files):
+        return place_of_include(file, at.path), (at,)
+    return at, ()
 
 
 def _older(case: Case, file: FileReading, artifact: Artifact) -> str | None:

@@ -93,7 +93,7 @@ def _load(path: str) -> tuple[str, Joints]:
 def sanitised(path: str) -> bytes:
     """A URDF as our parser takes it: joints with all that they have, links with their names.
 
-    Raises: as `open_document`, which refuses a DOCTYPE, and with it every entity.
+    Raises: as `open_document`, which refuses a DOCTYPE that could define an entity.
     """
     from lxml import etree
 
