@@ -21,6 +21,7 @@ MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 _WRITTEN: dict[FileKind | None, frozenset[str]] = {
     FileKind.URDF: frozenset({"urdf_effort", "urdf_limit"}),
     FileKind.CFG: frozenset({"actuators"}),
+    FileKind.MJCF: frozenset({"compiled"}),
 }
 """What of a kind of file a program can write over."""
 
