@@ -4,13 +4,13 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar
 
-from actspec.audit.case import MODELS
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import clamps_not_in_force, is_turned, ranges_not_in_force
+from actspec.audit.rules.clamped import TIMES, Bounded, bound_of, by_command, input_of, is_in_doubt
 from actspec.audit.rules.joints import (
     is_called_undriven,
     is_driven_by_mjlab,
@@ -32,14 +32,13 @@ from actspec.audit.rules.limits_of_files import (
     taken_by_gym,
 )
 from actspec.audit.rules.src101 import placeholders_beside_limits
-from actspec.audit.rules.unt101 import ranges_in_doubt
+from actspec.audit.rules.urdf_drives import is_left_undriven, wheel_drive
 from actspec.diagnostics import Span
 from actspec.fields import FIELDS, GRAVITY, PLACEHOLDER
-from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Setting
 from actspec.readings.drive import largest
-from actspec.readings.ledger import LedgerRow, bound_of_command
+from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView
 from actspec.units import format_number, format_quantity
 
@@ -58,29 +57,6 @@ _BOTH_ZERO = (
     "the URDF's effort and velocity are 0: MuJoCo reads them as no limit, a tool that sets up drives from them as a "
     "joint that can give nothing and is held"
 )
-_TIMES = 5.0
-"""How far a clamped command's bound is above another file's limit. Chosen: it is met at the end of the range alone, and
-where it was 1.3 to 2.4 times the limit nobody acted on it (docs/survey.md)."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Bounded:
-    """What bounds a servo that nothing but its command limits.
-
-    Attributes:
-        effect: The bound, in words, with what limits the joint far below it.
-        lower: The row that does; None: none, or a published figure.
-        confidence: That the bound is none of the motor's; None where nothing tells that.
-    """
-
-    effect: str
-    lower: LedgerRow | None
-    confidence: Confidence | None
-
-    @property
-    def related(self) -> tuple[Span, ...]:
-        """Where the lower limit is written."""
-        return () if self.lower is None else (self.lower.place("effort_limit"),)
 
 
 class NoEffectiveLimit(RuleInParts):
@@ -102,7 +78,7 @@ class NoEffectiveLimit(RuleInParts):
         written = ranges_not_in_force(case, "force")
         clamps = {name: ranges_not_in_force(case, name) for name in ("ctrl", "act")}
         of_joints = clamps_not_in_force(case)
-        held: dict[Span, _Bounded] = {}
+        held: dict[Span, Bounded] = {}
         for index, artifact in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
             speaks = _limits_most(case, index)
@@ -127,7 +103,7 @@ class NoEffectiveLimit(RuleInParts):
                     off = of_joints.get((index, row.joint))
                     missing = (
                         self._missing(
-                            case, row, view, written.get(row.span), off, clamps[_input(view)].get(row.span)
+                            case, row, view, written.get(row.span), off, clamps[input_of(view)].get(row.span)
                         )
                         if looked
                         else ()
@@ -152,20 +128,16 @@ class NoEffectiveLimit(RuleInParts):
             if gym is not None:
                 yield (self._taken_by_gym(row, *gym),)
                 continue
-            unused = row.artifact in case.once(furniture)
             if urdf and not idle and limits == dict.fromkeys(LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
-                quiet = undriven or unused or row.artifact in case.once(few_zeros) or _is_overruled(case, row)
-                yield (replace(nothing, severity=Severity.INFO) if quiet else nothing,)
+                quiet = undriven or row.artifact in case.once(few_zeros) or _is_overruled(case, row)
+                yield self._heard(case, row, (nothing,), quiet)
                 continue
             if urdf and is_exporters(row):
-                found = self._exporters(case, row)
-                quiet = unused or _is_overruled(case, row)
-                yield (replace(one, severity=Severity.INFO) for one in found) if quiet else found
+                yield self._heard(case, row, self._exporters(case, row), _is_overruled(case, row))
                 continue
             if all(self._is_placeholder(case, row, field) for field in LIMITS):
-                nothing = _graver(case, row, self._placeholders(row, limits))
-                yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
+                yield self._heard(case, row, (_graver(case, row, self._placeholders(row, limits)),))
                 continue
             for field, effect in _LINE.items() if case.artifacts[row.artifact].kind is FileKind.CFG else ():
                 if field in row.stated and getattr(row, field) == 0.0 and not idle:
@@ -175,13 +147,28 @@ class NoEffectiveLimit(RuleInParts):
             for field, limit in limits.items():
                 mass = None if limit is None else case.once(round_for_all).get((row.artifact, limit))
                 if mass is not None and field == "effort_limit" and not undriven:
-                    nothing = _graver(case, row, self._round(case, row, limit, mass))
-                    yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
+                    yield self._heard(case, row, (_graver(case, row, self._round(case, row, limit, mass)),))
                 elif limit is not None:
                     found = self._stated(case, row, field, limit, idle, undriven)
                     if field == "effort_limit" and row.span in held:
                         found = self._held_back(case, row, limit, held[row.span])
-                    yield (replace(one, severity=Severity.INFO) for one in found) if unused else found
+                    yield self._heard(case, row, found)
+
+    def _heard(
+        self, case: Case, row: LedgerRow, found: Iterable[Finding], quiet: bool = False
+    ) -> Iterator[Finding]:
+        """Of limits, notes where nothing takes them, and where a plugin of the file has a torque of the wheel."""
+        for one in found:
+            drive = wheel_drive(case, row) if one.value and "effort_limit" in one.fields else None
+            if drive is not None and drive.most < (one.value or 0.0):
+                torque = shown(row, "effort_limit", drive.most, 6)
+                message = f"{one.message}; in Gazebo {drive.plugin} drives it with {torque} at most"
+                related = (*one.related, drive.place)
+                yield replace(one, message=message, related=related, severity=Severity.INFO)
+            elif quiet or row.artifact in case.once(furniture) or is_left_undriven(case, row):
+                yield replace(one, severity=Severity.INFO)
+            else:
+                yield one
 
     def _soft(self, setting: Setting) -> Iterator[Finding]:
         """Of a share of the joints' ranges that is none."""
@@ -197,15 +184,15 @@ class NoEffectiveLimit(RuleInParts):
         help = "it is the share of each joint's range: above 0, at most 1"
         yield Finding(self.code, message, setting.span, value=factor, help=help)
 
-    def _held(self, case: Case, row: LedgerRow, view: ActuatorView | None) -> _Bounded | None:
+    def _held(self, case: Case, row: LedgerRow, view: ActuatorView | None) -> Bounded | None:
         """What is said where the clamped command of a servo bounds its torque below a limit that is a placeholder."""
         limit = row.effort_limit
         if view is None or limit is None or not self.option(case, "least") <= limit < math.inf:
             return None
-        bound, how = _bound(row, view)
+        bound, how = bound_of(row, view)
         if bound is None or bound >= limit:
             return None
-        bounded = self._by_command(case, row, view, bound, how)
+        bounded = by_command(case, row, view, bound, how)
         # Motors of one robot differ, but not so far: who wrote limits beside it left this one out.
         beside = [
             other
@@ -213,14 +200,14 @@ class NoEffectiveLimit(RuleInParts):
             if other.kind is row.kind and 0.0 < (other.effort_limit or 0.0) < self.option(case, "least")
         ]
         most = max(beside, key=lambda other: other.effort_limit or 0.0, default=None)
-        far = most is not None and bound >= _TIMES * (most.effort_limit or 0.0)
-        if bounded.confidence is not None or most is None or not far or _is_in_doubt(case, row):
+        far = most is not None and bound >= TIMES * (most.effort_limit or 0.0)
+        if bounded.confidence is not None or most is None or not far or is_in_doubt(case, row):
             return bounded
         limit_there = own_figure(most, "effort_limit", 6)
         effect = f"{bounded.effect}, and no other joint of the file has more than {limit_there}"
-        return _Bounded(effect, most, self.confidence)
+        return Bounded(effect, most, self.confidence)
 
-    def _held_back(self, case: Case, row: LedgerRow, limit: float, bounded: _Bounded) -> Iterator[Finding]:
+    def _held_back(self, case: Case, row: LedgerRow, limit: float, bounded: Bounded) -> Iterator[Finding]:
         """Of a placeholder that a clamped command's bound makes idle: a note, unless that is far above other limits."""
         for one in self._stated(case, row, "effort_limit", limit, False, False):
             yield replace(
@@ -242,19 +229,19 @@ class NoEffectiveLimit(RuleInParts):
     ) -> Iterator[Finding]:
         """Of an actuator without a limit, with the ranges of force, joint and control that are not in force."""
         noun = "force" if row.kind is JointKind.SLIDE else "torque"
-        bound, how = _bound(row, view) if view is not None else (None, "")
-        bounded = _Bounded(f"its {noun} is unlimited", None, self.confidence)
+        bound, how = bound_of(row, view) if view is not None else (None, "")
+        bounded = Bounded(f"its {noun} is unlimited", None, self.confidence)
         if bound is not None:
-            bounded = self._by_command(case, row, view, bound, how)
+            bounded = by_command(case, row, view, bound, how)
         name, off, times = "force", written, 1.0 if view is None else abs(view.gear)
         if written is None:
             name, off, times = "actuatorfrc", of_joint, 1.0
         if off is None:
             what = "no force range or joint limit limits this actuator"
             if bound is None:
-                what = f"no force range, joint limit or {_INPUTS[_input(view)]} range limits this actuator"
+                what = f"no force range, joint limit or {_INPUTS[input_of(view)]} range limits this actuator"
             if clamp is not None:
-                vain = _switched_off(_input(view), clamp)
+                vain = _switched_off(input_of(view), clamp)
                 what = f"no force range or joint limit limits this actuator, and {vain}"
         else:
             what = _switched_off(name, off)
@@ -268,45 +255,13 @@ class NoEffectiveLimit(RuleInParts):
             help=f"leave {name}limited out, or the range"
             if off is not None
             else "add actuatorfrcrange to the joint, or forcerange to the actuator"
-            + (f", or leave {_input(view)}limited out" if clamp is not None else ""),
+            + (f", or leave {input_of(view)}limited out" if clamp is not None else ""),
             related=bounded.related,
             fields=("effort_limit",),
             severity=Severity.INFO if bounded.confidence is None and off is None else self.severity,
             confidence=None if off is not None else bounded.confidence,
             about="" if bound is None else shown(row, "effort_limit", bound),
         )
-
-    def _by_command(
-        self, case: Case, row: LedgerRow, view: ActuatorView | None, bound: float, how: str
-    ) -> _Bounded:
-        """What a clamped command or activation bounds, and what limits the joint far below: another file, or what is
-        published.
-        """
-        clamped = "command" if _input(view) == "ctrl" else "activation"
-        noun = "force" if row.kind is JointKind.SLIDE else "torque"
-        if _is_in_doubt(case, row):
-            effect = f"the {noun} that its clamped {clamped} allows is unknown: a range is in the wrong unit (UNT101)"
-            return _Bounded(effect, None, None)
-        effect = f"its clamped {clamped} bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
-        partners = (other for other in partner_rows(case, row, *MODELS) if not is_exporters(other))
-        others = (other for other in partners if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER)
-        # The largest limit of those files that lie nearest.
-        nearest = max(
-            others,
-            key=lambda other: (_common(other.file, row.file), other.effort_limit or 0.0),
-            default=None,
-        )
-        if nearest is not None:
-            if bound < _TIMES * (nearest.effort_limit or 0.0):
-                return _Bounded(effect, None, None)
-            limit = own_figure(nearest, "effort_limit", 6)
-            there = nearest.place("effort_limit").path
-            return _Bounded(f"{effect}, and {there} limits the joint to {limit}", nearest, self.confidence)
-        name, published = case.once(_published).get((row.artifact, row.joint), ("", math.inf))
-        if bound < _TIMES * published:
-            return _Bounded(effect, None, None)
-        limit = shown(row, "effort_limit", published, 6)
-        return _Bounded(f"{effect}, and {limit} is published for {name}", None, Confidence.MEDIUM)
 
     def _is_placeholder(self, case: Case, row: LedgerRow, field: str) -> bool:
         least = self.option(case, "least")
@@ -348,10 +303,13 @@ class NoEffectiveLimit(RuleInParts):
     def _exporters(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
         """Limits that nobody stated, where another file of the robot has the motor's.
 
-        Not in a file that gives another joint of that speed another effort: somebody wrote efforts there.
+        Not in a file that gives another joint of that speed, or most of its joints, another effort: somebody wrote
+        efforts there.
         """
-        speed_alike = (one for one in case.rows_of(row.artifact) if one.velocity_limit == row.velocity_limit)
-        if any(one.effort_limit not in (None, row.effort_limit) for one in speed_alike):
+        stated = [one for one in case.rows_of(row.artifact) if one.effort_limit is not None]
+        other_efforts = [one for one in stated if one.effort_limit != row.effort_limit]
+        speeds_alike = any(one.velocity_limit == row.velocity_limit for one in other_efforts)
+        if speeds_alike or 2 * len(other_efforts) > len(stated):
             return
         others = (
             other for other in partner_rows(case, row) if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER
@@ -465,31 +423,6 @@ class NoEffectiveLimit(RuleInParts):
 _INPUTS = {"ctrl": "control", "act": "activation"}
 
 
-def _input(view: ActuatorView | None) -> str:
-    """What the gain of an actuator multiplies, by the word of the file: `ctrl` or `act`."""
-    return "act" if view is not None and view.input == "activation" else "ctrl"
-
-
-def _published(case: Case) -> dict[tuple[int, str], tuple[str, float]]:
-    """Joints of known robots: the robot's name, and the most that is published of the joint [N*m or N]."""
-    return {
-        (one.index, row.joint): (one.robot.name, max(max(one.robot.efforts(name)) for name in names))
-        for one in case.once(likenesses)
-        for row, names in one.joints
-    }
-
-
-def _is_in_doubt(case: Case, row: LedgerRow) -> bool:
-    """Whether the range of a joint or of its command is in another unit than it is read in."""
-    places = (row.place(field).path for field in ("position_range", "command_range"))
-    return any((path, row.joint) in case.once(ranges_in_doubt) for path in places)
-
-
-def _common(one: str, other: str) -> int:
-    """How many folders two paths have in common: files of one robot lie together."""
-    return in_common(*(os.path.dirname(path).split(os.sep) for path in (one, other)))
-
-
 def _is_unlimited_by_intent(case: Case, index: int) -> bool:
     """Whether nobody limits any actuator of a model: a pendulum, or one whose limits are in the code that drives it.
 
@@ -540,18 +473,6 @@ def _is_limited_alone(row: LedgerRow, view: ActuatorView) -> bool:
     nothing = view.gain == view.offset == 0.0 and "gain" not in view.unknown and not (row.kp or row.kd)
     of_input = (view.control == "motor" or view.is_filled) and view.input_range is not None
     return nothing or of_input or view.force_range is not None
-
-
-def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:
-    """As `bound_of_command`: the largest torque, and how it comes about in words."""
-    found = bound_of_command(row, view)
-    if found is None:
-        return None, ""
-    gain, reach = found
-    field, of, name = (
-        ("kd", "velocity_limit", "kv") if row.control == "velocity" else ("kp", "default_position", "kp")
-    )
-    return gain * reach, f"{name} {shown(row, field, gain)} x {shown(row, of, reach)}"
 
 
 def _limited_elsewhere(case: Case, artifact: int) -> dict[str, LedgerRow]:

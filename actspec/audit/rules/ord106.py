@@ -3,19 +3,23 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.axes import are_parallel
+from actspec.audit.rules.joints import finite, is_exporters, is_nobodys, own_figure
 from actspec.audit.rules.misnamed import is_misspelt, is_swapped, misnamed, selects
 from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed, shortened
+from actspec.fields import FIELDS
 from actspec.joints import JointKind, other_word
 from actspec.readings.artifact import Artifact, Robot
 from actspec.readings.called import stem_of, telling
 from actspec.readings.joint_names import joint_names, renaming
+from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import JointView
 
 _FEW = 2
@@ -42,7 +46,7 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
         """Find joints of two models that are one, and have two names."""
         _, robot = subject
         told = {(one.model, one.joint.name) for one in case.once(misnamed)}
-        found: dict[tuple[Span, str, str], dict[str, Span]] = {}
+        found: dict[tuple[Span, str, str], dict[str, _There]] = {}
         for one, other in combinations(_models(case, robot), 2):
             for mine, its in _pairs(case.artifacts[one], case.artifacts[other]):
                 if not is_misspelt(mine.name, its.name) and _are_variants(case, robot, one, other, mine, its):
@@ -52,8 +56,10 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
                 departing, joint, meant = min(sides, key=lambda side: _having(case, robot, side[1].name))
                 if (departing, joint.name) in told:
                     continue
-                there = case.artifacts[one if departing == other else other].path
-                found.setdefault((joint.span, joint.name, meant.name), {})[there] = meant.span
+                beside = one if departing == other else other
+                cost = _cost(case, robot, departing, beside, [(joint, meant)])
+                at = joint.span, joint.name, meant.name
+                found.setdefault(at, {})[case.artifacts[beside].path] = _There(meant.span, cost)
         words = {key: other_word(key[1], key[2]) for key in found}
         many = Counter((key[0].path, pair) for key, pair in words.items() if pair is not None)
         yield from _limbs_told(case, robot)
@@ -68,15 +74,80 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
             else:
                 message = f"this joint is called {shortened(name)} in {files}"
                 help = f"call it {shortened(name)} here, or {shortened(called)} there"
+            cost = _costs(others)
             yield Finding(
                 self.code,
-                f"{message}, and nothing of it is compared with it there",
+                f"{message}, and nothing of it is compared with it there{cost or ''}",
                 place,
                 called,
                 help=help,
-                related=tuple(dict.fromkeys(others.values())),
+                related=_places_of(others),
                 about=f"{called} {name}",
+                severity=Severity.INFO if cost is None else None,
             )
+
+
+@dataclass(frozen=True, slots=True)
+class _There:
+    """A joint of the other file.
+
+    Attributes:
+        place: Where it is.
+        cost: As `_cost` has it.
+    """
+
+    place: Span
+    cost: str | None
+
+
+def _costs(others: Mapping[str, _There]) -> str | None:
+    """Of several files the first with a figure that differs."""
+    costs = [there.cost for there in others.values() if there.cost is not None]
+    return next(filter(None, costs), "") if costs else None
+
+
+def _places_of(others: Mapping[str, _There]) -> tuple[Span, ...]:
+    return tuple(dict.fromkeys(there.place for there in others.values()))
+
+
+_COMPARED = ("effort_limit", "velocity_limit", "armature")
+"""What is wrong where two files of a robot have another of it, whichever simulator reads them."""
+
+_UNLIKE = 0.01
+"""Share by which they differ then. Chosen: the tolerance of SRC101."""
+
+
+def _cost(
+    case: Case, robot: Robot, here: int, there: int, pairs: Sequence[tuple[JointView, JointView]]
+) -> str | None:
+    """What it costs that two files call joints otherwise: a figure that differs, in words; "" where a name is itself
+    wrong, misspelt or not the one that a deploy file, spec or list of joints has; None where nothing shows a cost.
+    """
+    for mine, its in pairs:
+        rows = [case.joints.get((file, joint.name), ()) for file, joint in ((here, mine), (there, its))]
+        for row, other in zip(*rows, strict=False):
+            for field in _COMPARED:
+                here_own, there_own = (_own(each, field) for each in (row, other))
+                if here_own and there_own and not math.isclose(here_own, there_own, rel_tol=_UNLIKE):
+                    file = basename(case.artifacts[there].path)
+                    values = f"{own_figure(row, field)} here and {own_figure(other, field)} in {file}"
+                    return f"; the {FIELDS[field].noun} of {shortened(mine.name)} is {values}"
+    # Patterns are for the model that their configuration loads, of which CFG101 and CFG102 tell.
+    lists = [
+        frozenset(joint_names(case.artifacts[index]) or ())
+        for index in robot.artifacts
+        if case.artifacts[index].robot is None
+    ]
+    wrong = any(
+        _is_a_slip(mine, its) or any((mine.name in names) is not (its.name in names) for names in lists)
+        for mine, its in pairs
+    )
+    return "" if wrong else None
+
+
+def _own(row: LedgerRow, field: str) -> float | None:
+    """A figure of a joint that somebody stated."""
+    return None if is_exporters(row) or is_nobodys(row, field) else finite(getattr(row, field))
 
 
 def _models(case: Case, robot: Robot) -> list[int]:
@@ -119,29 +190,32 @@ def _pairs(one: Artifact, other: Artifact) -> Iterator[tuple[JointView, JointVie
 
 def _limbs_told(case: Case, robot: Robot) -> Iterator[Finding]:
     """One finding for each file in which joints that hang on each other are called otherwise."""
-    found: dict[tuple[Span, tuple[str, ...], tuple[str, ...]], dict[str, Span]] = {}
+    found: dict[tuple[Span, tuple[str, ...], tuple[str, ...]], dict[str, _There]] = {}
     for one, other in combinations(_models(case, robot), 2):
         limb = _limb(case.artifacts[one], case.artifacts[other])
         if limb and (_is_a_slip(*limb[0]) or not _are_called_apart(case, one, other)):
             mine, its = zip(*limb, strict=True)
             sides = [(other, its, mine), (one, mine, its)]
             departing, joints, meant = min(sides, key=lambda side: _having(case, robot, side[1][0].name))
-            there = case.artifacts[one if departing == other else other].path
+            beside = one if departing == other else other
             names = tuple(tuple(joint.name for joint in side) for side in (joints, meant))
-            found.setdefault((joints[0].span, *names), {})[there] = meant[0].span
+            cost = _cost(case, robot, departing, beside, [*zip(joints, meant, strict=True)])
+            at = joints[0].span, *names
+            found.setdefault(at, {})[case.artifacts[beside].path] = _There(meant[0].span, cost)
     for (place, called, wanted), others in found.items():
-        files = listed(dict.fromkeys(map(basename, others)))
+        files, cost = listed(dict.fromkeys(map(basename, others))), _costs(others)
         yield Finding(
             "ORD106",
             f"this joint is called {shortened(wanted[0])} in {files}, {len(called) - 1} more likewise, and nothing of "
-            "them is compared with it there",
+            f"them is compared with it there{cost or ''}",
             place,
             called[0],
             joints=called,
             help=f"call it {shortened(wanted[0])} here, or {shortened(called[0])} there, and likewise "
             f"{listed(called[1:])}",
-            related=tuple(dict.fromkeys(others.values())),
+            related=_places_of(others),
             about=f"{called[0]} {wanted[0]}",
+            severity=Severity.INFO if cost is None else None,
         )
 
 
