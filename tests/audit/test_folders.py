@@ -269,53 +269,24 @@ def test_ranges_of_a_network_s_gains(
 
 
 _LIMB = """<robot name="arm"><link name="a"/><link name="b"/><joint name="elbow" type="revolute"><parent link="a"/>
-<child link="b"/><limit lower="{lower}" upper="1" effort="2" velocity="3"/>{dynamics}</joint></robot>"""
-_MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody><body><geom size="0.1"/><joint name="elbow" range="-1.5 1.5"/>
-<body><geom size="0.1"/><joint name="wrist" range="-1.2 1.2"/></body></body></worldbody>
-<actuator>{drive}</actuator></mujoco>"""
+<child link="b"/><limit lower="{lower}" upper="1" effort="2" velocity="3"/><dynamics damping="4"/></joint></robot>"""
+_MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
+<body><geom size="0.1"/><joint name="elbow" range="-1.5 1.5" frictionloss="9"/><body><geom size="0.1"/>
+<joint name="wrist" range="-1.2 1.2"/><body><geom size="0.1"/><joint name="hand" range="-1.2 1.2"/></body></body></body>
+</worldbody><actuator><motor joint="{joint}" ctrlrange="-9 9"/></actuator></mujoco>"""
 
 
 @pytest.mark.parametrize(
     ("file", "text", "program", "code", "elsewhere"),
     [
-        # 2 N*m brake 1 N*m*s/rad at 2 rad/s, and the joint shall have 3.
-        (
-            "arm.urdf",
-            _LIMB.format(lower=-1, dynamics='<dynamics damping="1"/>'),
-            "import isaacgym\n",
-            "DMP103",
-            "info",
-        ),
-        (
-            "arm.urdf",
-            _LIMB.format(lower=-1, dynamics='<dynamics friction="2"/>'),
-            "import isaacgym\n",
-            "FRC101",
-            "info",
-        ),
-        ("arm.urdf", _LIMB.format(lower=2, dynamics=""), "", "AUD022", None),
-        ("arm.urdf", _LIMB.format(lower=-1, dynamics="")[:-9], "", "AUD008", "info"),
-        (
-            "arm.xml",
-            _MODEL.format(drive='<motor joint="elbow" ctrlrange="-9 9"/>'),
-            "",
-            "UNT101",
-            "info",
-        ),
-        (
-            "arm.xml",
-            _MODEL.format(drive='<motor joint="ebow"/>'),
-            "import mujoco\n",
-            "AUD020",
-            None,
-        ),
-        (
-            "arm.xml",
-            _MODEL.format(drive='<motor joint="ebow"/>'),
-            "import pybullet\n",
-            "AUD020",
-            None,
-        ),
+        # 2 N*m brake 4 N*m*s/rad at 0.5 rad/s, and the joint shall have 3.
+        ("arm.urdf", _LIMB.format(lower=-1), "import isaacgym\n", "DMP103", "info"),
+        ("arm.urdf", _LIMB.format(lower=2), "", "AUD022", None),
+        ("arm.urdf", _LIMB.format(lower=-1)[:-9], "", "AUD008", "info"),
+        ("arm.xml", _MODEL.format(joint="elbow"), "", "FRC101", "info"),
+        ("arm.xml", _MODEL.format(joint="elbow"), "", "UNT101", "info"),
+        ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco\n", "AUD020", None),
+        ("arm.xml", _MODEL.format(joint="ebow"), "import pybullet\n", "AUD020", None),
     ],
 )
 def test_a_model_that_a_program_of_the_folder_names(
