@@ -20,7 +20,7 @@ MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 
 _WRITTEN: dict[FileKind | None, frozenset[str]] = {
     FileKind.URDF: frozenset({"urdf_effort", "urdf_limit"}),
-    FileKind.MJCF: frozenset({"integrator"}),
+    FileKind.MJCF: frozenset({"integrator", "compiled"}),
     FileKind.CFG: frozenset({"actuators"}),
 }
 """What of a kind of file a program can write over."""
@@ -103,6 +103,10 @@ class Case:
     def is_met_at(self, place: Span) -> bool:
         """Whether a place is in a file that was found in a folder that was named, or in a part of such files alone."""
         return self.once(_met).get(place.path, False)
+
+    def is_run(self, place: Span) -> bool:
+        """Whether a place is in a model that a program of its folder names, or in a part of one."""
+        return place.path in self.once(_run)
 
     def is_idle(self, place: Span) -> bool:
         """Whether a place is in a file, or in a configuration of one, that nobody runs.
@@ -200,6 +204,12 @@ def _met(case: Case) -> dict[str, bool]:
         for path in (file.path, *(part.path for part in file.files)):
             found[path] = found.get(path, True) and file.in_folder and file.kind is not FileKind.SPEC
     return found
+
+
+def _run(case: Case) -> frozenset[str]:
+    """Models that programs of their folders name, with what they include."""
+    run = (file for file in case.files if file.in_folder and file.is_named)
+    return frozenset(path for file in run for path in (file.path, *(part.path for part in file.files)))
 
 
 def _limited_elsewhere(case: Case) -> frozenset[tuple[str, str]]:

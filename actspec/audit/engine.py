@@ -318,6 +318,7 @@ def _is_noted(case: Case, rule: type[Rule], finding: Finding, severity: Severity
     """
     others = [span for span in finding.related if span.path != finding.span.path]
     by_rule = rule.noted_in_folders and (severity is not Severity.ERROR or bool(others))
+    by_rule = by_rule and not (rule.counts_where_run and case.is_run(finding.span))
     if (by_rule or finding.noted_in_folders) and case.is_met_at(finding.span):
         return True
     if rule.written_over & case.written(finding.span, finding.joint):

@@ -49,6 +49,7 @@ def page(rule: type[Rule]) -> str:
         facts += f", {rule.fix.value} fix"
     if rule.noted_in_folders:
         facts += "; in a folder a note, save an error of one file alone"
+        facts += " and a model that a program there names" if rule.counts_where_run else ""
     body = "".join(f"\n## {heading}\n\n{text.strip()}\n" for heading, text in found.items())
     return f"{head}{facts[0].upper()}{facts[1:]}.\n{_options(rule)}{_aliases(rule)}{body}"
 

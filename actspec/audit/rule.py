@@ -44,6 +44,7 @@ class Rule:
         options: Its options and their defaults.
         noted_in_folders: Whether its findings are notes in a file that was met in a folder, and not named: of those in
             strangers' folders too few were worth acting on (docs/survey.md). An error of one file alone stays one.
+        counts_where_run: Whether those of a model that a program of the folder names are none.
         written_over: Figures of a model or a configuration on which it leans; where a program of the
             folder writes over one of them, its findings are notes.
         paired: Whether another file of the robot can give it a finding in a model that the model by itself would not
@@ -58,6 +59,7 @@ class Rule:
     aliases: ClassVar[Mapping[str, str]] = {}
     options: ClassVar[dict[str, float]] = {}
     noted_in_folders: ClassVar[bool] = False
+    counts_where_run: ClassVar[bool] = False
     written_over: ClassVar[frozenset[str]] = frozenset()
     paired: ClassVar[bool] = False
 

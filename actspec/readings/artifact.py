@@ -467,8 +467,9 @@ class FileReading:
         without_gains: Whether it is a whole file of data in which no joint has gains: a folder has many.
         unnamed: Of a model in a folder whose programs name models there: whether neither they nor a model that they
             name name it.
+        run: Of such a model, whether they do.
         written: Figures of models that programs of its folder write over when they have loaded one; `urdf_effort` where
-            they ask no URDF for it, `urdf_limit` where none is of a trainer that takes a URDF's for the drive's,
+            they ask no URDF for it, `compiled` where none is of MuJoCo, `urdf_limit` where none is of a trainer that takes a URDF's for the drive's,
             `drive` where they leave a configuration's gains to a simulator of their own.
         idle: Configurations in a folder that no program there imports, where one imports others.
         record: Whether it is what a training wrote of itself: it says what was, and is not for editing.
@@ -490,6 +491,7 @@ class FileReading:
     refused: Span | None = None
     without_gains: bool = False
     unnamed: bool = False
+    run: bool = False
     written: frozenset[str] = frozenset()
     idle: frozenset[str] = frozenset()
     record: bool = False
@@ -502,9 +504,14 @@ class FileReading:
         )
 
     @property
+    def is_named(self) -> bool:
+        """Whether somebody named it, or a program of the folder that it was found in runs it."""
+        return not self.in_folder or (self.run and not self.put_aside)
+
+    @property
     def refused_models(self) -> tuple[Artifact, ...]:
-        """Models in it that MuJoCo refuses, of a file that somebody named and that no other file includes."""
-        if self.in_folder or self.included:
+        """Models in it that MuJoCo refuses, of a file that somebody or a program names and that no other includes."""
+        if not self.is_named or self.included:
             return ()
         return tuple(artifact for artifact in self.artifacts if artifact.is_refused)
 
@@ -522,8 +529,8 @@ class FileReading:
 
     @property
     def not_taken(self) -> tuple[Diagnostic, ...]:
-        """What is not taken as it is written, of a file that somebody named."""
-        if self.in_folder or not self.readable:
+        """What is not taken as it is written, of a file that somebody or a program names."""
+        if not self.is_named or not self.readable:
             return ()
         return tuple(
             item for item in self.said if item.code in NOT_TAKEN and item.severity is Severity.WARNING

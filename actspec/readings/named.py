@@ -291,6 +291,7 @@ def _idle(
     each = [idle(members, programs_in(folder, exclude)) for folder, members in inside.items()]
     return Idle(
         frozenset().union(*(one.models for one in each)),
+        frozenset().union(*(one.run for one in each)),
         frozenset().union(*(one.written for one in each)),
         {path: names for one in each for path, names in one.configs.items()},
     )
@@ -340,6 +341,7 @@ def _chosen(
                     in_folder=True,
                     put_aside=bool(ASIDE.search(os.path.relpath(file.path, file.folder))),
                     unnamed=file.path in idle_there.models,
+                    run=file.path in idle_there.run,
                     written=idle_there.written,
                     idle=idle_there.configs.get(file.path, frozenset()),
                 )

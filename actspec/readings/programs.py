@@ -125,11 +125,13 @@ class Idle:
     Attributes:
         models: Paths of models that no program names, nor a model that one names, where programs name others; a program
             that only asks where the links are counts for nothing.
+        run: Paths of the models that they name, and of those that these name.
         written: Figures of models that programs write over.
         configs: Path to the configurations that stand there alone, where a program imports others.
     """
 
     models: frozenset[str] = frozenset()
+    run: frozenset[str] = frozenset()
     written: frozenset[str] = frozenset()
     configs: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
@@ -209,6 +211,7 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     run = _Models(models, running).run()
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
+        run or frozenset(),
         written_over(tuple(texts.values())),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )

@@ -55,6 +55,9 @@ that were not the published ones, readers would have acted on 15 of 18 beside a 
 """
 
 
+_COMPILES = re.compile(rb"mujoco|\bmj_|\bmjx|mjlab|dm_control|robosuite", re.IGNORECASE)
+"""Programs of MuJoCo. Isaac Gym, Bullet and Drake read an MJCF their own way."""
+
 _POSES = re.compile(rb"\b(?:mj_forward|mj_kinematics|mj_fwdPosition)\b")
 """MuJoCo computes where the bodies are, and no motion."""
 
@@ -93,7 +96,7 @@ def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
     """What programs write over, of `_WRITES`; the integrator, where each that loads an MJCF does; of URDFs efforts that
-    are no drive's limit.
+    are no drive's limit; whether none compiles an MJCF.
     """
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
     loads = [text for text in texts if _LOADS.search(text)]
@@ -103,4 +106,6 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
         found.add("urdf_effort")
     if not any(map(_LIMITS_BY_URDF.search, texts)):
         found.add("urdf_limit")
+    if not any(map(_COMPILES.search, texts)):
+        found.add("compiled")
     return frozenset(found)

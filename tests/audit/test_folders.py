@@ -266,3 +266,67 @@ def test_ranges_of_a_network_s_gains(
     assert {item.severity for item in found} == {severity}
     noted = {rule.code for rule in all_rules() if rule.noted_in_folders}
     assert {"NET105", "ORD101", "DMP104"} <= noted
+
+
+_LIMB = """<robot name="arm"><link name="a"/><link name="b"/><joint name="elbow" type="revolute"><parent link="a"/>
+<child link="b"/><limit lower="{lower}" upper="1" effort="2" velocity="3"/><dynamics damping="4"/></joint></robot>"""
+_MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
+<body><geom size="0.1"/><joint name="elbow" range="-1.5 1.5" frictionloss="9"/><body><geom size="0.1"/>
+<joint name="wrist" range="-1.2 1.2"/><body><geom size="0.1"/><joint name="hand" range="-1.2 1.2"/></body></body></body>
+</worldbody><actuator><motor joint="{joint}" ctrlrange="-9 9"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "program", "code", "elsewhere"),
+    [
+        # 2 N*m brake 4 N*m*s/rad at 0.5 rad/s, and the joint shall have 3.
+        ("arm.urdf", _LIMB.format(lower=-1), "import isaacgym\n", "DMP103", "info"),
+        ("arm.urdf", _LIMB.format(lower=2), "", "AUD022", None),
+        ("arm.urdf", _LIMB.format(lower=-1)[:-9], "", "AUD008", "info"),
+        ("arm.xml", _MODEL.format(joint="elbow"), "", "FRC101", "info"),
+        ("arm.xml", _MODEL.format(joint="elbow"), "", "UNT101", "info"),
+        ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco\n", "AUD020", None),
+        ("arm.xml", _MODEL.format(joint="ebow"), "import pybullet\n", "AUD020", None),
+    ],
+)
+def test_a_model_that_a_program_of_the_folder_names(
+    file: str,
+    text: str,
+    program: str,
+    code: str,
+    elsewhere: str | None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It is in use: what is wrong in it counts; not in one that another program names, nor where Bullet alone reads it.
+
+    Of a model that no program names it is a note, or said on stderr.
+    """
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r", file).write_text(text)
+
+    def severity() -> str | None:
+        found = [item for item in audit(["r"], Settings()).findings if item.finding.code == code]
+        return found[0].severity.value if found else None
+
+    assert severity() == elsewhere
+    Path("r/train.py").write_text(f"{program}FILE = 'other/leg.xml'\n")
+    assert severity() == elsewhere
+    Path("r/train.py").write_text(f"{program}FILE = 'r/{file}'\n")
+    assert severity() == ("info" if "bullet" in program else "warning")
+    Path("old").mkdir()
+    Path("r").rename("old/r")
+    Path("r").mkdir()
+    Path("old").rename("r/old")
+    assert severity() == elsewhere
+
+
+def test_a_model_that_lacks_a_submodule_stays_a_note(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is wrong with it, whoever names it."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/scene.xml").write_text('<mujoco><include file="mujoco_menagerie/a/a.xml"/></mujoco>')
+    Path("r/train.py").write_text("import mujoco\nFILE = 'scene.xml'\n")
+    found = audit(["r"], Settings()).findings
+    assert [(item.finding.code, item.severity.value) for item in found] == [("AUD008", "info")]

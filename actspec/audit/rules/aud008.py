@@ -28,16 +28,19 @@ class Unreadable(Rule):
         # A file that was lost to a fault of actspec would have been read wherever it lies.
         lost = any(item.code == self.code for item in errors)
         reasons = [item for item in errors if item.code != self.code]
-        # In a folder it may be no robot, a template, or whole at its destination; whoever loads it is told at once.
-        noted = not (named or lost)
 
         def finding(
             message: str, place: Span, help: str | None, about: str, joint: str = "", away: bool = False
         ) -> Finding:
+            severity = None
+            # In a folder it may be no robot, or whole at its destination, but where a program there loads it.
+            run = file.is_named and not (named or lost or away)
             # The audit makes a note of it in a folder, and counts it as one that is an error in a folder of one's own.
-            severity = (
-                Severity.INFO if noted and not case.is_met_at(place) else Severity.WARNING if away else None
-            )
+            noted = not (named or lost or run)
+            if noted and not case.is_met_at(place):
+                severity = Severity.INFO
+            elif away or run:
+                severity = Severity.WARNING
             return Finding(
                 self.code,
                 message,

@@ -26,9 +26,10 @@ class RefusedModel(Rule):
     name = "refused-model"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    written_over = frozenset({"compiled"})
 
     def check(self, case: Case) -> Iterator[Finding]:
-        # In a folder it may be for another MuJoCo, or whole where it is installed: AUD013 says it.
+        # In a folder, of a model that no program names, AUD013 says it: it may be for another MuJoCo.
         for file in case.files:
             for artifact in file.refused_models:
                 message, help, severity = "the model does not compile in the installed MuJoCo", None, None

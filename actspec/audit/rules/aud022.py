@@ -16,7 +16,7 @@ class NotTaken(Rule):
     confidence = Confidence.HIGH
 
     def check(self, case: Case) -> Iterator[Finding]:
-        # In a folder it is a remark: the file may be in use nowhere.
+        # In a folder, of a file that no program names, it is a remark.
         for file in case.files:
             for item in file.not_taken:
                 # Of a URDF it is a joint, of a deploy file a key.

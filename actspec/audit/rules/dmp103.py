@@ -32,6 +32,7 @@ class DampingOutsideClamp(RuleInParts):
     code = "DMP103"
     name = "damping-outside-the-clamp"
     noted_in_folders = True
+    counts_where_run = True
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True

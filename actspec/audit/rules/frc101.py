@@ -32,6 +32,7 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     noted_in_folders = True
+    counts_where_run = True
     paired = True
     needs = "no joint with dry friction and an effort limit among the files"
 

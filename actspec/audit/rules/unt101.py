@@ -28,6 +28,7 @@ class RangeInDegrees(RuleInParts):
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     noted_in_folders = True
+    counts_where_run = True
     paired = True
     fix = Safety.UNSAFE
     needs = "no MJCF or URDF with a limited hinge among the files"
@@ -242,6 +243,7 @@ class RangeInDegrees(RuleInParts):
             largest(command) / DEGREES,
             f"write {_written(command, 1.0 / DEGREES)}",
             confidence=Confidence.MEDIUM,
+            noted_in_folders=True,
         )
         noted = _is_placeholder(command) or _is_part(artifact, row.place("position_range"))
         yield _of_a_part(found) if noted else found
@@ -284,6 +286,7 @@ class RangeInDegrees(RuleInParts):
             most / DEGREES,
             f"write {_written(ends, 1.0 / DEGREES)}{or_none}",
             confidence=Confidence.MEDIUM,
+            noted_in_folders=True,
         )
 
     def _is_far(self, case: Case, joint: JointView) -> bool:
