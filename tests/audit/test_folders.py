@@ -268,6 +268,12 @@ def test_ranges_of_a_network_s_gains(
     assert {"NET105", "ORD101", "DMP104"} <= noted
 
 
+_SIDES = "".join(
+    f'<link name="{side}"/><joint name="{side}_knee" type="revolute"><parent link="a"/><child link="{side}"/>'
+    '<limit lower="-1" upper="1" effort="{' + side + '}" velocity="{speed}"/></joint>'
+    for side in SIDES
+)
+_LEGS = f'<robot name="legs"><link name="a"/>{_SIDES}</robot>'
 _LIMB = """<robot name="arm"><link name="a"/><link name="b"/><joint name="elbow" type="revolute"><parent link="a"/>
 <child link="b"/><limit lower="{lower}" upper="1" effort="2" velocity="3"/><dynamics damping="4"/></joint></robot>"""
 _MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
@@ -284,6 +290,8 @@ _MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
         ("arm.urdf", _LIMB.format(lower=2), "", "AUD022", None),
         ("arm.urdf", _LIMB.format(lower=-1)[:-9], "", "AUD008", "info"),
         ("arm.xml", _MODEL.format(joint="elbow"), "", "FRC101", "info"),
+        ("legs.urdf", _LEGS.format(left=3, right=5, speed=9), "", "SYM101", "info"),
+        ("legs.urdf", _LEGS.format(left=0, right=0, speed=0), "", "LIM101", "info"),
         ("arm.xml", _MODEL.format(joint="elbow"), "", "UNT101", "info"),
         ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco\n", "AUD020", None),
         ("arm.xml", _MODEL.format(joint="ebow"), "import pybullet\n", "AUD020", None),
@@ -315,6 +323,10 @@ def test_a_model_that_a_program_of_the_folder_names(
     assert severity() == elsewhere
     Path("r/train.py").write_text(f"{program}FILE = 'r/{file}'\n")
     assert severity() == ("info" if "bullet" in program else "warning")
+    if code == "LIM101":
+        # A stand-in for no limit is too often meant.
+        Path("r", file).write_text(_LEGS.format(left=1e6, right=1e6, speed=1e6))
+        assert severity() == "info"
     Path("old").mkdir()
     Path("r").rename("old/r")
     Path("r").mkdir()

@@ -63,6 +63,7 @@ class NoEffectiveLimit(RuleInParts):
     code = "LIM101"
     name = "no-effective-limit"
     noted_in_folders = True
+    counts_where_run = True
     aliases: ClassVar[dict[str, str]] = {
         "LIM101": "no-limit-of-any-kind",
         "LIM102": "limit-is-a-placeholder",
@@ -260,6 +261,8 @@ class NoEffectiveLimit(RuleInParts):
             fields=("effort_limit",),
             severity=Severity.INFO if bounded.confidence is None and off is None else self.severity,
             confidence=None if off is not None else bounded.confidence,
+            # In a folder the program that drives it may limit it.
+            noted_in_folders=bound is None and off is None,
             about="" if bound is None else shown(row, "effort_limit", bound),
         )
 
@@ -282,7 +285,7 @@ class NoEffectiveLimit(RuleInParts):
             unit(row, "effort_limit"),
             help="state the motor's effort limit",
             fields=("effort_limit",),
-            noted_in_folders=case.artifacts[row.artifact].kind is FileKind.MJCF or effort not in (1e3, 1e4),
+            noted_in_folders=True,
         )
 
     def _placeholders(self, row: LedgerRow, limits: Mapping[str, float | None]) -> Finding:
@@ -298,6 +301,7 @@ class NoEffectiveLimit(RuleInParts):
             unit(row, "effort_limit"),
             help="state the motor's effort and velocity limits",
             fields=LIMITS,
+            noted_in_folders=True,
         )
 
     def _exporters(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
@@ -353,6 +357,7 @@ class NoEffectiveLimit(RuleInParts):
                 # Few simulators enforce a speed limit at all, and joints without a motor have one too. A slide is more
                 # often a base, a lift or a block that is moved than an axis with a motor.
                 severity=Severity.INFO if field == "velocity_limit" or row.kind is JointKind.SLIDE else None,
+                noted_in_folders=True,
             )
             yield found if found.severity is Severity.INFO else _graver(case, row, found)
         elif limit == 0.0 and not idle:

@@ -96,6 +96,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     noted_in_folders = True
+    counts_where_run = True
     paired = True
     needs = "no joints whose names mirror each other among the files"
     options: ClassVar[dict[str, float]] = {"relative": 0.01, "angle": 0.02}
