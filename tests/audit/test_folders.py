@@ -291,7 +291,13 @@ _MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
         ("arm.urdf", _LIMB.format(lower=-1)[:-9], "", "AUD008", "info"),
         ("arm.xml", _MODEL.format(joint="elbow"), "", "FRC101", "info"),
         ("legs.urdf", _LEGS.format(left=3, right=5, speed=9), "", "SYM101", "info"),
-        ("legs.urdf", _LEGS.format(left=0, right=0, speed=0), "", "LIM101", "info"),
+        (
+            "arm.xml",
+            _MODEL.format(joint='elbow" ctrllimited="false" forcelimited="false" forcerange="-3 3'),
+            "",
+            "LIM101",
+            "info",
+        ),
         ("arm.xml", _MODEL.format(joint="elbow"), "", "UNT101", "info"),
         ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco\n", "AUD020", None),
         ("arm.xml", _MODEL.format(joint="ebow"), "import pybullet\n", "AUD020", None),
@@ -323,10 +329,6 @@ def test_a_model_that_a_program_of_the_folder_names(
     assert severity() == elsewhere
     Path("r/train.py").write_text(f"{program}FILE = 'r/{file}'\n")
     assert severity() == ("info" if "bullet" in program else "warning")
-    if code == "LIM101":
-        # A stand-in for no limit is too often meant.
-        Path("r", file).write_text(_LEGS.format(left=1e6, right=1e6, speed=1e6))
-        assert severity() == "info"
     Path("old").mkdir()
     Path("r").rename("old/r")
     Path("r").mkdir()
@@ -342,3 +344,13 @@ def test_a_model_that_lacks_a_submodule_stays_a_note(tmp_path: Path, monkeypatch
     Path("r/train.py").write_text("import mujoco\nFILE = 'scene.xml'\n")
     found = audit(["r"], Settings()).findings
     assert [(item.finding.code, item.severity.value) for item in found] == [("AUD008", "info")]
+
+
+def test_a_stand_in_for_no_limit_stays_a_note(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Too many are meant so; whoever names the file is warned."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/legs.urdf").write_text(_LEGS.format(left=1e6, right=1e6, speed=1e6))
+    Path("r/train.py").write_text("FILE = 'legs.urdf'\n")
+    own = [audit(["r"], Settings(select=("LIM101",), as_named=named)).findings for named in (False, True)]
+    assert [{item.severity.value for item in found} for found in own] == [{"info"}, {"warning"}]
