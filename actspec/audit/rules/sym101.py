@@ -77,6 +77,10 @@ _ROUGH = 0.1
 """Share of a dry friction up to which two figures of it are one, and of a joint's inertia up to which two armatures
 are. Chosen: identification tells them no better."""
 
+_FELT = 0.26
+"""Share of an armature up to which two are one. Chosen: nobody acted on Gym's humanoid, with 0.01 and 0.008 kg*m^2 at the
+hips and 0.0068 and 0.0051 at the shoulders (docs/survey.md)."""
+
 _DERIVED = 0.05
 """Share of a gain up to which two are one. Chosen: a damping ratio makes such gains of the masses of two sides."""
 
@@ -349,8 +353,10 @@ def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: 
     rough = abs(one - other) <= _ROUGH * max(abs(one), abs(other))
     if field == "frictionloss":
         return rough
-    if field == "armature" and abs(one - other) <= _ROUGH * min(row.inertia_min or 0.0 for row in sides):
-        return True
+    if field == "armature":
+        inertia = min(row.inertia_min or 0.0 for row in sides)
+        if abs(one - other) <= max(_ROUGH * inertia, _FELT * max(abs(one), abs(other))):
+            return True
     if field == "joint_damping" and rough:
         return True
     if field == "velocity_limit" and (
