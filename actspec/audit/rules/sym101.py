@@ -78,8 +78,8 @@ _ROUGH = 0.1
 are. Chosen: identification tells them no better."""
 
 _FELT = 0.26
-"""Share of an armature up to which two are one. Chosen: nobody acted on Gym's humanoid, with 0.01 and 0.008 kg*m^2 at the
-hips and 0.0068 and 0.0051 at the shoulders (docs/survey.md)."""
+"""Share of an armature up to which two are one. Chosen: nobody acted on Gym's humanoid, with 0.01 and 0.008 kg*m^2 at
+its hips and 0.0068 and 0.0051 at its shoulders (docs/survey.md)."""
 
 _DERIVED = 0.05
 """Share of a gain up to which two are one. Chosen: a damping ratio makes such gains of the masses of two sides."""
