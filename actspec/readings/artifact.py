@@ -467,7 +467,7 @@ class FileReading:
         without_gains: Whether it is a whole file of data in which no joint has gains: a folder has many.
         unnamed: Of a model in a folder whose programs name models there: whether neither they nor a model that they
             name name it.
-        run: Of such a model, whether they do.
+        run: Of a model in a folder, whether a program there writes out its name, or a model that one does.
         written: Figures of models that programs of its folder write over when they have loaded one; `urdf_effort` where
             they ask no URDF for it, `urdf_limit` where none is of a trainer that takes a URDF's for the drive's,
             `compiled` where none is of MuJoCo, `integrator` where they set another, `drive` where they leave a

@@ -40,6 +40,9 @@ Source: SolidWorks to URDF exporter."""
 
 _MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)")
 _REFERENCE = re.compile(rb"\.(urdf|xml|mjcf|usd[acz]?|xacro)\b")
+_ENDINGS = (b"urdf", b"xml", b"mjcf")
+"""Of models that are read."""
+
 _EVERY = b".*"
 _MADE = rb"\{[^{}\n]*\}|%[sd]|\*"
 _BEFORE_ENDING = re.compile(rb"""(\+\s*f?["'])?((?:[\w.+/\\-]|""" + _MADE + rb")*)$")
@@ -83,7 +86,7 @@ _OF_ANY_ROBOT = frozenset(
 
 ASIDE = re.compile(
     r"(?<![a-z])(?:archived?|before|old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused|debug|dump|error)(?![a-z])"
-    r"|(?:^|[/\\])(?:third[_-]?party|3rd[_-]?party|externals?|vendor|tests?|test_?(?:data|assets)|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik|\w*pinocchio)[/\\]"
+    r"|(?:^|[/\\])(?:third[_-]?party|(?:site|dist)-packages|3rd[_-]?party|externals?|vendor|tests?|test_?(?:data|assets)|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik|\w*pinocchio)[/\\]"
     r"|_test\.(?:xml|urdf|mjcf)$"
     # No program can import it: `leg_cfg (1).py`, a copy that an editor made.
     r"|\s[^/\\]*\.py$",
@@ -125,7 +128,7 @@ class Idle:
     Attributes:
         models: Paths of models that no program names, nor a model that one names, where programs name others; a program
             that only asks where the links are counts for nothing.
-        run: Paths of the models that they name, and of those that these name.
+        run: Paths of the models that they write out, and of those that these name.
         written: Figures of models that programs write over.
         configs: Path to the configurations that stand there alone, where a program imports others.
     """
@@ -208,10 +211,11 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     running = {
         path: text for path, text in texts.items() if alone.get(path) != configs.get(path, frozenset())
     }
-    run = _Models(models, running).run()
+    own = _Models(models, running)
+    run = own.run()
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
-        run or frozenset(),
+        own.surely_run(),
         written_over(tuple(texts.values())),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
@@ -281,12 +285,11 @@ class _Models:
             self.by_stem.setdefault(_stem(path), []).append(path)
 
     def run(self) -> frozenset[str] | None:
-        """Those that are named to be run; None where no program names a model or a USD."""
-        exported = [path for path in self.programs if self._is_exported(path)]
+        """Those that may be named to be run; None where no program names a model or a USD."""
         named: set[str] = set()
         others = False
-        for program, text in self.programs.items():
-            for name in _names(text) if program not in exported else ():
+        for program, names in self._named.items():
+            for name in names if program not in self._exported else ():
                 others = others or (name.ending.startswith(b"usd") and program.endswith(".py"))
                 meant = self._meant(name, program)
                 if program not in self.still:
@@ -296,21 +299,52 @@ class _Models:
         if not named and not others:
             named = {
                 path
-                for program in exported
-                for name in _names(self.programs[program])
+                for program in self._exported
+                for name in self._named[program]
                 for path in self._meant(name, program)
             }
             if not named:
                 return None
-        # What a named scene includes is run.
-        left = sorted(named)
+        return self._with_parts(named)
+
+    def surely_run(self) -> frozenset[str]:
+        """Those that a program writes out to be run, by a name that no other model there has.
+
+        Not what is made of a USD or a xacro that one names: it may have been written before.
+        """
+        return self._with_parts(
+            {
+                meant[0]
+                for program, names in self._named.items()
+                if program not in self.still and program not in self._exported
+                for name in names
+                if name.literal is not None
+                and name.ending in _ENDINGS
+                and len(meant := self._meant(name, program)) == 1
+            }
+        )
+
+    @cached_property
+    def _named(self) -> dict[str, tuple[_Name, ...]]:
+        """What looks like the name of a model in each program."""
+        return {program: tuple(_names(text)) for program, text in self.programs.items()}
+
+    def _with_parts(self, named: Collection[str]) -> frozenset[str]:
+        """Models with what they include: of a scene that is run these are, too."""
+        found = set(named)
+        left = sorted(found)
         while left:
             path = left.pop()
             for name in _names(_MARKUP.sub(b"", _read(path))):
-                found = set(self._meant(name, path))
-                left += sorted(found - named)
-                named |= found
-        return frozenset(named)
+                more = set(self._meant(name, path)) - found
+                left += sorted(more)
+                found |= more
+        return frozenset(found)
+
+    @cached_property
+    def _exported(self) -> frozenset[str]:
+        """Launch files that an exporter wrote."""
+        return frozenset(path for path in self.programs if self._is_exported(path))
 
     def _is_exported(self, program: str) -> bool:
         """Whether a launch file is one of the two that an exporter wrote."""
@@ -339,7 +373,7 @@ class _Models:
         else:
             # It may be any of which the programs speak.
             found = [path for stem, paths in self.by_stem.items() if stem in self.words for path in paths]
-        if name.ending in (b"urdf", b"xml", b"mjcf"):
+        if name.ending in _ENDINGS:
             ending = "." + name.ending.decode()
             found = [path for path in found if path.endswith(ending)]
         elif name.ending == b"xacro" and name.literal is not None and not by.endswith(".xacro"):

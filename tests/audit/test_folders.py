@@ -354,3 +354,28 @@ def test_a_stand_in_for_no_limit_stays_a_note(tmp_path: Path, monkeypatch: pytes
     Path("r/train.py").write_text("FILE = 'legs.urdf'\n")
     own = [audit(["r"], Settings(select=("LIM101",), as_named=named)).findings for named in (False, True)]
     assert [{item.severity.value for item in found} for found in own] == [{"info"}, {"warning"}]
+
+
+@pytest.mark.parametrize(
+    ("program", "severity"),
+    [
+        ("FILE = 'models/legs.urdf'\n", "warning"),
+        ("FILE = f'models/{name}.urdf'\nNAMES = ['legs']\n", "info"),
+        ("FILE = 'models/legs.xacro'\n", "info"),
+        ("FILE = 'other/legs.urdf'\n", "warning"),
+        ("# FILE = 'models/legs.urdf'\nFILE = 'models/arm.urdf'\n", "info"),
+    ],
+)
+@pytest.mark.parametrize("copies", [1, 2])
+def test_a_name_that_a_program_writes_out(
+    program: str, severity: str, copies: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that it makes up may be of any model, and one of two models of that name of the other."""
+    monkeypatch.chdir(tmp_path)
+    for at in range(copies):
+        Path(f"r/models{at}").mkdir(parents=True)
+        Path(f"r/models{at}/legs.urdf").write_text(_LEGS.format(left=3, right=5, speed=9))
+        Path(f"r/models{at}/legs.xacro").write_text("<robot/>")
+    Path("r/train.py").write_text(program)
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    assert {item.severity.value for item in found} == {severity if copies == 1 else "info"}
