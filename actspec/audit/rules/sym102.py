@@ -7,6 +7,7 @@ from operator import attrgetter
 
 from actspec.audit.case import MODELS
 from actspec.audit.difference import axis_text
+from actspec.audit.known import GRIPS
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.sided import of_its_leg
 from actspec.audit.rules.sym101 import pairs
@@ -76,7 +77,8 @@ class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
         found, actuators = subject
         planes = _planes(found)
         pair, others = _odd(found, planes, _range_mirrors)
-        if pair is not None:
+        # Two equal grippers mirror nothing: what opens them may turn alike.
+        if pair is not None and not GRIPS.search(pair.left[0].joint):
             yield self._range(pair, others)
         views = {(view.target, view.span): view for view in actuators if "gear" not in view.unknown}
 
