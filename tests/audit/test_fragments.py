@@ -11,6 +11,7 @@ from actspec.audit.engine import audit
 from actspec.audit.outcome import Report
 from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
+from actspec.cli.main import main
 
 MAIN = """<mujoco>
   <worldbody><body><joint name="knee" armature="0.01"/><geom size="0.1"/></body></worldbody>
@@ -84,6 +85,32 @@ def test_an_include_of_a_part_is_followed_from_its_includer(
     assert sorted({str(item.finding.span) for item in report.findings}) == told
     if not changed:
         assert [file.path for file in report.case.files] == ["scene.xml"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "whole"),
+    # What MuJoCo refuses is read from its text.
+    [
+        ({}, True),
+        ({"scene.xml": NESTED["scene.xml"].replace("motor", "mtor")}, True),
+        ({"parts/hand.xml": ""}, False),
+    ],
+    ids=["compiles", "refused", "empty"],
+)
+def test_a_part_that_is_named_alone(
+    changed: dict[str, str], whole: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The model beside it that can be read in its place is named; where none can, the file is what is wrong."""
+    Path("parts").mkdir()
+    for name, text in (NESTED | changed).items():
+        Path(name).write_text(text)
+    assert main(["audit", "parts/arm.xml", "--notes"]) == (0 if whole else 1)
+    reason = "the include cannot be followed: there is no folder 'parts' (ROBOT006)"
+    note = f"[info] the file can be read only in scene.xml, which includes it: {reason}"
+    out = capsys.readouterr().out
+    told = note if whole else f"[error] the file cannot be read: {reason}"
+    assert f"parts/arm.xml:2:1: AUD008 {told}\n" in out
+    assert ("help: audit scene.xml in its place" in out) == whole
 
 
 def test_what_stays() -> None:
