@@ -411,10 +411,8 @@ def _folders_of_parts(case: Case) -> frozenset[str]:
         os.path.dirname(part.path)
         for _, artifact in case.of_kind(FileKind.MJCF)
         if artifact.robot is not None and artifact.states(b"radian")
-        for main, *parts in (artifact.robot.files,)
-        if b"radian" in without_comments(main.data)
-        for part in parts
-        if os.path.dirname(part.path) != os.path.dirname(main.path)
+        for part in artifact.robot.files
+        if os.path.dirname(part.path) != os.path.dirname(artifact.path)
         if b"angle=" not in without_comments(part.data)
     )
 
