@@ -419,6 +419,9 @@ PHYSX, NETWORK = "PhysX", "actuator_net"
 NAMES_NOTHING = ("AUD014", "AUD016")
 """Codes of names that stand for no file."""
 
+NOT_FOUND = "ROBOT006"
+"""Code of a file that a model includes or attaches and that cannot be read."""
+
 STEP_OF_WHAT = "DEPLOY005"
 """Code of the remark on a `dt` of which nobody knows what it is a step of."""
 
@@ -460,7 +463,8 @@ class FileReading:
         in_folder: Whether it was found in a folder that was named, and was not named itself.
         put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
         included: Whether another file of the audit includes it, which can be read or not.
-        whole: Of a model that MuJoCo refuses alone, a file beside those of the audit that includes it and compiles.
+        whole: Of a model that MuJoCo refuses alone, a file beside those of the audit that includes it and compiles; of
+            one whose include cannot be followed alone, one that includes it and can be read.
         refused_by: Of a model that MuJoCo refuses, the release that is installed; None: not known.
         asked: Of such a model, what its project asks for that this release is too new for.
         refused: The place that `reason` is about; None: the file as a whole.

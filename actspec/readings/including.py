@@ -158,7 +158,8 @@ def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...
 
     A part is an MJCF that MuJoCo refuses alone, or that has no `<compiler>`: angles, classes and limits may then be its
     includer's. Any other that MuJoCo takes alone stays, whoever includes it: it is a model. What MuJoCo refuses alone
-    is also left to an includer that cannot be read, of which that is said.
+    is also left to an includer that cannot be read, of which that is said. What cannot be read alone is left to one
+    that reads it: what a part includes lies where its includer looks.
 
     Args:
         readings: All of one audit.
@@ -191,14 +192,8 @@ def _named_by_includes(reading: FileReading) -> Iterator[str]:
 
 def _is_judged_elsewhere(reading: FileReading, included: Mapping[str, bool]) -> bool:
     """Whether a file is a part of others, by the included files' paths to whether one of them could be read."""
-    read_there = included.get(os.path.realpath(reading.path)) if _is_part(reading) else None
-    if read_there is None:
-        return False
-    return read_there or all(one.text_only is not None for one in reading.artifacts)
-
-
-def _is_part(reading: FileReading) -> bool:
-    """Whether MuJoCo takes nothing of a file, or another file has its compiler."""
-    return bool(reading.artifacts) and all(
-        one.text_only is not None or one.may_be_part for one in reading.artifacts
-    )
+    read_there = included.get(os.path.realpath(reading.path))
+    if read_there is None or not reading.artifacts:
+        return bool(read_there)
+    # MuJoCo takes nothing of it, or another file has its compiler.
+    return all(one.text_only is not None or (read_there and one.may_be_part) for one in reading.artifacts)

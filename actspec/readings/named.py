@@ -12,7 +12,7 @@ from functools import cache
 from actspec.diagnostics import Diagnostic, Severity, Span, listed, many
 from actspec.files import why
 from actspec.processes import FaultError, LostError, Pool
-from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.artifact import NOT_FOUND, FileKind, FileReading
 from actspec.readings.including import INCLUDED, MOST_WHOLES, Around
 from actspec.readings.motor_names import with_names
 from actspec.readings.pins import pins_here
@@ -173,7 +173,10 @@ class PendingFiles:
         for task, answer in self._pool.results():
             if task in around:
                 index, path = around[task]
-                if isinstance(answer, FileReading) and answer.compiles:
+                # A file that is read from its text is none in which another one compiles.
+                if isinstance(answer, FileReading) and (
+                    answer.compiles or (answer.readable and not found[index].readable)
+                ):
                     found[index] = replace(found[index], whole=min(path, found[index].whole or path))
                 continue
             index = again.get(task, task)
@@ -189,7 +192,8 @@ class PendingFiles:
                     answer, refused_by=pins.installed, asked=pins.older(path, self._files[index].folder)
                 )
             found[index] = answer
-            if answer.refused_models and (self._files[index].named or self._files[index].folder is None):
+            alone = answer.refused_models or any(item.code == NOT_FOUND for item in answer.diagnostics)
+            if alone and (self._files[index].named or self._files[index].folder is None):
                 wholes = Around(path).wholes(INCLUDED)[:MOST_WHOLES]
                 around.update((self._pool.add(one, False, None), (index, one)) for one in wholes)
             if progress is not None:

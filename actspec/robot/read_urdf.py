@@ -59,18 +59,17 @@ def unexpanded(document: XmlDocument) -> Iterator[Element]:
 
 
 def is_xacro(document: XmlDocument) -> bool:
-    """Whether a file that is called a URDF is a xacro: by its root's namespace, and a macro or figure that it computes.
+    """Whether a file that is called a URDF is a xacro: by a macro, or a figure or name that it computes.
 
-    Includes, arguments and properties that nothing uses leave the joints as its text has them.
+    Includes, arguments and properties that nothing uses leave the joints as its text has them, and so does where a mesh
+    lies. xacro 2.1.1 computes `${...}` in a file without its namespace, too: measured.
     """
     idle = ("arg", "property", "include")
     own = frozenset(unexpanded(document))
     return any(
-        name.startswith("xmlns:") and "xacro" in value for name, value in document.root.values.items()
-    ) and any(
         element.tag.partition(":")[2] not in idle
         if element in own
-        else any("${" in value for value in element.values.values())
+        else any("${" in value for name, value in element.values.items() if name != "filename")
         for element in document.walk()
     )
 
@@ -373,12 +372,13 @@ def _range(
         return None
     low, high = lower or 0.0, upper or 0.0
     if low > high:
-        out.warning(
-            "ROBOT123",
-            f"limit lower {format_number(low)} is above upper {format_number(high)}; taken as no limit",
-            where=name,
-            span=span,
+        # Bullet's own files write it so, and its importer frees a joint whose limits are the wrong way round.
+        free = (low, high) == (1.0, -1.0)
+        report, way = (out.info, ", as Bullet's files free a joint") if free else (out.warning, "")
+        message = (
+            f"limit lower {format_number(low)} is above upper {format_number(high)}{way}; taken as no limit"
         )
+        report("ROBOT123", message, where=name, span=span)
     return (low, high) if low < high and (low > -math.inf or high < math.inf) else None
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import mujoco
 import pytest
 
 from actspec.audit.engine import audit
 from actspec.audit.outcome import Report
 from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
+from actspec.cli.main import main
 
 MAIN = """<mujoco>
   <worldbody><body><joint name="knee" armature="0.01"/><geom size="0.1"/></body></worldbody>
@@ -44,6 +46,71 @@ def test_a_fragment_is_judged_in_its_model(paths: tuple[str, ...]) -> None:
     assert report.diagnostics() == ()
     (found,) = report.findings
     assert (Path(found.finding.span.path).name, found.finding.joint) == ("leg_actuators.xml", "knee")
+
+
+NESTED = {
+    "scene.xml": '<mujoco><worldbody><include file="parts/arm.xml"/></worldbody>'
+    '<actuator><motor joint="wrist"/></actuator></mujoco>',
+    "parts/arm.xml": '<mujoco><body>\n<include file="parts/hand.xml"/><geom size="1"/></body></mujoco>',
+    "parts/hand.xml": '<mujoco><body><joint name="wrist"/><geom size="1"/></body></mujoco>',
+}
+"""What a part includes lies where its includer looks, as MuJoCo has it."""
+
+
+@pytest.mark.parametrize("as_named", [False, True], ids=["folder", "as named"])
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({}, []),
+        # Nobody includes the part: its own folder is where it looks.
+        ({"scene.xml": MODEL}, ["parts/arm.xml:2:1"]),
+        # Its includer cannot follow it either.
+        ({"parts/hand.xml": None}, ["parts/arm.xml:2:1"]),
+        # The includer is no XML: whether it would find the hand, nobody knows.
+        ({"scene.xml": NESTED["scene.xml"] + "<"}, ["parts/arm.xml:2:1", "scene.xml:1:115"]),
+    ],
+    ids=["followed", "alone", "not there", "no includer"],
+)
+def test_an_include_of_a_part_is_followed_from_its_includer(
+    changed: dict[str, str | None], told: list[str], as_named: bool
+) -> None:
+    """A part that cannot be put together alone is judged in the model that can."""
+    Path("parts").mkdir()
+    for name, text in (NESTED | changed).items():
+        if text is not None:
+            Path(name).write_text(text)
+    if not changed:
+        assert mujoco.MjModel.from_xml_path("scene.xml").njnt == 1
+    report = audit(["."], Settings(select=("AUD008",), as_named=as_named))
+    assert sorted({str(item.finding.span) for item in report.findings}) == told
+    if not changed:
+        assert [file.path for file in report.case.files] == ["scene.xml"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "whole"),
+    # What MuJoCo refuses is read from its text.
+    [
+        ({}, True),
+        ({"scene.xml": NESTED["scene.xml"].replace("motor", "mtor")}, True),
+        ({"parts/hand.xml": ""}, False),
+    ],
+    ids=["compiles", "refused", "empty"],
+)
+def test_a_part_that_is_named_alone(
+    changed: dict[str, str], whole: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The model beside it that can be read in its place is named; where none can, the file is what is wrong."""
+    Path("parts").mkdir()
+    for name, text in (NESTED | changed).items():
+        Path(name).write_text(text)
+    assert main(["audit", "parts/arm.xml", "--notes"]) == (0 if whole else 1)
+    reason = "the include cannot be followed: there is no folder 'parts' (ROBOT006)"
+    note = f"[info] the file can be read only in scene.xml, which includes it: {reason}"
+    out = capsys.readouterr().out
+    told = note if whole else f"[error] the file cannot be read: {reason}"
+    assert f"parts/arm.xml:2:1: AUD008 {told}\n" in out
+    assert ("help: audit scene.xml in its place" in out) == whole
 
 
 def test_what_stays() -> None:

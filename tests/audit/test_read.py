@@ -374,8 +374,16 @@ def test_a_xacro_under_the_name_of_a_urdf(capsys: pytest.CaptureFixture[str]) ->
     assert read_file("d/r.urdf").readable
     Path("d/r.urdf").write_text(idle.replace("</robot>", '<xacro:wheel side="left"/></robot>'))
     assert read_file("d/r.urdf").names_nothing
-    # Without the namespace xacro computes nothing: the figure is what is wrong.
-    Path("d/r.urdf").write_text(text.replace(' xmlns:xacro="http://www.ros.org/wiki/xacro"', ""))
+    # xacro computes without the namespace, too.
+    bare = text.replace(' xmlns:xacro="http://www.ros.org/wiki/xacro"', "")
+    Path("d/r.urdf").write_text(bare)
+    assert read_file("d/r.urdf").names_nothing
+    # Where a mesh lies is nothing of a joint.
+    mesh = '<link name="a"><visual><geometry><mesh filename="${MESHES}/a.stl"/></geometry></visual></link>'
+    Path("d/r.urdf").write_text(idle.replace('<link name="a"/>', mesh))
+    assert read_file("d/r.urdf").readable
+    # A figure that is none, and none of xacro's, is what is wrong.
+    Path("d/r.urdf").write_text(bare.replace("-${pi}", "-pi").replace("${pi}", "pi"))
     assert "must be a number" in (read_file("d/r.urdf").reason or "")
 
 

@@ -47,6 +47,7 @@ JOINT = """<robot name="r"><link name="a"/><link name="b"/>
         ("a.xml", LEG.replace("</body>", "{% if a < b %}</body>"), "'{% if a < b %}'", 4),
         ("a.urdf", JOINT.replace('"9"', '"{effort}"'), "'{effort}'", 3),
         ("a.urdf", JOINT.replace("revolute", "{kind}"), "'{kind}'", 2),
+        ("a.urdf", JOINT.replace("revolute", "/* joint_type */"), "'/* joint_type */'", 2),
     ],
 )
 def test_a_template_is_to_be_filled_in_first(
@@ -77,8 +78,7 @@ def test_a_template_is_to_be_filled_in_first(
         ("a.xml", LEG.replace("</body>", "<!-- {% if a %} --></body></body>"), "AUD008"),
         ("a.xml", LEG.replace("<worldbody>", '<include file="ur5__leg__2.xml"/><worldbody>'), "AUD008"),
         ("a.urdf", JOINT.replace('"9"', '"3O0"').replace('"r"', '"{r}"'), "AUD008"),
-        # It is xacro's, which it may not have been meant for.
-        ("a.urdf", JOINT.replace('"9"', '"${effort}"'), "AUD008"),
+        ("a.urdf", JOINT.replace("revolute", "/* a hinge, I think */"), "AUD008"),
     ],
 )
 def test_what_is_no_template(name: str, text: str, code: str) -> None:

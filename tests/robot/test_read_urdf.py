@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from actspec.diagnostics import RobotError
+from actspec.diagnostics import RobotError, Severity
 from actspec.ir import JointKind
 from actspec.robot.load import load_robot
 from actspec.robot.mjspec import compiled_model, open_urdf
@@ -209,6 +209,27 @@ def test_nonsense_limits_are_no_limits() -> None:
         "limit velocity must be >= 0 m/s, got -3; taken as no limit",
         "limit lower 2 is above upper 1; taken as no limit",
     ]
+
+
+@pytest.mark.parametrize(
+    ("ends", "severity", "told"),
+    [
+        (
+            ("1", "-1.0"),
+            Severity.INFO,
+            "1 is above upper -1, as Bullet's files free a joint; taken as no limit",
+        ),
+        (("2", "-2"), Severity.WARNING, "2 is above upper -2; taken as no limit"),
+        (("0", "-1"), Severity.WARNING, "0 is above upper -1; taken as no limit"),
+    ],
+)
+def test_a_joint_that_bullet_leaves_free(ends: tuple[str, str], severity: Severity, told: str) -> None:
+    """Exactly 1 and -1 is how Bullet's own files write it, and no slip."""
+    limit = f'<limit lower="{ends[0]}" upper="{ends[1]}" effort="5" velocity="3"/>'
+    view = read(robot(joint(limit)))
+    assert view.joints[0].range is None
+    said = [item for item in view.diagnostics if item.code == "ROBOT123"]
+    assert [(item.severity, item.message) for item in said] == [(severity, f"limit lower {told}")]
 
 
 def test_all_errors_at_once() -> None:

@@ -414,6 +414,19 @@ def test_what_is_behind_the_root(tail: str, read: bool) -> None:
     assert [(item.code, item.span, item.severity) for item in said] == [("ROBOT009", place, severity)]
 
 
+@pytest.mark.parametrize("tail", ["\0", "\n\0\0 \r\n", "<!-- a -->\0"])
+def test_nul_bytes_at_the_end(tail: str) -> None:
+    """MuJoCo reads as far as the first; there is nothing to report."""
+    text = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>" + tail
+    assert mujoco.MjModel.from_xml_string(text).ngeom == 1
+    said = Collector()
+    report_behind(parsed(text), said)
+    assert not list(said)
+    # A NUL inside is none at the end.
+    assert "a control character, 0x00" in refused(text.replace("<geom", "\0<geom"))
+    assert "a control character, 0x00" in refused(text + "\0text")
+
+
 @pytest.mark.parametrize(
     ("head", "tail"),
     [

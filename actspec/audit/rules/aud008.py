@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from actspec.audit.finding import quoted
 from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
-from actspec.diagnostics import Span
+from actspec.diagnostics import Span, one_line
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.submodules import NOT_CHECKED_OUT
 
@@ -28,6 +28,14 @@ class Unreadable(Rule):
         # A file that was lost to a fault of actspec would have been read wherever it lies.
         lost = any(item.code == self.code for item in errors)
         reasons = [item for item in errors if item.code != self.code]
+        # What a part includes lies where its includer looks.
+        fault, instead = "the file cannot be read", None
+        if file.whole is not None:
+            whole = one_line(file.whole)
+            fault, instead = (
+                f"the file can be read only in {whole}, which includes it",
+                f"audit {whole} in its place",
+            )
 
         def finding(
             message: str, place: Span, help: str | None, about: str, joint: str = "", away: bool = False
@@ -37,7 +45,7 @@ class Unreadable(Rule):
             run = file.is_named and not (named or lost or away)
             # The audit makes a note of it in a folder, and counts it as one that is an error in a folder of one's own.
             noted = not (named or lost or run)
-            if noted and not case.is_met_at(place):
+            if instead is not None or (noted and not case.is_met_at(place)):
                 severity = Severity.INFO
             elif away or run:
                 severity = Severity.WARNING
@@ -60,8 +68,8 @@ class Unreadable(Rule):
             where = f"{item.where}: " if item.where and not alike else ""
             count = len(reasons) - 1
             more = f"{count} more reason{'s' * (count != 1)}: audit the file by its name"
-            help = item.help if named or len(reasons) == 1 else more
-            message = f"the file cannot be read: {where}{item.message} ({item.code})"
+            help = instead or (item.help if named or len(reasons) == 1 else more)
+            message = f"{fault}: {where}{item.message} ({item.code})"
             yield finding(
                 message,
                 item.span or Span(file.path),

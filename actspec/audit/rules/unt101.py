@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -60,7 +61,7 @@ class RangeInDegrees(RuleInParts):
                 artifact = case.artifacts[index]
                 in_degrees = (joint[0] * DEGREES, joint[1] * DEGREES)
                 if is_degrees_of(command, in_degrees) and not artifact.states(b"radian"):
-                    yield (_graded(self._of_both(row, command, joint), artifact),)
+                    yield (_graded(case, self._of_both(row, command, joint), artifact),)
                 elif is_degrees_of(command, joint):
                     found.append(row)
                 elif is_degrees_of(joint, command) and largest(joint) > _TURN:
@@ -72,27 +73,28 @@ class RangeInDegrees(RuleInParts):
                 ):
                     speed = _speed_of(case, row, command)
                     if speed is not None:
-                        yield (_graded(self._of_speed(row, command, joint, speed), artifact),)
+                        yield (_graded(case, self._of_speed(row, command, joint, speed), artifact),)
                     elif not _is_left(case, index, row.joint, command):
-                        yield self._of_degrees(row, command, joint, artifact)
+                        is_part = _is_part(case, artifact, row.place("position_range"))
+                        yield self._of_degrees(row, command, joint, is_part)
         # One range that is radians by its servo tells that all of the file are, endless joints' too; ±90 is none's.
         radians = Counter(row.artifact for row in found if not _turns(row))
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
         of_parts: dict[tuple[int, str], list[LedgerRow]] = {}
         for row in found:
             place, artifact = row.place("position_range"), case.artifacts[row.artifact]
-            if _turns(row) or (_is_part(artifact, place) and radians[row.artifact] == 1):
+            if _turns(row) or (_is_part(case, artifact, place) and radians[row.artifact] == 1):
                 continue
             if _is_in_radians(artifact, place.path):
                 of_parts.setdefault((row.artifact, place.path), []).append(row)
         for (index, part), rows in of_parts.items():
-            yield (_graded(self._of_includer(case, index, part, rows), case.artifacts[index]),)
+            yield (_graded(case, self._of_includer(case, index, part, rows), case.artifacts[index]),)
         told_of = {row.span: row for rows in of_parts.values() for row in rows}
         for row in found:
             if told_of.get(row.span) is row:
                 continue
             assert row.command_range is not None and row.position_range is not None
-            is_part = _is_part(case.artifacts[row.artifact], row.place("position_range"))
+            is_part = _is_part(case, case.artifacts[row.artifact], row.place("position_range"))
             if _turns(row) and (row.artifact not in radians or _is_whole_degrees(row.command_range)):
                 found_here = self._of_control(row, row.command_range, row.position_range, fixes.get(row.span))
                 # Included by a file in radians, both would be the same few turns.
@@ -101,22 +103,22 @@ class RangeInDegrees(RuleInParts):
             elif not is_part or radians[row.artifact] > 1:
                 # One servo of a part with the range of its joint is as it should be where the includer has radians.
                 found_here = self._of_range(row, row.command_range, row.position_range, is_part)
-                yield (_graded(found_here, case.artifacts[row.artifact]),)
+                yield (_graded(case, found_here, case.artifacts[row.artifact]),)
         told = Counter(row.artifact for row in turning)
         for row in turning:
             assert row.command_range is not None and row.position_range is not None
             artifact = case.artifacts[row.artifact]
             # As above, of one servo of a part either range may be the right one.
-            if not _is_part(artifact, row.place("position_range")) or told[row.artifact] > 1:
+            if not _is_part(case, artifact, row.place("position_range")) or told[row.artifact] > 1:
                 found_here = self._of_turns(row, row.command_range, row.position_range)
-                yield (_graded(found_here, artifact),)
+                yield (_graded(case, found_here, artifact),)
         by_servo = {(row.artifact, row.joint) for row in turning}
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
             if case.has_angle_of_another(index):
                 continue
             hinges = _limited_hinges(artifact)
             if index in locked:
-                yield (_graded(self._of_file(case, index, _moving(hinges)), artifact),)
+                yield (_graded(case, self._of_file(case, index, _moving(hinges)), artifact),)
                 continue
             far_hinges = [hinge for hinge in hinges if self._is_far(case, hinge)]
             virtual = _placeholder_ranges(artifact)
@@ -223,7 +225,7 @@ class RangeInDegrees(RuleInParts):
         )
 
     def _of_degrees(
-        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], artifact: Artifact
+        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], is_part: bool
     ) -> Iterator[Finding]:
         """A control range of whole degrees that is another than the joint's."""
         share = (command[1] - command[0]) / ((joint[1] - joint[0]) * DEGREES)
@@ -245,8 +247,7 @@ class RangeInDegrees(RuleInParts):
             confidence=Confidence.MEDIUM,
             noted_in_folders=True,
         )
-        noted = _is_placeholder(command) or _is_part(artifact, row.place("position_range"))
-        yield _of_a_part(found) if noted else found
+        yield _of_a_part(found) if _is_placeholder(command) or is_part else found
 
     def _of_turns(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
         low, high = (shown(row, "default_position", end) for end in joint)
@@ -303,7 +304,7 @@ class RangeInDegrees(RuleInParts):
             self.code,
             f"none of the {len(joints)} limited hinges may move by more than {most:.3g} degrees from 0, the first from "
             f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees"
-            + _unless(_is_part(artifact, place)),
+            + _unless(_is_part(case, artifact, place)),
             place,
             "",
             largest(ends),
@@ -312,7 +313,7 @@ class RangeInDegrees(RuleInParts):
             'add <compiler angle="radian"/>',
             joints=tuple(joint.name for joint in joints),
         )
-        if not _is_in_radians(artifact, place.path) or _is_part(artifact, place):
+        if not _is_in_radians(artifact, place.path) or _is_part(case, artifact, place):
             return found
         there, why = _lacks_angle(case, index, place.path)
         message = f"{why}; {found.message.partition(': radians')[0]}"
@@ -389,17 +390,31 @@ def _of_a_part(found: Finding) -> Finding:
     return replace(found, severity=Severity.INFO, confidence=Confidence.LOW, fix=None)
 
 
-def _graded(found: Finding, artifact: Artifact) -> Finding:
+def _graded(case: Case, found: Finding, artifact: Artifact) -> Finding:
     """By what the file is: to a whole robot without `<compiler>` a program may add one, as safety-gymnasium does."""
-    if _is_part(artifact, found.span):
+    if _is_part(case, artifact, found.span):
         return _of_a_part(found)
     may_be = artifact.may_be_part and _is_own(artifact, found.span)
     return replace(found, confidence=Confidence.MEDIUM) if may_be else found
 
 
-def _is_part(artifact: Artifact, place: Span) -> bool:
+def _is_part(case: Case, artifact: Artifact, place: Span) -> bool:
     """Whether what includes a model may have the angle of a range that is written at a place."""
-    return artifact.is_part and _is_own(artifact, place)
+    beside = os.path.dirname(artifact.path) in case.once(_folders_of_parts)
+    is_part = artifact.is_part or (beside and not artifact.states(b"angle="))
+    return is_part and _is_own(artifact, place)
+
+
+def _folders_of_parts(case: Case) -> frozenset[str]:
+    """Folders of files without an angle that models of other folders include, and read in radians."""
+    return frozenset(
+        os.path.dirname(part.path)
+        for _, artifact in case.of_kind(FileKind.MJCF)
+        if artifact.robot is not None and artifact.states(b"radian")
+        for part in artifact.robot.files
+        if os.path.dirname(part.path) != os.path.dirname(artifact.path)
+        if b"angle=" not in without_comments(part.data)
+    )
 
 
 def _is_own(artifact: Artifact, place: Span) -> bool:
