@@ -12,6 +12,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import clamps_not_in_force, is_turned, ranges_not_in_force
 from actspec.audit.rules.clamped import TIMES, Bounded, bound_of, by_command, input_of, is_in_doubt
 from actspec.audit.rules.joints import (
+    folders_in_common,
     is_called_undriven,
     is_driven_by_mjlab,
     is_exporters,
@@ -318,7 +319,8 @@ class NoEffectiveLimit(RuleInParts):
         others = (
             other for other in partner_rows(case, row) if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER
         )
-        other = next((one for one in others if not is_exporters(one)), None)
+        motors = (one for one in others if not is_exporters(one))
+        other = max(motors, key=lambda one: folders_in_common(row, one), default=None)
         if other is None or other.effort_limit == row.effort_limit:
             return
         effort, speed = (own_figure(row, field, 6) for field in LIMITS)
