@@ -54,6 +54,9 @@ _LINE = {
     "no_load_speed": "the no-load speed is 0: the torque-speed line divides by it, and the torque is not a number",
 }
 
+_OVER = {"effort_limit": "urdf_effort", "velocity_limit": "urdf_velocity"}
+"""By the first figure of a finding, what programs of a folder write over, or take from no URDF."""
+
 _BOTH_ZERO = (
     "the URDF's effort and velocity are 0: MuJoCo reads them as no limit, a tool that sets up drives from them as a "
     "joint that can give nothing and is held"
@@ -159,7 +162,9 @@ class NoEffectiveLimit(RuleInParts):
     def _heard(
         self, case: Case, row: LedgerRow, found: Iterable[Finding], quiet: bool = False
     ) -> Iterator[Finding]:
-        """Of limits, notes where nothing takes them, and where a plugin of the file has a torque of the wheel."""
+        """Of limits, notes where nothing takes them, and where a plugin of the file has a torque of the wheel;
+        in a folder, of what its programs write over or leave.
+        """
         for one in found:
             drive = wheel_drive(case, row) if one.value and "effort_limit" in one.fields else None
             if drive is not None and drive.most < (one.value or 0.0):
@@ -169,6 +174,8 @@ class NoEffectiveLimit(RuleInParts):
                 yield replace(one, message=message, related=related, severity=Severity.INFO)
             elif quiet or row.artifact in case.once(furniture) or is_left_undriven(case, row):
                 yield replace(one, severity=Severity.INFO)
+            elif _OVER[one.fields[0]] in case.written(one.span, row.joint):
+                yield replace(one, noted_in_folders=True)
             else:
                 yield one
 
