@@ -40,6 +40,13 @@ _CLIPS = re.compile(
 Of several beginnings on a line the last before the number counts, here as above: a long line is gone through once.
 """
 
+_SAPIEN = re.compile(rb"\b(?:from|import)\s+(?:mani_skill|sapien)")
+_FORCES_OF_DRIVES = re.compile(rb"force_limit\s*=(?!=)")
+"""A program that gives drives of SAPIEN their largest forces, as ManiSkill's controllers do.
+
+Source: SAPIEN 3, urdf_loader.py: of a joint's limit it takes the range, and no effort.
+"""
+
 _KINEMATICS = (
     rb"pinocchio|PyKDL|kdl\w*|urdf_parser_py|urdfpy|yourdfpy|ikpy|pytorch_kinematics|roboticstoolbox|mink|pink|placo"
     rb"|forwardkinematics|curobo"
@@ -58,6 +65,24 @@ that were not the published ones, readers would have acted on 15 of 18 beside a 
 _COMPILES = re.compile(rb"mujoco|\bmj_|\bmjx|mjlab|dm_control|robosuite", re.IGNORECASE)
 """Programs of MuJoCo. Isaac Gym, Bullet and Drake read an MJCF their own way."""
 
+_SIMULATORS = (
+    rb"isaac\w*|omni\.isaac|ignition|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|mani_?skill\w*|dartpy|webots"
+    rb"|newton|brax|playground|vrep|coppelia\w*"
+)
+"""Other ones than MuJoCo and Bullet."""
+
+_BULLET = re.compile(rb"\b(?:import|from)\s+pybullet")
+_SPEEDS_OF_URDF = re.compile(
+    rb"\b(?:" + _SIMULATORS + rb"|moveit\w*|velocityLimit|limit\.velocity)\b"
+    rb"""|[."'](?:joint)?maxVelocity|\[\s*11\s*\]""",
+    re.IGNORECASE,
+)
+"""A program of PyBullet; and one of another simulator or planner, or that asks for the velocity of a URDF's joint.
+
+Source: PyBullet's Quickstart Guide, getJointInfo: jointMaxVelocity (index 11) is not used in motor control commands;
+measured, 3.2.7: a drive turns as fast with a velocity of 0 as with 9 rad/s.
+"""
+
 _POSES = re.compile(rb"\b(?:mj_forward|mj_kinematics|mj_fwdPosition)\b")
 """MuJoCo computes where the bodies are, and no motion."""
 
@@ -66,8 +91,9 @@ _COMPUTES = re.compile(rb"\b(?:" + _KINEMATICS + rb")\b")
 
 _STEPS = re.compile(
     rb"\b(?:mj_step\w*|mjx\w*|mujoco_warp|mjwarp|mjlab|mujoco_py|mujoco[-_]?env|do_simulation|dm_control|pipeline_step|robosuite"
-    rb"|physics\.step|sim(?:ulation|ulator)?\.step|isaac\w*|omni\.isaac|ignition|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien"
-    rb"|mani_?skill\w*|dartpy|webots|pybullet\w*|stepSimulation|newton|brax|playground|vrep|coppelia\w*|mujoco\.viewer\.launch\()",
+    rb"|physics\.step|sim(?:ulation|ulator)?\.step|pybullet\w*|stepSimulation|mujoco\.viewer\.launch\(|"
+    + _SIMULATORS
+    + rb")",
     re.IGNORECASE,
 )
 """A simulation that goes on: the steps of MuJoCo, what takes them for a program, and other simulators."""
@@ -96,16 +122,20 @@ def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
     """What programs write over, of `_WRITES`; the integrator, where each that loads an MJCF does; of URDFs efforts that
-    are no drive's limit; whether none compiles an MJCF.
+    are no drive's limit, and speeds that PyBullet alone meets; whether none compiles an MJCF.
     """
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
     loads = [text for text in texts if _LOADS.search(text)]
     if loads and all(map(_IMPLICIT.search, loads)):
         found.add("integrator")
-    if any(map(_CLIPS.search, texts)):
+    if any(
+        _CLIPS.search(text) or (_SAPIEN.search(text) and _FORCES_OF_DRIVES.search(text)) for text in texts
+    ):
         found.add("urdf_effort")
     if not any(map(_LIMITS_BY_URDF.search, texts)):
         found.add("urdf_limit")
     if not any(map(_COMPILES.search, texts)):
         found.add("compiled")
+        if any(map(_BULLET.search, texts)) and not any(map(_SPEEDS_OF_URDF.search, texts)):
+            found.add("urdf_velocity")
     return frozenset(found)

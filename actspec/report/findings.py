@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -211,11 +212,8 @@ def _marks(item: Reported) -> Iterator[tuple[object, ...]]:
     """What a finding has in common with that of another file: its words, or what they say of the same joint."""
     finding = item.finding
     about = (finding.code, item.severity is Severity.INFO, finding.fields[:1])
-    texts = [finding.message, finding.help or ""]
     held = [span for span in finding.related if span.path != finding.span.path]
-    # Which copy of a file it is held to is no matter.
-    for span in held:
-        texts = [text.replace(span.path, "#") for text in texts]
+    texts = [_wherever(text, held) for text in (finding.message, finding.help or "")]
     if not finding.joint or item.severity is Severity.INFO:
         yield (*about, *texts)
     # A warning or error of other joints is another one: each file has its line. A limit that nobody filled in, or that
@@ -256,9 +254,13 @@ def _with_copies(main: FindingGroup, others: Sequence[FindingGroup]) -> FindingG
 def _text(group: FindingGroup) -> str:
     """What a group says, whatever files it is held to."""
     finding = group.first.finding
-    text = finding.message
-    for span in finding.related:
-        text = text.replace(span.path, "#")
+    return _wherever(finding.message, finding.related)
+
+
+def _wherever(text: str, held: Iterable[Span]) -> str:
+    """A text without which copy of a file it is held to, and which of the robot's files has a figure."""
+    for span in held:
+        text = text.replace(f" ({os.path.basename(span.path)})", "").replace(span.path, "#")
     return text
 
 

@@ -229,6 +229,22 @@ def test_a_slip_that_no_release_takes(attribute: str, level: str) -> None:
 
 
 @pytest.mark.usefixtures("_old_model")
+@pytest.mark.parametrize(
+    ("plugin", "level"), [("mujoco.elasticity.cable", "info"), ("mujoco.elastic.cable", "warning")]
+)
+def test_a_plugin_that_an_older_release_has(plugin: str, level: str) -> None:
+    """MuJoCo 4.0 comes without the plugins of elasticity; what no release has is a slip."""
+    Path("requirements.txt").write_text("mujoco==3.2.0\n")
+    Path("robots/leg.xml").write_text(
+        f'<mujoco><compiler angle="radian"/><extension><plugin plugin="{plugin}"/></extension>'
+        '<worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody>'
+        '<actuator><motor joint="j" ctrlrange="-20 20"/></actuator></mujoco>'
+    )
+    told, message = refused(Settings(select=("AUD020",)))
+    assert (told, f"plugin {plugin} not found" in message) == (level, True)
+
+
+@pytest.mark.usefixtures("_old_model")
 def test_the_version_that_was_said_goes_before() -> None:
     """`-t mujoco==2.3.7` is as good as a pin, and one for the installed release sets a pin aside."""
     level, message = refused(Settings(versions=Versions(mujoco="2.3.7")))

@@ -14,8 +14,12 @@ from actspec.simulators import text_of
 
 _BY_RELEASE = re.compile(
     r"unrecognized (?:attribute: '(\w+)'|element)|no longer supported|orientation specifier"
+    r"|plugin mujoco\.elasticity\.\w+ not found"
 )
-"""Reasons of MuJoCo that another release may not have; what no joint is, none has."""
+"""Reasons of MuJoCo that another release may not have; what no joint is, none has.
+
+Source: the wheels' plugin folders: 4.0.0 has no libelasticity (cable, shell, solid) any more.
+"""
 
 _SHORT = 3
 """Letters up to which an attribute is no other one's slip. Chosen: `kp`, `rgb`, `key`."""

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
 
 from actspec.audit.case import MODELS, Case
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Confidence
-from actspec.audit.rules.joints import is_exporters, own_figure, partner_rows, shown
+from actspec.audit.rules.joints import folders_in_common, is_exporters, own_figure, partner_rows, shown
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
-from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.view import ActuatorView
@@ -72,7 +70,7 @@ def by_command(case: Case, row: LedgerRow, view: ActuatorView | None, bound: flo
     # The largest limit of those files that lie nearest.
     nearest = max(
         others,
-        key=lambda other: (_common(other.file, row.file), other.effort_limit or 0.0),
+        key=lambda other: (folders_in_common(row, other), other.effort_limit or 0.0),
         default=None,
     )
     if nearest is not None:
@@ -106,8 +104,3 @@ def _published(case: Case) -> dict[tuple[int, str], tuple[str, float]]:
         for one in case.once(likenesses)
         for row, names in one.joints
     }
-
-
-def _common(one: str, other: str) -> int:
-    """How many folders two paths have in common: files of one robot lie together."""
-    return in_common(*(os.path.dirname(path).split(os.sep) for path in (one, other)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import product
@@ -17,6 +18,7 @@ from actspec.fields import (
     is_of_a_machine,
     is_power_of_ten,
 )
+from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.drive import largest
@@ -81,6 +83,11 @@ def partner_rows(case: Case, row: LedgerRow, *kinds: FileKind) -> Iterator[Ledge
                 yield from case.joints.get((other, row.joint), ())
             else:
                 yield from (found for found in case.rows_of(other) if not found.joint)
+
+
+def folders_in_common(row: LedgerRow, other: LedgerRow) -> int:
+    """How many folders the files of two rows have in common: of one robot's variants the files of one lie together."""
+    return in_common(*(os.path.dirname(one.file).split(os.sep) for one in (row, other)))
 
 
 def starts_there_alone(case: Case, row: LedgerRow) -> bool:

@@ -12,6 +12,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import clamps_not_in_force, is_turned, ranges_not_in_force
 from actspec.audit.rules.clamped import TIMES, Bounded, bound_of, by_command, input_of, is_in_doubt
 from actspec.audit.rules.joints import (
+    folders_in_common,
     is_called_undriven,
     is_driven_by_mjlab,
     is_exporters,
@@ -52,6 +53,9 @@ _LINE = {
     "stall_torque": "the stall torque is 0: the drive cannot move the joint",
     "no_load_speed": "the no-load speed is 0: the torque-speed line divides by it, and the torque is not a number",
 }
+
+_OVER = {"effort_limit": "urdf_effort", "velocity_limit": "urdf_velocity"}
+"""By the first figure of a finding, what programs of a folder write over, or take from no URDF."""
 
 _BOTH_ZERO = (
     "the URDF's effort and velocity are 0: MuJoCo reads them as no limit, a tool that sets up drives from them as a "
@@ -158,7 +162,9 @@ class NoEffectiveLimit(RuleInParts):
     def _heard(
         self, case: Case, row: LedgerRow, found: Iterable[Finding], quiet: bool = False
     ) -> Iterator[Finding]:
-        """Of limits, notes where nothing takes them, and where a plugin of the file has a torque of the wheel."""
+        """Of limits, notes where nothing takes them, and where a plugin of the file has a torque of the wheel;
+        in a folder, of what its programs write over or leave.
+        """
         for one in found:
             drive = wheel_drive(case, row) if one.value and "effort_limit" in one.fields else None
             if drive is not None and drive.most < (one.value or 0.0):
@@ -168,6 +174,8 @@ class NoEffectiveLimit(RuleInParts):
                 yield replace(one, message=message, related=related, severity=Severity.INFO)
             elif quiet or row.artifact in case.once(furniture) or is_left_undriven(case, row):
                 yield replace(one, severity=Severity.INFO)
+            elif _OVER[one.fields[0]] in case.written(one.span, row.joint):
+                yield replace(one, noted_in_folders=True)
             else:
                 yield one
 
@@ -318,7 +326,8 @@ class NoEffectiveLimit(RuleInParts):
         others = (
             other for other in partner_rows(case, row) if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER
         )
-        other = next((one for one in others if not is_exporters(one)), None)
+        motors = (one for one in others if not is_exporters(one))
+        other = max(motors, key=lambda one: folders_in_common(row, one), default=None)
         if other is None or other.effort_limit == row.effort_limit:
             return
         effort, speed = (own_figure(row, field, 6) for field in LIMITS)

@@ -26,6 +26,7 @@ from actspec.audit.rules.limits_of_files import mimics
 from actspec.audit.rules.same_joint import is_one_joint
 from actspec.audit.rules.sided import are_of_two_sides, mirrors, of_its_leg
 from actspec.audit.rules.source_pairs import is_one_machine
+from actspec.audit.rules.urdf_drives import is_left_undriven
 from actspec.diagnostics import one_line
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.ir import JointKind
@@ -363,6 +364,8 @@ def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: 
         min(abs(one), abs(other)) >= PLACEHOLDER_SPEED
         or abs(one - other) <= _NEAR * max(abs(one), abs(other))
     ):
+        return True
+    if field.endswith("limit") and all(is_left_undriven(case, row) for row in sides):
         return True
     # Of a pair of fingers often one follows the other.
     return any(

@@ -88,11 +88,12 @@ def frequency_words(
     low = SOFT_GEARED if geared and slack else SOFT
     if soft or (gains.driven and frequency < low and (slack or held)):
         degrees = format_quantity(gains.kp / DEGREE, unit.stiffness, 4)
-        return (
-            message,
-            f"is it per degree? Per radian it is {degrees}, and kd 57.3 times as well",
-            1 / frequency,
-        )
+        help = f"is it per degree? Per radian it is {degrees}, and kd 57.3 times as well"
+        if tight and gains.limit is not None:
+            # Stiff enough for the limit, it is the motor that cannot turn that inertia.
+            pull = format_quantity(gains.limit / inertia, "rad/s^2", 3)
+            help = f"the effort limit gives this inertia {pull} at most: one may be another robot's, or in another unit"
+        return message, help, 1 / frequency
     stiff = (
         tight and frequency > STIFF and not _is_firm(gains, inertia)
         if gains.driven

@@ -255,6 +255,25 @@ def test_two_files_that_disagree_are_one_thing() -> None:
     assert len(_groups(held[0], replace(held[1], related=(third,)))) == 2
 
 
+def test_whose_figure_it_is_does_not_tell_two_files_apart() -> None:
+    """An MJCF with its URDF's damping, which has the speed of that URDF: one fault, and each file has its line."""
+    urdf, speed = "m/leg.urdf", Span("m/leg.urdf", 4)
+    own = _one(5, "at 7 rad/s the damping of 10 takes all", "knee", path=urdf, value=10.0)
+    made = _one(
+        9,
+        "at 7 rad/s (leg.urdf) the damping of 10 takes all",
+        "knee",
+        path="m/leg.xml",
+        value=10.0,
+        related=(speed,),
+    )
+    (group,) = _groups(own, made)
+    assert group.headline() == f"knee: {own.message} (the same in m/leg.xml)"
+    # What else stands in brackets is another thing to say.
+    other = replace(made, message=made.message.replace("leg.urdf", "of its gear"))
+    assert len(_groups(own, other)) == len(_groups(own, replace(made, joint="hip"))) == 2
+
+
 def test_a_file_is_not_another_one() -> None:
     """Two figures of one file, each held to a file of its own: the file is not named as another one."""
     held = [
