@@ -1,9 +1,8 @@
 """An MJCF or URDF as elements that know their bytes, as expat tells them.
 
 What expat refuses is refused, with the place and a way out, even where MuJoCo's parser takes it: a bare `&`, `<` in a
-value. Five things that change nothing in what a file says, and that people's files have, are read as MuJoCo reads
-them: `--` in a comment, no space between two attributes, white space before the declaration, elements or closing tags
-behind the root, which nobody reads, and NUL bytes at the end.
+value. What changes nothing in what a file says is read as MuJoCo reads it: `--` in a comment, no space between two
+attributes, white space before the declaration, elements or closing tags behind the root, and NUL bytes at the end.
 """
 
 from __future__ import annotations
@@ -398,8 +397,7 @@ _CLOSING = re.compile(rb"(?:\s*</[\w:.-]+\s*>)+\s*")
 
 def _is_behind(rest: bytes) -> bool:
     """Whether MuJoCo reads a file with this behind its root, and reads nothing of it: tags alone, no text between."""
-    # It reads a file as far as the first NUL; a program writes them at the end of a text as C has it.
-    rest = rest.rstrip(b"\0 \t\r\n")
+    rest = rest.rstrip(b"\0 \t\r\n")  # It reads as far as the first NUL.
     if _CLOSING.fullmatch(rest):
         return True
     text: list[str] = []

@@ -14,11 +14,12 @@ from actspec.simulators import text_of
 
 _BY_RELEASE = re.compile(
     r"unrecognized (?:attribute: '(\w+)'|element)|no longer supported|orientation specifier"
-    r"|plugin mujoco\.elasticity\.\w+ not found"
+    r"|plugin mujoco\.elasticity\.\w+ not found|for mesh geoms, inertia should be specified"
 )
 """Reasons of MuJoCo that another release may not have; what no joint is, none has.
 
-Source: the wheels' plugin folders: 4.0.0 has no libelasticity (cable, shell, solid) any more.
+Source: the wheels' plugin folders: 4.0.0 has no libelasticity (cable, shell, solid) any more; 3.2.6 takes shellinertia
+of a geom with a mesh, measured.
 """
 
 _SHORT = 3
