@@ -126,9 +126,7 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
 
         called = path.lower().endswith(XACRO)
         if is_xacro(document) or (called and next(unexpanded(document), None) is not None):
-            help = EXPAND if called else f"xacro {os.path.basename(path)} -o EXPANDED.urdf, and name that"
-            reading = nothing_to_audit(path, "this is a xacro, which has to be expanded first", help)
-            return replace(reading, unread=XACRO_FILE)
+            return _xacro(path, EXPAND if called else None)
     if kind is None:
         reason = f"the root element is <{tag}>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"
         return FileReading(path, None, reason, files=document.files)
@@ -138,6 +136,9 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
         for item in err.diagnostics:
             if (value := placeholder(item.message, item.span, document)) is not None:
                 return _template(path, value, item.span)
+            # xacro 2.1.1 computes without its namespace, too: measured. In a name it may be no more than that.
+            if kind is FileKind.URDF and "${" in item.message:
+                return _xacro(path)
         return replace(unreadable(path, kind, err.diagnostics), files=document.files)
     value = None if view.refusal is None else placeholder(view.refusal, view.refused_at, document)
     if value is not None:
@@ -167,6 +168,12 @@ def _not_xml(path: str, diagnostics: Sequence[Diagnostic]) -> FileReading:
             if (found := statement(file)) is not None:
                 return _template(path, *found)
     return reading
+
+
+def _xacro(path: str, help: str | None = None) -> FileReading:
+    help = help or f"xacro {os.path.basename(path)} -o EXPANDED.urdf, and name that"
+    reading = nothing_to_audit(path, "this is a xacro, which has to be expanded first", help)
+    return replace(reading, unread=XACRO_FILE)
 
 
 def _template(path: str, value: str, place: Span | None) -> FileReading:

@@ -59,17 +59,18 @@ def unexpanded(document: XmlDocument) -> Iterator[Element]:
 
 
 def is_xacro(document: XmlDocument) -> bool:
-    """Whether a file that is called a URDF is a xacro: by a macro, or a figure or name that it computes.
+    """Whether a file that is called a URDF is a xacro: by its root's namespace, and a macro or figure that it computes.
 
-    Includes, arguments and properties that nothing uses leave the joints as its text has them, and so does where a mesh
-    lies. xacro 2.1.1 computes `${...}` in a file without its namespace, too: measured.
+    Includes, arguments and properties that nothing uses leave the joints as its text has them.
     """
     idle = ("arg", "property", "include")
     own = frozenset(unexpanded(document))
     return any(
+        name.startswith("xmlns:") and "xacro" in value for name, value in document.root.values.items()
+    ) and any(
         element.tag.partition(":")[2] not in idle
         if element in own
-        else any("${" in value for name, value in element.values.items() if name != "filename")
+        else any("${" in value for value in element.values.values())
         for element in document.walk()
     )
 

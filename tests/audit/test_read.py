@@ -378,9 +378,9 @@ def test_a_xacro_under_the_name_of_a_urdf(capsys: pytest.CaptureFixture[str]) ->
     bare = text.replace(' xmlns:xacro="http://www.ros.org/wiki/xacro"', "")
     Path("d/r.urdf").write_text(bare)
     assert read_file("d/r.urdf").names_nothing
-    # Where a mesh lies is nothing of a joint.
-    mesh = '<link name="a"><visual><geometry><mesh filename="${MESHES}/a.stl"/></geometry></visual></link>'
-    Path("d/r.urdf").write_text(idle.replace('<link name="a"/>', mesh))
+    # In a name it may be what a URDF is called by: all its figures are there.
+    named = bare.replace("-${pi}", "-3").replace("${pi}", "3").replace('"b"', '"${prefix}b"')
+    Path("d/r.urdf").write_text(named)
     assert read_file("d/r.urdf").readable
     # A figure that is none, and none of xacro's, is what is wrong.
     Path("d/r.urdf").write_text(bare.replace("-${pi}", "-pi").replace("${pi}", "pi"))
