@@ -108,6 +108,11 @@ class JointView:
     tree: int | None = None
     zero_inertia: tuple[float, float] | None = None
 
+    @property
+    def spring(self) -> float | None:
+        """Passive stiffness, wherever it pulls to; None: unknown."""
+        return None if "stiffness" in self.unknown else self.stiffness
+
 
 @dataclass(frozen=True, slots=True)
 class ActuatorView:
