@@ -281,8 +281,8 @@ def _notes(reading: JointReading, command: Command) -> Iterator[str]:
         yield "the file's springdamper is in force: what it stands for follows a mass that is unknown"
     elif joint.springdamper:
         yield "the file's springdamper is in force: a compile writes the stiffness and damping that it stands for"
-    elif joint.stiffness and "stiffness" not in joint.unknown:
-        value = f"{joint.stiffness:g} {units.stiffness}"
+    elif joint.spring:
+        value = f"{joint.spring:g} {units.stiffness}"
         yield f"the joint's own spring ({value}) stays in the model: a spec cannot express it"
     # A class of `<position>` may be that of a `<motor>`, which makes nothing of its dampratio.
     views = [drive.view for drive in acting]

@@ -31,6 +31,7 @@ from actspec.readings.artifact import (
 from actspec.readings.called import agreement
 from actspec.readings.dict_keys import Found, may_match, plain_name, settled, value_of
 from actspec.readings.isaaclab import has_curve, idle_speeds, settle_friction, take_curve, take_limits
+from actspec.readings.joint import total
 from actspec.readings.joint_names import fits, joint_names, matching
 from actspec.readings.ledger import LedgerRow, dynamics_at
 from actspec.readings.overlap import has_last, last_of_each, left_by, taken_by
@@ -509,7 +510,8 @@ def _of_group(
         # mjlab's actuators act on the XML's joints, whose passive part stays unless the cfg sets it.
         numbers = {"joint_damping": own.damping, "frictionloss": own.frictionloss, **numbers}
     kd, joint_damping = numbers.get("kd"), numbers.get("joint_damping")
-    total = None if kd is None or joint_damping is None else kd + joint_damping
+    stiffness = total([numbers.get("kp"), 0.0 if own is None else own.spring])
+    damping = total([kd, joint_damping])
     held, free = (None, None) if inertia is None else (inertia.held, inertia.free)
     explicit = control in ("ideal_pd", "dc_motor", "network") and config.framework is not Framework.DEPLOY
     return LedgerRow(
@@ -536,7 +538,7 @@ def _of_group(
         by_key={field: found.keys for field, found in figures.items() if found.keys},
         places={field: found.span for field, found in figures.items()},
         stated=frozenset(field for field, found in columns.items() if found.stated),
-        **dynamics_at(numbers.get("kp"), total, held, free, config.physics_dt, kd if explicit else None),
+        **dynamics_at(stiffness, damping, held, free, config.physics_dt, kd if explicit else None),
         **numbers,
     )
 

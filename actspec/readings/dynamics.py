@@ -453,8 +453,8 @@ def _of_model(
     view: JointView | None, drives: Sequence[ActuatorView]
 ) -> Iterator[tuple[str, float | None, Span | None]]:
     """What a model says beyond the ledger."""
-    if view is not None and view.stiffness and "stiffness" not in view.unknown:
-        yield "spring", view.stiffness, None
+    if view is not None and view.spring:
+        yield "spring", view.spring, None
     for drive in drives:
         if drive.time_constant > 0.0 and "time_constant" not in drive.unknown:
             yield "filter_cutoff", 1.0 / (2.0 * math.pi * drive.time_constant), None

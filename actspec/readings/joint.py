@@ -243,9 +243,9 @@ class JointReading:
 
     @property
     def total_stiffness(self) -> float | None:
-        """Stiffness of everything that drives the joint; None: unknown."""
+        """Stiffness of everything that drives the joint, and of its own spring; None: unknown."""
         moving = [mover for mover in self.movers if not mover.disabled]
-        return total([self.kp.value, *(_zero(mover, "kp") for mover in moving)])
+        return total([self.kp.value, self.joint.spring, *(_zero(mover, "kp") for mover in moving)])
 
     @property
     def total_armature(self) -> float | None:

@@ -81,8 +81,10 @@ class LedgerRow:
         inertia_max: Largest likewise.
         inertia_free_min: Least with the other joints free.
         inertia_free_max: Largest likewise.
-        natural_frequency: sqrt(kp of all actuators / inertia at the reference pose) [rad/s].
-        damping_ratio: total_damping / (2 sqrt(kp inertia)) at the reference pose [-].
+        inertia: At the reference pose, other joints held, armature included.
+        natural_frequency: sqrt(k / inertia), where k is kp of all actuators and the joint's own spring together
+            [rad/s].
+        damping_ratio: total_damping / (2 sqrt(k inertia)) [-].
         stability: h * Kd / inertia_free_min, with the damping that is integrated explicitly [-].
         delay: Of the command [s].
         command_range: Clamp of the command; None: no clamp.
@@ -129,6 +131,7 @@ class LedgerRow:
     inertia_max: float | None = None
     inertia_free_min: float | None = None
     inertia_free_max: float | None = None
+    inertia: float | None = None
     natural_frequency: float | None = None
     damping_ratio: float | None = None
     stability: float | None = None
@@ -424,15 +427,17 @@ def dynamics_at(
     """Fields that follow from the sums over what acts on a joint, and from its inertia.
 
     Args:
-        stiffness: kp of everything that drives the joint [N*m/rad or N/m]; None: unknown, and so are the others.
+        stiffness: kp of everything that drives the joint, and its spring [N*m/rad or N/m]; None: unknown, and so are
+            the others.
         damping: Gains and passive damping together [N*m*s/rad or N*s/m].
         held: Inertia with the other joints held, armature included [kg*m^2 or kg].
         free: Inertia with the other joints free, likewise.
         step: Of the integration [s].
         explicit: The part of the damping that is integrated explicitly, in the unit of `damping`.
 
-    Returns: natural_frequency is sqrt(kp / inertia) [rad/s] and damping_ratio is damping / (2 sqrt(kp inertia)) [-] at
-        the reference pose, stability is step * explicit / least free inertia [-], which is stable below 2.
+    Returns: natural_frequency is sqrt(stiffness / inertia) [rad/s] and damping_ratio is damping / (2 sqrt(stiffness
+        inertia)) [-] at the reference pose, stability is step * explicit / least free inertia [-], which is stable
+        below 2.
     """
     frequency = ratio = stability = None
     if stiffness is not None and stiffness > 0.0 and held is not None and held.reference > 0.0:
@@ -446,6 +451,7 @@ def dynamics_at(
         "inertia_max": None if held is None else held.high,
         "inertia_free_min": None if free is None else free.low,
         "inertia_free_max": None if free is None else free.high,
+        "inertia": None if held is None else held.reference,
         "natural_frequency": frequency,
         "damping_ratio": ratio,
         "stability": stability,

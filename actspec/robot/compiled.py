@@ -10,7 +10,7 @@ Source: MuJoCo 3.7, 3.11, 3.12 and 4.0, measured on 23 forms of actuator.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
@@ -393,20 +393,55 @@ def coupled_joints(model: ModelLists) -> frozenset[str]:
     Args:
         model: Compiled.
     """
+    return frozenset(model.name("mjOBJ_JOINT", joint) for tied in _tied(model) for joint in tied)
+
+
+def _tied(model: ModelLists) -> list[set[int]]:
+    """The joints of each active equality; see `coupled_joints`."""
     import mujoco
 
-    found: set[int] = set()
+    found = []
     for index, kind in enumerate(model.eq_type):
         one, other = model.eq_obj1id[index], model.eq_obj2id[index]
         if not model.eq_active0[index]:
             continue
         if _name(mujoco.mjtEq, kind) == "mjEQ_JOINT":
-            found.update(end for end in (one, other) if end >= 0)
+            found.append({end for end in (one, other) if end >= 0})
         elif _name(mujoco.mjtEq, kind) in ("mjEQ_CONNECT", "mjEQ_WELD"):
             if _name(mujoco.mjtObj, model.eq_objtype[index]) == "mjOBJ_SITE":
                 one, other = model.site_bodyid[one], model.site_bodyid[other]
-            found.update(_between(model, one, other))
-    return frozenset(model.name("mjOBJ_JOINT", joint) for joint in found)
+            found.append(_between(model, one, other))
+    return found
+
+
+def robot_mass(model: ModelLists) -> float | None:
+    """Mass of the trees with a joint that an actuator moves, and of those that an equality ties to them [kg].
+
+    Other trees are objects and furniture. Without actuators the only tree with a hinge or slide is the robot.
+
+    Args:
+        model: Compiled.
+
+    Returns: None where nobody can tell which trees are the robot's.
+    """
+    import mujoco
+
+    def trees(joints: Iterable[int]) -> set[int]:
+        return {model.body_rootid[model.jnt_bodyid[joint]] for joint in joints}
+
+    count = len(model.actuator_trntype)
+    moved = [moved_joints(model, index, transmission(model, index)[0]) for index in range(count)]
+    scalar = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+    if moved and None not in moved:
+        robot = trees(joint for joints in moved for joint in joints or ())
+    else:
+        robot = trees(joint for joint, kind in enumerate(model.jnt_type) if moved or kind in scalar)
+        if len(robot) > 1:
+            return None
+    tied = [trees(joints) for joints in _tied(model)]
+    for _ in tied:
+        robot.update(*(ends for ends in tied if ends & robot))
+    return sum(mass for body, mass in enumerate(model.body_mass) if model.body_rootid[body] in robot) or None
 
 
 def moved_joints(model: ModelLists, index: int, transmission: str) -> list[int] | None:

@@ -19,6 +19,7 @@ from actspec.robot.compiled import (
     moved_joints,
     named_parents,
     reached_joints,
+    robot_mass,
     transmission,
 )
 from actspec.robot.inertia import POSES, known_inertia, reference_pose
@@ -164,7 +165,7 @@ def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, pose
         actuation="ACTUATION" not in switched_off,
         off_groups=_off_groups(model),
         coupled=coupled_joints(lists),
-        mass=None if masses is None else sum(lists.body_mass),
+        mass=None if masses is None else robot_mass(lists),
     )
 
 

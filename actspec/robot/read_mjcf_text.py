@@ -9,7 +9,7 @@ damping from `springdamper`. Joints of `replicate`, `attach`, `composite` and `f
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -99,16 +99,32 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
 
 
 def _mass(document: XmlDocument, compiler: Mapping[str, str]) -> float | None:
-    """The sum of all bodies' masses [kg]; None where one of them is that of its geoms, or is scaled."""
-    if compiler.get("inertiafromgeom") == "true" or "settotalmass" in compiler:
+    """The sum of the masses of all bodies in the only tree with joints [kg].
+
+    None where one of them is that of its geoms, or is scaled, and where several trees have joints: some are objects.
+    """
+    trees = [replace(document, root=body) for body in _top_bodies(document)]
+    trees = [tree for tree in trees if any(tree.walk("joint", "freejoint"))]
+    if len(trees) != 1 or compiler.get("inertiafromgeom") == "true" or "settotalmass" in compiler:
         return None
     total = 0.0
-    for body in document.walk("body"):
+    for body in trees[0].walk("body"):
         own = [part for part in body.children if part.tag == "inertial"]
         if not own and any(part.tag == "geom" for part in body.children):
             return None
         total += sum(math.fsum(numbers(part.get("mass"), 1)) for part in own)
     return total if math.isfinite(total) else None
+
+
+def _top_bodies(document: XmlDocument) -> Iterator[Element]:
+    """Bodies that hang on the world, in no order."""
+    stack = list(document.sections("worldbody"))
+    while stack:
+        element = stack.pop()
+        if element.tag == "body":
+            yield element
+        else:
+            stack.extend(element.children)
 
 
 def _settings(document: XmlDocument, tag: str) -> dict[str, str]:

@@ -140,17 +140,40 @@ def read_urdf(
 
 
 def _mass(document: XmlDocument) -> float | None:
-    """The sum of the masses that links state [kg]; None where one is no number."""
-    stated = [
-        mass.get("value") or ""
-        for link in document.root.children
-        if link.tag == "link"
-        for part in link.children
-        if part.tag == "inertial"
-        for mass in part.children
-        if mass.tag == "mass"
-    ]
+    """The sum of the masses that links state [kg].
+
+    None where one is no number, and where links that fixed joints hold together have a shape and none has a mass.
+    """
+    stated: list[str] = []
+    shaped: set[str] = set()
+    weighed: set[str] = set()
+    for link in document.root.children:
+        if link.tag == "link":
+            masses = [mass for part in link.children if part.tag == "inertial" for mass in part.children]
+            stated.extend(own := [mass.get("value") or "" for mass in masses if mass.tag == "mass"])
+            if own:
+                weighed.add(link.get("name") or "")
+            elif any(part.tag in ("visual", "collision") for part in link.children):
+                shaped.add(link.get("name") or "")
+    held = _held_by(document) if shaped else {}
+    if {held.get(link, link) for link in shaped} - {held.get(link, link) for link in weighed}:
+        return None
     return sum(map(float, stated)) if all(NUMBER.fullmatch(text.strip()) for text in stated) else None
+
+
+def _held_by(document: XmlDocument) -> dict[str, str]:
+    """Each link that hangs on fixed joints, with the first above it that does not; a circle ends where it closes."""
+    links = _links(document)
+    found: dict[str, str] = {}
+    for link in links:
+        way: dict[str, None] = {}
+        while (
+            link in links and link not in found and link not in way and links[link][0].get("type") == "fixed"
+        ):
+            way[link] = None
+            link = links[link][1]
+        found.update(dict.fromkeys(way, found.get(link, link)))
+    return found
 
 
 def _joints(document: XmlDocument, out: Collector) -> list[JointView]:

@@ -108,6 +108,11 @@ class JointView:
     tree: int | None = None
     zero_inertia: tuple[float, float] | None = None
 
+    @property
+    def spring(self) -> float | None:
+        """Passive stiffness, wherever it pulls to; None: unknown."""
+        return None if "stiffness" in self.unknown else self.stiffness
+
 
 @dataclass(frozen=True, slots=True)
 class ActuatorView:
@@ -305,7 +310,7 @@ class RobotView:
         refusal: Why MuJoCo does not take the file, whose numbers then come from the text alone; None: it does.
         refused_at: Where it met that; None: it does not say.
         packages: ROS package to its folder, as the spec has them.
-        mass: Of all links together, as far as it is known [kg]; None: it is not.
+        mass: Of all links of the robot together, without objects beside it [kg]; None: unknown.
         uncompiled: Whether a compilation would tell more, of inertia above all.
         pose_at: Where the first keyframe is written; None: there is none, or nobody knows.
         coupled: Joints that an equality or a closed loop couples with others, so that they do not move alone (MJCF).

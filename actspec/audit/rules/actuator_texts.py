@@ -247,6 +247,27 @@ def compiler_of(case: Case, artifact: int) -> tuple[Span, str]:
     return document.span(found[0] if found else document.root), next(stated, "")
 
 
+_ANGLES = {"euler": slice(0, 3), "axisangle": slice(3, 4)}
+"""Attributes with numbers that `<compiler angle>` makes degrees or radians of, beside those of joints.
+
+Source: MuJoCo 4.0.0, measured: `angle="radian"` makes of euler="90 0 0" and axisangle="1 0 0 90" 90 rad each.
+"""
+
+
+def written_in_degrees(case: Case, artifact: int) -> str | None:
+    """Where a pose in an MJCF has an angle of more than a turn, were it in radians, and which; None: none has."""
+    document = case.once(_Texts).of(artifact).document
+    for element in document.walk():
+        for name, part in _ANGLES.items():
+            text = element.get(name) or ""
+            if any(2.0 * math.pi < abs(angle) < math.inf for angle in numbers(text, 4)[part]):
+                place = document.span(element)
+                own = place.path == case.artifacts[artifact].path
+                where = f"on line {place.line}" if own else f"in {place.path}:{place.line}"
+                return f'{name}="{text}" {where}'
+    return None
+
+
 def is_turned(case: Case, row: LedgerRow, view: ActuatorView | None) -> bool:
     """Whether a range that was meant to limit an actuator begins above its end, which AUD022 has."""
     robot = case.artifacts[row.artifact].robot

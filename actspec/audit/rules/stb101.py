@@ -132,19 +132,21 @@ def _drive_of(robot: RobotView, rows: Sequence[LedgerRow]) -> StepDrive | None:
     kp = [row.kp for row in rows if row.kp is not None]
     kd = [row.kd for row in rows if row.kd is not None]
     actuator = [row.actuator_damping for row in rows if row.actuator_damping is not None]
-    joint = rows[0].joint_damping
-    if joint is None or min(len(kp), len(kd), len(actuator)) < len(rows):
+    view, joint = robot.joint(rows[0].joint), rows[0].joint_damping
+    spring = None if view is None else view.spring
+    if joint is None or spring is None or min(len(kp), len(kd), len(actuator)) < len(rows):
         return None
     passive = joint + sum(actuator)
     if robot.integrator == "Euler" and robot.eulerdamp:
-        return StepDrive(robot.timestep, sum(kp), sum(kd), passive)
-    return StepDrive(robot.timestep, sum(kp), sum(kd) + passive, 0.0)
+        return StepDrive(robot.timestep, sum(kp) + spring, sum(kd), passive)
+    return StepDrive(robot.timestep, sum(kp) + spring, sum(kd) + passive, 0.0)
 
 
 def _is_bounded(rows: Sequence[LedgerRow], drive: StepDrive, least: float, limit: float) -> bool:
-    """Whether the effort limit clamps the drives, and the damping beside them is stable without them."""
+    """Whether the effort limit clamps the drives, and the spring and damping beside them are stable without them."""
+    spring = max(drive.kp - sum(row.kp or 0.0 for row in rows), 0.0)
     passive = max(drive.explicit - sum(row.kd or 0.0 for row in rows), 0.0)
-    beside = StepDrive(drive.step, 0.0, passive, drive.implicit)
+    beside = StepDrive(drive.step, spring, passive, drive.implicit)
     return all(row.kd_clamped for row in rows) and beside.figure(least) < limit
 
 

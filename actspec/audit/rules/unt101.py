@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.actuator_texts import compiler_of, written_actuators
+from actspec.audit.rules.actuator_texts import compiler_of, written_actuators, written_in_degrees
 from actspec.audit.rules.joints import by_joint, own_figure, partner_rows, shown
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER_SPEED, is_power_of_ten
@@ -102,7 +102,7 @@ class RangeInDegrees(RuleInParts):
                 yield (_of_a_part(found_here) if few else found_here,)
             elif not is_part or radians[row.artifact] > 1:
                 # One servo of a part with the range of its joint is as it should be where the includer has radians.
-                found_here = self._of_range(row, row.command_range, row.position_range, is_part)
+                found_here = self._of_range(case, row, row.command_range, row.position_range, is_part)
                 yield (_graded(case, found_here, case.artifacts[row.artifact]),)
         told = Counter(row.artifact for row in turning)
         for row in turning:
@@ -134,7 +134,12 @@ class RangeInDegrees(RuleInParts):
                 yield () if quiet else self._of_joint(case, hinge, index in told or all_of_it)
 
     def _of_range(
-        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], is_part: bool
+        self,
+        case: Case,
+        row: LedgerRow,
+        command: tuple[float, float],
+        joint: tuple[float, float],
+        is_part: bool,
     ) -> Finding:
         low, high = (shown(row, "default_position", end) for end in joint)
         return Finding(
@@ -146,7 +151,7 @@ class RangeInDegrees(RuleInParts):
             largest(joint),
             "rad",
             largest(command),
-            'write the range in degrees, or add <compiler angle="radian"/>',
+            _help(case, row.artifact, 'write the range in degrees, or add <compiler angle="radian"/>'),
         )
 
     def _of_includer(self, case: Case, index: int, part: str, rows: Sequence[LedgerRow]) -> Finding:
@@ -159,7 +164,7 @@ class RangeInDegrees(RuleInParts):
             self.code,
             f"{why}; {row.joint} gets {low} ... {high}, and its servo's control range is {DEGREES:.3g} times that",
             place,
-            help=_ANGLE_OR_DEGREES,
+            help=_help(case, index, _ANGLE_OR_DEGREES),
             joints=tuple(one.joint for one in rows),
             related=tuple(dict.fromkeys(one.place("position_range") for one in rows)),
         )
@@ -310,14 +315,16 @@ class RangeInDegrees(RuleInParts):
             largest(ends),
             "rad",
             largest(ends) * DEGREES,
-            'add <compiler angle="radian"/>',
+            _help(case, index, 'add <compiler angle="radian"/>'),
             joints=tuple(joint.name for joint in joints),
         )
         if not _is_in_radians(artifact, place.path) or _is_part(case, artifact, place):
             return found
         there, why = _lacks_angle(case, index, place.path)
         message = f"{why}; {found.message.partition(': radians')[0]}"
-        return replace(found, message=message, span=there, help=_ANGLE_OR_DEGREES, related=(place,))
+        return replace(
+            found, message=message, span=there, help=_help(case, index, _ANGLE_OR_DEGREES), related=(place,)
+        )
 
 
 def _told(case: Case) -> tuple[tuple[Finding, ...], ...]:
@@ -378,6 +385,12 @@ def _is_turns(end: float) -> bool:
 def _written(ends: tuple[float, float], factor: float = 1.0) -> str:
     """A range as it is to be written."""
     return " ".join(format_number(end * factor, 4) for end in ends)
+
+
+def _help(case: Case, index: int, usual: str) -> str:
+    """What to do of ranges in radians: not what would turn a pose that is in degrees, as it is read."""
+    other = written_in_degrees(case, index)
+    return usual if other is None else f"write the ranges in degrees, which {other} is in too"
 
 
 def _unless(is_part: bool) -> str:

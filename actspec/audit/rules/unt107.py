@@ -11,9 +11,13 @@ from actspec.diagnostics import Span
 from actspec.fields import is_placeholder, is_power_of_ten
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import same
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, Sequence[LedgerRow]]
+
+_WEAK = 0.01
+"""Spring of the joint over kp that no figure shows."""
 
 _SERVOS = ("position", "pid", "dcmotor", "implicit", "ideal_pd", "dc_motor")
 """Drives whose kp and kd are gains of a position."""
@@ -62,6 +66,7 @@ class GainsOfNoJoint(RuleOver[_Subject]):
         driven = row.control in _MOTORS or (row.control == _EXPLICIT and published is not None)
         limit = self._limit(case, row, published if driven else None) if hinge else None
         stiff = 0.0 if is_power_of_ten(row.kp) else STIFF_SERVO_RETURN
+        inertia = None if outweighs(row) else row.inertia
         gains = Gains(
             row.kp,
             sum(kd or 0.0 for kd in kds),
@@ -71,13 +76,11 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             STIFF_RETURN if driven else stiff,
             JointKind.HINGE if hinge else JointKind.SLIDE,
             1.0 if driven else math.inf,
+            # Of an armature that no torque turns UNT105 tells.
+            armature=inertia or 0.0,
         )
         field, message, help = gain_words(gains, {}) or (None, "", None)
-        frequency = row.natural_frequency
-        # Of an armature that no torque turns UNT105 tells.
-        if field is None and hinge and frequency and not outweighs(row):
-            # With that of the links, which nobody states.
-            inertia = row.kp / frequency**2
+        if field is None and hinge and inertia and _swings_by_kp(row):
             if words := frequency_words(gains, inertia):
                 field, message, help = "kp", *words[:2]
             elif damped := damping_words(gains, inertia, "the joint's damping"):
@@ -105,6 +108,13 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             (one for one in (limit_of(case, row), published) if one is not None and not is_placeholder(one)),
             default=None,
         )
+
+
+def _swings_by_kp(row: LedgerRow) -> bool:
+    """Whether the joint swings as its kp and its inertia tell: alone, and without a spring of its own beside the kp."""
+    if row.kp is None or row.inertia is None or row.natural_frequency is None:
+        return False
+    return same(row.natural_frequency**2 * row.inertia, row.kp, _WEAK)
 
 
 def _known_joints(case: Case) -> dict[tuple[int, str], float]:
