@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -9,8 +8,9 @@ from typing import ClassVar
 
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.actuator_texts import compiler_of, written_actuators, written_in_degrees
+from actspec.audit.rules.actuator_texts import written_actuators, written_in_degrees
 from actspec.audit.rules.joints import by_joint, own_figure, partner_rows, shown
+from actspec.audit.rules.whose_angle import data_of, graded, is_of_a_part, lacks_angle, of_a_part, unless
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER_SPEED, is_power_of_ten
 from actspec.ir import JointKind
@@ -61,7 +61,7 @@ class RangeInDegrees(RuleInParts):
                 artifact = case.artifacts[index]
                 in_degrees = (joint[0] * DEGREES, joint[1] * DEGREES)
                 if is_degrees_of(command, in_degrees) and not artifact.states(b"radian"):
-                    yield (_graded(case, self._of_both(row, command, joint), artifact),)
+                    yield (graded(case, self._of_both(row, command, joint), artifact),)
                 elif is_degrees_of(command, joint):
                     found.append(row)
                 elif is_degrees_of(joint, command) and largest(joint) > _TURN:
@@ -73,9 +73,9 @@ class RangeInDegrees(RuleInParts):
                 ):
                     speed = _speed_of(case, row, command)
                     if speed is not None:
-                        yield (_graded(case, self._of_speed(row, command, joint, speed), artifact),)
+                        yield (graded(case, self._of_speed(row, command, joint, speed), artifact),)
                     elif not _is_left(case, index, row.joint, command):
-                        is_part = _is_part(case, artifact, row.place("position_range"))
+                        is_part = is_of_a_part(case, artifact, row.place("position_range"))
                         yield self._of_degrees(row, command, joint, is_part)
         # One range that is radians by its servo tells that all of the file are, endless joints' too; ±90 is none's.
         radians = Counter(row.artifact for row in found if not _turns(row))
@@ -83,42 +83,42 @@ class RangeInDegrees(RuleInParts):
         of_parts: dict[tuple[int, str], list[LedgerRow]] = {}
         for row in found:
             place, artifact = row.place("position_range"), case.artifacts[row.artifact]
-            if _turns(row) or (_is_part(case, artifact, place) and radians[row.artifact] == 1):
+            if _turns(row) or (is_of_a_part(case, artifact, place) and radians[row.artifact] == 1):
                 continue
             if _is_in_radians(artifact, place.path):
                 of_parts.setdefault((row.artifact, place.path), []).append(row)
         for (index, part), rows in of_parts.items():
-            yield (_graded(case, self._of_includer(case, index, part, rows), case.artifacts[index]),)
+            yield (graded(case, self._of_includer(case, index, part, rows), case.artifacts[index]),)
         told_of = {row.span: row for rows in of_parts.values() for row in rows}
         for row in found:
             if told_of.get(row.span) is row:
                 continue
             assert row.command_range is not None and row.position_range is not None
-            is_part = _is_part(case, case.artifacts[row.artifact], row.place("position_range"))
+            is_part = is_of_a_part(case, case.artifacts[row.artifact], row.place("position_range"))
             if _turns(row) and (row.artifact not in radians or _is_whole_degrees(row.command_range)):
                 found_here = self._of_control(row, row.command_range, row.position_range, fixes.get(row.span))
                 # Included by a file in radians, both would be the same few turns.
                 few = is_part and largest(row.command_range) < least
-                yield (_of_a_part(found_here) if few else found_here,)
+                yield (of_a_part(found_here) if few else found_here,)
             elif not is_part or radians[row.artifact] > 1:
                 # One servo of a part with the range of its joint is as it should be where the includer has radians.
                 found_here = self._of_range(case, row, row.command_range, row.position_range, is_part)
-                yield (_graded(case, found_here, case.artifacts[row.artifact]),)
+                yield (graded(case, found_here, case.artifacts[row.artifact]),)
         told = Counter(row.artifact for row in turning)
         for row in turning:
             assert row.command_range is not None and row.position_range is not None
             artifact = case.artifacts[row.artifact]
             # As above, of one servo of a part either range may be the right one.
-            if not _is_part(case, artifact, row.place("position_range")) or told[row.artifact] > 1:
+            if not is_of_a_part(case, artifact, row.place("position_range")) or told[row.artifact] > 1:
                 found_here = self._of_turns(row, row.command_range, row.position_range)
-                yield (_graded(case, found_here, artifact),)
+                yield (graded(case, found_here, artifact),)
         by_servo = {(row.artifact, row.joint) for row in turning}
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
             if case.has_angle_of_another(index):
                 continue
             hinges = _limited_hinges(artifact)
             if index in locked:
-                yield (_graded(case, self._of_file(case, index, _moving(hinges)), artifact),)
+                yield (graded(case, self._of_file(case, index, _moving(hinges)), artifact),)
                 continue
             far_hinges = [hinge for hinge in hinges if self._is_far(case, hinge)]
             virtual = _placeholder_ranges(artifact)
@@ -145,7 +145,7 @@ class RangeInDegrees(RuleInParts):
         return Finding(
             self.code,
             f"the joint's range is {low} ... {high}, and its servo's control range {DEGREES:.3g} times that: radians, "
-            f"which MuJoCo takes for degrees in this file{_unless(is_part)}",
+            f"which MuJoCo takes for degrees in this file{unless(is_part)}",
             row.place("position_range"),
             row.joint,
             largest(joint),
@@ -158,7 +158,7 @@ class RangeInDegrees(RuleInParts):
         """Of a model without the angle of a part that it includes, all of whose ranges are in radians."""
         row = rows[0]
         assert row.position_range is not None
-        place, why = _lacks_angle(case, index, part)
+        place, why = lacks_angle(case, index, part)
         low, high = (shown(row, "default_position", end) for end in row.position_range)
         return Finding(
             self.code,
@@ -252,7 +252,7 @@ class RangeInDegrees(RuleInParts):
             confidence=Confidence.MEDIUM,
             noted_in_folders=True,
         )
-        yield _of_a_part(found) if _is_placeholder(command) or is_part else found
+        yield of_a_part(found) if _is_placeholder(command) or is_part else found
 
     def _of_turns(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
         low, high = (shown(row, "default_position", end) for end in joint)
@@ -309,7 +309,7 @@ class RangeInDegrees(RuleInParts):
             self.code,
             f"none of the {len(joints)} limited hinges may move by more than {most:.3g} degrees from 0, the first from "
             f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees"
-            + _unless(_is_part(case, artifact, place)),
+            + unless(is_of_a_part(case, artifact, place)),
             place,
             "",
             largest(ends),
@@ -318,9 +318,9 @@ class RangeInDegrees(RuleInParts):
             _help(case, index, 'add <compiler angle="radian"/>'),
             joints=tuple(joint.name for joint in joints),
         )
-        if not _is_in_radians(artifact, place.path) or _is_part(case, artifact, place):
+        if not _is_in_radians(artifact, place.path) or is_of_a_part(case, artifact, place):
             return found
-        there, why = _lacks_angle(case, index, place.path)
+        there, why = lacks_angle(case, index, place.path)
         message = f"{why}; {found.message.partition(': radians')[0]}"
         return replace(
             found, message=message, span=there, help=_help(case, index, _ANGLE_OR_DEGREES), related=(place,)
@@ -391,51 +391,6 @@ def _help(case: Case, index: int, usual: str) -> str:
     """What to do of ranges in radians: not what would turn a pose that is in degrees, as it is read."""
     other = written_in_degrees(case, index)
     return usual if other is None else f"write the ranges in degrees, which {other} is in too"
-
-
-def _unless(is_part: bool) -> str:
-    """What includes or mounts a part has the angle."""
-    return ", unless what includes it has the angle" if is_part else ""
-
-
-def _of_a_part(found: Finding) -> Finding:
-    """The same of a part, whose joints are in degrees or radians as its includer has it: a note without a fix."""
-    return replace(found, severity=Severity.INFO, confidence=Confidence.LOW, fix=None)
-
-
-def _graded(case: Case, found: Finding, artifact: Artifact) -> Finding:
-    """By what the file is: to a whole robot without `<compiler>` a program may add one, as safety-gymnasium does."""
-    if _is_part(case, artifact, found.span):
-        return _of_a_part(found)
-    may_be = artifact.may_be_part and _is_own(artifact, found.span)
-    return replace(found, confidence=Confidence.MEDIUM) if may_be else found
-
-
-def _is_part(case: Case, artifact: Artifact, place: Span) -> bool:
-    """Whether what includes a model may have the angle of a range that is written at a place."""
-    beside = os.path.dirname(artifact.path) in case.once(_folders_of_parts)
-    is_part = artifact.is_part or (beside and not artifact.states(b"angle="))
-    return is_part and _is_own(artifact, place)
-
-
-def _folders_of_parts(case: Case) -> frozenset[str]:
-    """Folders of files without an angle that models of other folders include, and read in radians."""
-    return frozenset(
-        os.path.dirname(part.path)
-        for _, artifact in case.of_kind(FileKind.MJCF)
-        if artifact.robot is not None and artifact.states(b"radian")
-        for part in artifact.robot.files
-        if os.path.dirname(part.path) != os.path.dirname(artifact.path)
-        if b"angle=" not in without_comments(part.data)
-    )
-
-
-def _is_own(artifact: Artifact, place: Span) -> bool:
-    """Whether a place is in a model itself, and not in one that it attaches, which has its own angle.
-
-    Measured with MuJoCo 4.0.0: in degrees where it states none, whatever attaches it or includes what does.
-    """
-    return artifact.robot is None or any(file.path == place.path for file in artifact.robot.files)
 
 
 def _scaled(case: Case) -> set[Span]:
@@ -514,22 +469,12 @@ def _are_locked(ranges: Sequence[tuple[float, float]]) -> bool:
     return most <= _LOCKED_TURN and 2 * odd > len(halves)
 
 
-def _lacks_angle(case: Case, index: int, part: str) -> tuple[Span, str]:
-    """Where a model lacks the angle of a part that it includes, and that in words, with a model that has it."""
-    place, angle = compiler_of(case, index)
-    what = f'the angle is "{angle}"' if angle else "no angle is stated"
-    others = (other for at, other in case.of_kind(FileKind.MJCF) if at != index)
-    right = (one.path for one in others if one.states(b"radian") and _data_of(one, part) is not None)
-    beside = next((f", as {path} reads them" for path in right), "")
-    return place, f"{what}, so MuJoCo takes the ranges of {part} for degrees: they are radians{beside}"
-
-
 def _is_in_radians(artifact: Artifact, path: str) -> bool:
     """Whether a file is a part without `<compiler>` that a model includes, and all ranges in it would lock its joints.
 
     The file that includes it lacks the angle then: the part is as it should be.
     """
-    data = _data_of(artifact, path)
+    data = data_of(artifact, path)
     if path == artifact.path or data is None or b"<compiler" in without_comments(data):
         return False
     ranges = [
@@ -538,12 +483,6 @@ def _is_in_radians(artifact: Artifact, path: str) -> bool:
         if joint.places.get("range", joint.span).path == path
     ]
     return bool(ranges) and _are_locked(ranges)
-
-
-def _data_of(artifact: Artifact, path: str) -> bytes | None:
-    """The text of a file that a model includes, or of its own; None: it does not."""
-    files = () if artifact.robot is None else artifact.robot.files
-    return next((file.data for file in files if file.path == path), None)
 
 
 def _limited_hinges(artifact: Artifact) -> list[JointView]:
