@@ -263,8 +263,7 @@ def written_in_degrees(case: Case, artifact: int) -> str | None:
             if any(2.0 * math.pi < abs(angle) < math.inf for angle in numbers(text, 4)[part]):
                 place = document.span(element)
                 own = place.path == case.artifacts[artifact].path
-                where = f"on line {place.line}" if own else f"in {place.path}:{place.line}"
-                return f'{name}="{text}" {where}'
+                return f'{name}="{text}"' + ("" if own else f" in {place.path}:{place.line}")
     return None
 
 
