@@ -35,7 +35,7 @@ from actspec.audit.rules.limits_of_files import (
 from actspec.audit.rules.src101 import placeholders_beside_limits
 from actspec.audit.rules.urdf_drives import is_left_undriven, wheel_drive
 from actspec.diagnostics import Span
-from actspec.fields import FIELDS, GRAVITY, PLACEHOLDER
+from actspec.fields import FIELDS, GRAVITY, LONGEST_LEVER, PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Setting
 from actspec.readings.drive import largest
@@ -276,7 +276,8 @@ class NoEffectiveLimit(RuleInParts):
 
     def _is_placeholder(self, case: Case, row: LedgerRow, field: str) -> bool:
         least = self.option(case, "least")
-        return is_nobodys(row, field, least) and row.span not in case.once(limited_by_own)
+        nobodys = is_nobodys(row, field, least) and row.span not in case.once(limited_by_own)
+        return nobodys and not (field == "effort_limit" and _holds_its_robot(case, row))
 
     def _round(self, case: Case, row: LedgerRow, effort: float, mass: float) -> Finding:
         """Of a round effort that every hinge of a light robot has, and a slide too."""
@@ -432,6 +433,13 @@ class NoEffectiveLimit(RuleInParts):
         message = f'forcerange="{low:g} {high:g}" is no limit: MuJoCo takes an empty range for none'
         found = self._zero(row, "effort_limit", message)
         return found if low == 0.0 else replace(found, value=None, unit=None)
+
+
+def _holds_its_robot(case: Case, row: LedgerRow) -> bool:
+    """Whether a hinge's limit is what it takes to hold the whole robot on a lever that one may have: a crane's is."""
+    robot = case.artifacts[row.artifact].robot
+    mass = (robot.mass if robot is not None else None) or 0.0
+    return row.kind is JointKind.HINGE and (row.effort_limit or 0.0) <= LONGEST_LEVER * mass * GRAVITY
 
 
 _INPUTS = {"ctrl": "control", "act": "activation"}
