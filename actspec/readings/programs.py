@@ -57,6 +57,9 @@ _FOUND = re.compile(rb"\$\(find(?:-pkg-share)?\s+([\w.-]+)\)")
 _LOOKED_FOR = re.compile(rb"""-i?name\s+(["'])[^"'\n]*\1""")
 """A pattern of the command `find`, which runs nothing."""
 
+_WRITTEN_TO = re.compile(rb"""\bopen\(\s*[rf]?(["'])[^"'\n]*\1\s*,\s*(?:mode\s*=\s*)?["'][wx]""")
+"""A file that a program writes."""
+
 _OWN = re.compile(rb"""\A\s*\{\s*"format"\s*:\s*"actspec-""")
 """How a baseline, lock or report of actspec begins: it names what was audited, and runs nothing."""
 
@@ -310,14 +313,14 @@ class _Models:
     def surely_run(self) -> frozenset[str]:
         """Those that a program writes out to be run, by a name that no other model there has.
 
-        Not what is made of a USD or a xacro that one names: it may have been written before.
+        Not what is made of a USD or a xacro that one names, which may have been written before, nor what it writes.
         """
         return self._with_parts(
             {
                 meant[0]
                 for program, names in self._named.items()
                 if program not in self.still and program not in self._exported
-                for name in names
+                for name in self._read_by(program, names)
                 if name.literal is not None
                 and name.ending in _ENDINGS
                 and len(meant := self._meant(name, program)) == 1
@@ -328,6 +331,11 @@ class _Models:
     def _named(self) -> dict[str, tuple[_Name, ...]]:
         """What looks like the name of a model in each program."""
         return {program: tuple(_names(text)) for program, text in self.programs.items()}
+
+    def _read_by(self, program: str, names: Iterable[_Name]) -> Iterable[_Name]:
+        """Of the names in a program those that it does not only write to."""
+        text = self.programs[program]
+        return _names(_WRITTEN_TO.sub(b"", text)) if _WRITTEN_TO.search(text) else names
 
     def _with_parts(self, named: Collection[str]) -> frozenset[str]:
         """Models with what they include: of a scene that is run these are, too."""
