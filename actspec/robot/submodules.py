@@ -82,7 +82,7 @@ def _menagerie(beside: str, path: str) -> NotThere | None:
     if not (name and inside and own and all(map(_has_nothing, places))):
         return None
     command = f"git clone {_CLONED_FROM} {shell_word(where)}"
-    return NotThere(f"{where!r} is a clone of MuJoCo Menagerie that is not there", command)
+    return NotThere(f"MuJoCo Menagerie is not cloned at {where!r}", command)
 
 
 def of_missing(message: str, path: str, help: str | None = None) -> tuple[str, str | None]:

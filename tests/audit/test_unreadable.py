@@ -296,8 +296,8 @@ def test_a_menagerie_that_is_not_cloned() -> None:
     assert found(audit(["robots"], Settings())) == [("AUD008", "robots/leg.xml", 2, Severity.INFO)]
     (item,) = (one.finding for one in report.findings if one.finding.code == "AUD008")
     assert item.message == (
-        "the file cannot be read: the include cannot be followed: 'mujoco_menagerie' is a clone of MuJoCo Menagerie "
-        "that is not there (ROBOT010)"
+        "the file cannot be read: the include cannot be followed: MuJoCo Menagerie is not cloned at "
+        "'mujoco_menagerie' (ROBOT010)"
     )
     assert item.help == "git clone https://github.com/google-deepmind/mujoco_menagerie mujoco_menagerie"
     Path("mujoco_menagerie/a1").mkdir(parents=True)

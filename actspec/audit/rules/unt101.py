@@ -390,7 +390,7 @@ def _written(ends: tuple[float, float], factor: float = 1.0) -> str:
 def _help(case: Case, index: int, usual: str) -> str:
     """What to do of ranges in radians: not what would turn a pose that is in degrees, as it is read."""
     other = written_in_degrees(case, index)
-    return usual if other is None else f"write the ranges in degrees, which {other} is in too"
+    return usual if other is None else f"write the ranges in degrees, as {other} is"
 
 
 def _scaled(case: Case) -> set[Span]:
