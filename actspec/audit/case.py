@@ -60,9 +60,7 @@ class Case:
     robot_by_artifact: Mapping[int, Robot] = field(init=False, repr=False, compare=False)
     kinds_by_artifact: Mapping[int, frozenset[FileKind]] = field(init=False, repr=False, compare=False)
     _rows: Mapping[int, tuple[LedgerRow, ...]] = field(init=False, repr=False, compare=False)
-    _made: dict[Callable[[Case], object], object] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
+    _made: dict[object, object] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Index rows and robots: every rule looks for both."""
@@ -167,6 +165,17 @@ class Case:
         if make not in self._made:
             self._made[make] = make(self)
         return cast(_T, self._made[make])
+
+    def once_of(self, make: Callable[[Artifact], _T], artifact: int) -> _T:
+        """What a function makes of an artifact, made once, when a rule first asks for it.
+
+        Args:
+            make: Pure; a function or class of a module, by which it is known again.
+            artifact: Its index.
+        """
+        if (make, artifact) not in self._made:
+            self._made[make, artifact] = make(self.artifacts[artifact])
+        return cast(_T, self._made[make, artifact])
 
     def option(self, code: str, name: str, default: float) -> float:
         """A rule's option, or its default."""

@@ -284,6 +284,7 @@ class _Models:
     def __init__(self, paths: Collection[str], programs: Mapping[str, bytes]) -> None:
         self.paths, self.programs, self.still = paths, programs, poses_alone(programs)
         self.by_stem: dict[bytes, list[str]] = {}
+        self.parts: dict[str, frozenset[str]] = {}
         for path in sorted(paths):
             self.by_stem.setdefault(_stem(path), []).append(path)
 
@@ -342,12 +343,17 @@ class _Models:
         found = set(named)
         left = sorted(found)
         while left:
-            path = left.pop()
-            for name in _names(_MARKUP.sub(b"", _read(path))):
-                more = set(self._meant(name, path)) - found
-                left += sorted(more)
-                found |= more
+            more = self._parts(left.pop()) - found
+            left += sorted(more)
+            found |= more
         return frozenset(found)
+
+    def _parts(self, path: str) -> frozenset[str]:
+        """The models that a model's own file names."""
+        if path not in self.parts:
+            names = _names(_MARKUP.sub(b"", _read(path)))
+            self.parts[path] = frozenset(part for name in names for part in self._meant(name, path))
+        return self.parts[path]
 
     @cached_property
     def _exported(self) -> frozenset[str]:

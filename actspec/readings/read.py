@@ -122,11 +122,11 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
     tag = document.root.tag
     kind = KINDS.get(tag)
     if kind is FileKind.URDF:
-        from actspec.robot.read_urdf import EXPAND, is_xacro, unexpanded
+        from actspec.robot.read_urdf import is_xacro, unexpanded
 
         called = path.lower().endswith(XACRO)
         if is_xacro(document) or (called and next(unexpanded(document), None) is not None):
-            return _xacro(path, EXPAND if called else None)
+            return _xacro(path)
     if kind is None:
         reason = f"the root element is <{tag}>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"
         return FileReading(path, None, reason, files=document.files)
@@ -170,8 +170,11 @@ def _not_xml(path: str, diagnostics: Sequence[Diagnostic]) -> FileReading:
     return reading
 
 
-def _xacro(path: str, help: str | None = None) -> FileReading:
-    help = help or f"xacro {os.path.basename(path)} -o EXPANDED.urdf, and name that"
+def _xacro(path: str) -> FileReading:
+    from actspec.robot.read_urdf import EXPAND
+
+    called = path.lower().endswith(XACRO)
+    help = EXPAND if called else f"xacro {os.path.basename(path)} -o EXPANDED.urdf, and name that"
     reading = nothing_to_audit(path, "this is a xacro, which has to be expanded first", help)
     return replace(reading, unread=XACRO_FILE)
 

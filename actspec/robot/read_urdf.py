@@ -9,7 +9,7 @@ robot is that of the robot with its base held.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -155,21 +155,20 @@ def _mass(document: XmlDocument) -> float | None:
                 weighed.add(link.get("name") or "")
             elif any(part.tag in ("visual", "collision") for part in link.children):
                 shaped.add(link.get("name") or "")
-    held = _held_by(document) if shaped else {}
+    held = _held_by(_links(document), lambda joint: joint.get("type") == "fixed") if shaped else {}
     if {held.get(link, link) for link in shaped} - {held.get(link, link) for link in weighed}:
         return None
     return sum(map(float, stated)) if all(NUMBER.fullmatch(text.strip()) for text in stated) else None
 
 
-def _held_by(document: XmlDocument) -> dict[str, str]:
-    """Each link that hangs on fixed joints, with the first above it that does not; a circle ends where it closes."""
-    links = _links(document)
+def _held_by(links: Mapping[str, tuple[Element, str]], holds: Callable[[Element], bool]) -> dict[str, str]:
+    """Each link that hangs on joints that hold it, with the first above it that does not; a circle ends where it
+    closes.
+    """
     found: dict[str, str] = {}
     for link in links:
         way: dict[str, None] = {}
-        while (
-            link in links and link not in found and link not in way and links[link][0].get("type") == "fixed"
-        ):
+        while link in links and link not in found and link not in way and holds(links[link][0]):
             way[link] = None
             link = links[link][1]
         found.update(dict.fromkeys(way, found.get(link, link)))
@@ -272,22 +271,15 @@ def _links(document: XmlDocument) -> dict[str, tuple[Element, str]]:
 
 def _with_parents(joints: list[JointView], document: XmlDocument) -> list[JointView]:
     """Each joint with the one that it hangs on, over fixed and floating ones; a circle ends where it closes."""
-    links = {child: (joint.get("name") or "", parent) for child, (joint, parent) in _links(document).items()}
+    links = _links(document)
     moving = {joint.name for joint in joints if joint.kind is not JointKind.FREE}
-    # Link to the joint that it moves with, filled along each way that is walked.
-    above: dict[str, str] = {}
+    held = _held_by(links, lambda joint: (joint.get("name") or "") not in moving)
     found = []
     for joint in joints:
         link = links[joint.body][1] if joint.body in links else ""
-        way: dict[str, None] = {}
-        while link in links and link not in above and link not in way and links[link][0] not in moving:
-            way[link] = None
-            link = links[link][1]
-        moved = above.get(link, "")
-        if not moved and link in links and links[link][0] in moving:
-            moved = links[link][0]
-        above.update(dict.fromkeys((*way, link), moved))
-        found.append(replace(joint, parent="" if moved == joint.name else moved))
+        above = links.get(held.get(link, link))
+        moved = "" if above is None else above[0].get("name") or ""
+        found.append(replace(joint, parent=moved if moved in moving and moved != joint.name else ""))
     return found
 
 

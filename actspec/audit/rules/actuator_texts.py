@@ -82,29 +82,15 @@ def written_actuators(
             continue
         if two_of and sum(any(one in file.data for file in robot.files) for one in two_of) < 2:
             continue
-        text = case.once(_Texts).of(index)
+        text = case.once_of(_Text, index)
         for view in wanted:
             found = text.actuator(view)
             if found is not None:
                 yield found
 
 
-class _Texts:
-    """The MJCFs of a case as text, each parsed when a rule first looks at it."""
-
-    def __init__(self, case: Case) -> None:
-        self._artifacts = case.artifacts
-        self._found: dict[int, _Text] = {}
-
-    def of(self, index: int) -> _Text:
-        """The text of an artifact, which is an MJCF."""
-        if index not in self._found:
-            self._found[index] = _Text(self._artifacts[index])
-        return self._found[index]
-
-
 class _Text:
-    """One MJCF as text, and its actuators as far as a rule has asked for them."""
+    """An MJCF as text, and its actuators as far as a rule has asked for them."""
 
     def __init__(self, artifact: Artifact) -> None:
         assert artifact.robot is not None
@@ -225,7 +211,7 @@ def clamps_not_in_force(case: Case) -> dict[tuple[int, str], tuple[float, float]
             continue
         for joint in robot.joints:
             if joint.effort_range is None and "effort" in joint.stated:
-                found = case.once(_Texts).of(index).joint(joint.name)
+                found = case.once_of(_Text, index).joint(joint.name)
                 ends = numbers(found.get("range"), 2)
                 if found.get("limited") == "false" and len(ends) == 2 and all(map(math.isfinite, ends)):
                     ranges[index, joint.name] = (ends[0], ends[1])
@@ -241,7 +227,7 @@ def compiler_of(case: Case, artifact: int) -> tuple[Span, str]:
 
     Returns: the place of the `compiler` of its own file, else of another one, else of its root.
     """
-    document = case.once(_Texts).of(artifact).document
+    document = case.once_of(_Text, artifact).document
     found = sorted(document.sections("compiler"), key=lambda element: element.file > 0)
     stated = (angle for element in reversed(found) if (angle := element.get("angle")))
     return document.span(found[0] if found else document.root), next(stated, "")
@@ -256,7 +242,7 @@ Source: MuJoCo 4.0.0, measured: `angle="radian"` makes of euler="90 0 0" and axi
 
 def written_in_degrees(case: Case, artifact: int) -> str | None:
     """Where a pose in an MJCF has an angle of more than a turn, were it in radians, and which; None: none has."""
-    document = case.once(_Texts).of(artifact).document
+    document = case.once_of(_Text, artifact).document
     for element in document.walk():
         for name, part in _ANGLES.items():
             text = element.get(name) or ""

@@ -62,9 +62,8 @@ class _Drives:
 
 def wheel_drive(case: Case, row: LedgerRow) -> WheelDrive | None:
     """What a plugin of a URDF drives a joint with; None: none does, or with more than any robot of its mass has."""
-    drive = next(
-        (found for name, found in case.once(_Texts).of(row.artifact).wheels if name == row.joint), None
-    )
+    wheels = case.once_of(_drives, row.artifact).wheels
+    drive = next((found for name, found in wheels if name == row.joint), None)
     robot = case.artifacts[row.artifact].robot
     mass = None if robot is None else robot.mass
     return drive if drive and mass and 0.0 < drive.most <= LONGEST_LEVER * mass * GRAVITY else None
@@ -72,7 +71,7 @@ def wheel_drive(case: Case, row: LedgerRow) -> WheelDrive | None:
 
 def is_left_undriven(case: Case, row: LedgerRow) -> bool:
     """Whether a URDF says which of its joints are driven, and not this one, which nothing else of its robot drives."""
-    drives = case.once(_Texts).of(row.artifact)
+    drives = case.once_of(_drives, row.artifact)
     if row.joint in drives.driven | drives.mentioned or drives.driven.isdisjoint(
         case.joints_by_artifact.get(row.artifact, {})
     ):
@@ -84,21 +83,8 @@ def is_left_undriven(case: Case, row: LedgerRow) -> bool:
     )
 
 
-class _Texts:
-    """The URDFs of a case, each parsed when a rule first looks at it."""
-
-    def __init__(self, case: Case) -> None:
-        self._artifacts = case.artifacts
-        self._found: dict[int, _Drives] = {}
-
-    def of(self, index: int) -> _Drives:
-        """What an artifact says; nothing, where it is no URDF."""
-        if index not in self._found:
-            self._found[index] = _drives(self._artifacts[index])
-        return self._found[index]
-
-
 def _drives(artifact: Artifact) -> _Drives:
+    """What an artifact says; nothing, where it is no URDF."""
     robot = artifact.robot
     if artifact.kind is not FileKind.URDF or robot is None:
         return _Drives()
