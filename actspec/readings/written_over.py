@@ -65,6 +65,9 @@ that were not the published ones, readers would have acted on 15 of 18 beside a 
 _COMPILES = re.compile(rb"mujoco|\bmj_|\bmjx|mjlab|dm_control|robosuite", re.IGNORECASE)
 """Programs of MuJoCo. Isaac Gym, Bullet and Drake read an MJCF their own way."""
 
+_ATTACHES = re.compile(rb"\.attach(?:_body|_frame|_child)?\(")
+"""A program that puts models together before MuJoCo compiles them: what one names may be in another."""
+
 _SIMULATORS = (
     rb"isaac\w*|omni\.isaac|ignition|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|mani_?skill\w*|dartpy|webots"
     rb"|newton|brax|playground|vrep|coppelia\w*"
@@ -122,7 +125,7 @@ def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
     """What programs write over, of `_WRITES`; the integrator, where each that loads an MJCF does; of URDFs efforts that
-    are no drive's limit, and speeds that PyBullet alone meets; whether none compiles an MJCF.
+    are no drive's limit, and speeds that PyBullet alone meets; whether none compiles an MJCF as it stands.
     """
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
     loads = [text for text in texts if _LOADS.search(text)]
@@ -134,6 +137,8 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
         found.add("urdf_effort")
     if not any(map(_LIMITS_BY_URDF.search, texts)):
         found.add("urdf_limit")
+    if loads and all(map(_ATTACHES.search, loads)):
+        found.add("compiled")
     if not any(map(_COMPILES.search, texts)):
         found.add("compiled")
         if any(map(_BULLET.search, texts)) and not any(map(_SPEEDS_OF_URDF.search, texts)):

@@ -276,6 +276,7 @@ _SIDES = "".join(
 _LEGS = f'<robot name="legs"><link name="a"/>{_SIDES}</robot>'
 _LIMB = """<robot name="arm"><link name="a"/><link name="b"/><joint name="elbow" type="revolute"><parent link="a"/>
 <child link="b"/><limit lower="{lower}" upper="1" effort="2" velocity="3"/><dynamics damping="4"/></joint></robot>"""
+_LOADED = "import mujoco\ns = mujoco.MjSpec.from_file(FILE)\n"
 _MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
 <body><geom size="0.1"/><joint name="elbow" range="-1.5 1.5" frictionloss="9"/><body><geom size="0.1"/>
 <joint name="wrist" range="-1.2 1.2"/><body><geom size="0.1"/><joint name="hand" range="-1.2 1.2"/></body></body></body>
@@ -301,6 +302,9 @@ _MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
         ("arm.xml", _MODEL.format(joint="elbow"), "", "UNT101", "info"),
         ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco\n", "AUD020", None),
         ("arm.xml", _MODEL.format(joint="ebow"), "import pybullet\n", "AUD020", None),
+        # A joint of the robot that it is attached to.
+        ("arm.xml", _MODEL.format(joint="ebow"), f"{_LOADED}s.attach(robot)\n", "AUD020", None),
+        ("arm.xml", _MODEL.format(joint="ebow"), _LOADED, "AUD020", None),
     ],
 )
 def test_a_model_that_a_program_of_the_folder_names(
@@ -328,7 +332,7 @@ def test_a_model_that_a_program_of_the_folder_names(
     Path("r/train.py").write_text(f"{program}FILE = 'other/leg.xml'\n")
     assert severity() == elsewhere
     Path("r/train.py").write_text(f"{program}FILE = 'r/{file}'\n")
-    assert severity() == ("info" if "bullet" in program else "warning")
+    assert severity() == ("info" if "bullet" in program or "attach" in program else "warning")
     Path("old").mkdir()
     Path("r").rename("old/r")
     Path("r").mkdir()
