@@ -19,7 +19,7 @@ MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 """Files of a robot itself, to which the others give drives."""
 
 _WRITTEN: dict[FileKind | None, frozenset[str]] = {
-    FileKind.URDF: frozenset({"urdf_effort", "urdf_limit", "urdf_velocity"}),
+    FileKind.URDF: frozenset({"urdf_effort", "urdf_limit"}),
     FileKind.MJCF: frozenset({"integrator", "compiled"}),
     FileKind.CFG: frozenset({"actuators"}),
 }

@@ -474,9 +474,8 @@ class FileReading:
         run: Of a model in a folder, whether a program there writes out its name, or a model that one does.
         written: Figures of models that programs of its folder write over when they have loaded one; `urdf_effort` where
             they ask no URDF for it, `urdf_limit` where none is of a trainer that takes a URDF's for the drive's,
-            `urdf_velocity` where they are of PyBullet, which takes no speed of it, `compiled` where none is of MuJoCo
-            or each attaches it, `integrator` where they set another, `drive` where they leave a configuration's gains
-            to a simulator of their own.
+            `compiled` where none is of MuJoCo or each attaches it, `integrator` where they set another, `drive` where
+            they leave a configuration's gains to a simulator of their own.
         idle: Configurations in a folder that no program there imports, where one imports others.
         record: Whether it is what a training wrote of itself: it says what was, and is not for editing.
         unread: Of a robot file that is not read where it is found in a folder, what it is: `xacro`, `template`.

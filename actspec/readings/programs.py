@@ -12,7 +12,7 @@ from functools import cached_property
 from actspec.files import NotRegular, TooLarge, in_common, read_regular
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.gym_tasks import no_tasks
-from actspec.readings.written_over import poses_alone, written_over
+from actspec.readings.written_over import poses_alone, works_on_files, written_over
 
 _HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
 _SLASHES = re.compile(rb"/\*.*?\*/|(?<![:\w\"'])//[^\n]*", re.DOTALL)
@@ -39,7 +39,7 @@ _EXPORTED = frozenset(("display.launch", "gazebo.launch"))
 Source: SolidWorks to URDF exporter."""
 
 _MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)")
-_REFERENCE = re.compile(rb"\.(urdf|xml|mjcf|usd[acz]?|xacro)\b")
+_REFERENCE = re.compile(rb"\.(?:(?:urdf|xml|mjcf)\.(?=xacro))?(urdf|xml|mjcf|usd[acz]?|xacro)\b")
 _ENDINGS = (b"urdf", b"xml", b"mjcf")
 """Of models that are read."""
 
@@ -57,8 +57,8 @@ _FOUND = re.compile(rb"\$\(find(?:-pkg-share)?\s+([\w.-]+)\)")
 _LOOKED_FOR = re.compile(rb"""-i?name\s+(["'])[^"'\n]*\1""")
 """A pattern of the command `find`, which runs nothing."""
 
-_WRITTEN_TO = re.compile(rb"""\bopen\(\s*[rf]?(["'])[^"'\n]*\1\s*,\s*(?:mode\s*=\s*)?["'][wx]""")
-"""A file that a program writes."""
+_AS_TEXT = re.compile(rb"\b(?:open|parse)\((?:[^()\n]|\([^()\n]*\))*\)")
+"""A file that a program opens itself: to write it, or to change its text before a simulator has it."""
 
 _OWN = re.compile(rb"""\A\s*\{\s*"format"\s*:\s*"actspec-""")
 """How a baseline, lock or report of actspec begins: it names what was audited, and runs nothing."""
@@ -314,14 +314,15 @@ class _Models:
     def surely_run(self) -> frozenset[str]:
         """Those that a program writes out to be run, by a name that no other model there has.
 
-        Not what is made of a USD or a xacro that one names, which may have been written before, nor what it writes.
+        Not what is made of a USD or a xacro that one names, which may have been written before, nor what it opens as
+        text, or works on and does not simulate.
         """
         return self._with_parts(
             {
                 meant[0]
                 for program, names in self._named.items()
-                if program not in self.still and program not in self._exported
-                for name in self._read_by(program, names)
+                if program not in self.still | self._exported and not works_on_files(self.programs[program])
+                for name in self._loaded_by(program, names)
                 if name.literal is not None
                 and name.ending in _ENDINGS
                 and len(meant := self._meant(name, program)) == 1
@@ -333,10 +334,10 @@ class _Models:
         """What looks like the name of a model in each program."""
         return {program: tuple(_names(text)) for program, text in self.programs.items()}
 
-    def _read_by(self, program: str, names: Iterable[_Name]) -> Iterable[_Name]:
-        """Of the names in a program those that it does not only write to."""
+    def _loaded_by(self, program: str, names: Iterable[_Name]) -> Iterable[_Name]:
+        """Of the names in a program those that it does not open only as text."""
         text = self.programs[program]
-        return _names(_WRITTEN_TO.sub(b"", text)) if _WRITTEN_TO.search(text) else names
+        return _names(_AS_TEXT.sub(b"", text)) if _AS_TEXT.search(text) else names
 
     def _with_parts(self, named: Collection[str]) -> frozenset[str]:
         """Models with what they include: of a scene that is run these are, too."""

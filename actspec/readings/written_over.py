@@ -62,8 +62,8 @@ that were not the published ones, readers would have acted on 15 of 18 beside a 
 """
 
 
-_COMPILES = re.compile(rb"mujoco|\bmj_|\bmjx|mjlab|dm_control|robosuite", re.IGNORECASE)
-"""Programs of MuJoCo. Isaac Gym, Bullet and Drake read an MJCF their own way."""
+_COMPILES = re.compile(rb"mujoco(?!_py\b|-py\b|py\b)|\bmj_|\bmjx|mjlab|dm_control|robosuite", re.IGNORECASE)
+"""Programs of MuJoCo. Isaac Gym, Bullet and Drake read an MJCF their own way, mujoco_py by a MuJoCo of its own."""
 
 _ATTACHES = re.compile(rb"\.attach(?:_body|_frame|_child)?\(")
 """A program that puts models together before MuJoCo compiles them: what one names may be in another."""
@@ -73,18 +73,6 @@ _SIMULATORS = (
     rb"|newton|brax|playground|vrep|coppelia\w*"
 )
 """Other ones than MuJoCo and Bullet."""
-
-_BULLET = re.compile(rb"\b(?:import|from)\s+pybullet")
-_SPEEDS_OF_URDF = re.compile(
-    rb"\b(?:" + _SIMULATORS + rb"|moveit\w*|velocityLimit|limit\.velocity)\b"
-    rb"""|[."'](?:joint)?maxVelocity|\[\s*11\s*\]""",
-    re.IGNORECASE,
-)
-"""A program of PyBullet; and one of another simulator or planner, or that asks for the velocity of a URDF's joint.
-
-Source: PyBullet's Quickstart Guide, getJointInfo: jointMaxVelocity (index 11) is not used in motor control commands;
-measured, 3.2.7: a drive turns as fast with a velocity of 0 as with 9 rad/s.
-"""
 
 _POSES = re.compile(rb"\b(?:mj_forward|mj_kinematics|mj_fwdPosition)\b")
 """MuJoCo computes where the bodies are, and no motion."""
@@ -103,6 +91,9 @@ _STEPS = re.compile(
 
 _PLANS = re.compile(rb"^robot_cfg:[ \t]*\n(?:[ \t]*\n)*[ \t]+kinematics:", re.MULTILINE)
 """A robot as cuRobo is given it, in YAML: its links and their spheres, whatever simulator has a USD there too."""
+
+_TOOL = re.compile(rb"\b(?:argparse|ElementTree|minidom|lxml|bs4)\b")
+"""Libraries of programs that take files apart, or whose files the user names."""
 
 _FORCES = re.compile(rb"effort|torque|\btau\b", re.IGNORECASE)
 
@@ -123,9 +114,14 @@ def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
     )
 
 
+def works_on_files(text: bytes) -> bool:
+    """Whether a program is a tool that takes a file apart or hands it on, and simulates nothing."""
+    return bool(_TOOL.search(text)) and not (_STEPS.search(text) or _LOADS.search(text))
+
+
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
     """What programs write over, of `_WRITES`; the integrator, where each that loads an MJCF does; of URDFs efforts that
-    are no drive's limit, and speeds that PyBullet alone meets; whether none compiles an MJCF as it stands.
+    are no drive's limit; whether none compiles an MJCF as it stands.
     """
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
     loads = [text for text in texts if _LOADS.search(text)]
@@ -141,6 +137,4 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
         found.add("compiled")
     if not any(map(_COMPILES.search, texts)):
         found.add("compiled")
-        if any(map(_BULLET.search, texts)) and not any(map(_SPEEDS_OF_URDF.search, texts)):
-            found.add("urdf_velocity")
     return frozenset(found)

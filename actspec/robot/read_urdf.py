@@ -342,8 +342,10 @@ def _judge_limit(
 ) -> None:
     for what, value, unit in zip(("effort", "velocity"), (effort, velocity), _UNITS[kind], strict=True):
         if value is not None and value < 0:
-            message = f"limit {what} must be >= 0 {unit}, got {format_number(value)}; taken as no limit"
-            out.warning("ROBOT123", message, where=name, span=span)
+            # SDF writes no limit so.
+            report, way = (out.info, ", which is no limit in SDF") if value == -1.0 else (out.warning, "")
+            message = f"limit {what} must be >= 0 {unit}, got {format_number(value)}{way}; taken as no limit"
+            report("ROBOT123", message, where=name, span=span)
 
 
 def _zero_limits(joints: Sequence[JointView], out: Collector) -> None:

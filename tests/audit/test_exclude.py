@@ -186,10 +186,10 @@ def test_wrong_settings(text: str, told: str, capsys: pytest.CaptureFixture[str]
     ids=["none", "selected others", "code", "family", "file", "other file"],
 )
 def test_what_is_said_of_files_can_be_ignored(settings: Settings, shown: list[str]) -> None:
-    """A speed of -1 rad/s in a URDF is reported by the reader, whatever rules are selected."""
+    """A speed of -2 rad/s in a URDF is reported by the reader, whatever rules are selected."""
     Path("robots/own/e.urdf").write_text(
         '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="revolute"><parent link="a"/>'
-        '<child link="b"/><limit lower="-1" upper="1" effort="1" velocity="-1"/></joint></robot>'
+        '<child link="b"/><limit lower="-1" upper="1" effort="1" velocity="-2"/></joint></robot>'
     )
     report = audit(["robots/own/e.urdf"], settings)
     # Of a file that is named as a finding.

@@ -710,6 +710,9 @@ def test_a_line_of_a_megabyte(text: bytes) -> None:
     assert written_over((b"mujoco\n" + text * (1_000_000 // len(text)),)) == {"urdf_limit"}
 
 
+CONTROLLER = "PDJointPosControllerConfig(['pan', 'lift'], stiffness=1e3, damping=1e2, force_limit=100)\n"
+
+
 @pytest.mark.parametrize(
     ("program", "severity"),
     [
@@ -728,6 +731,11 @@ def test_a_line_of_a_megabyte(text: bytes) -> None:
         # Another program's force of each command, and kinematics, say nothing of the trainer.
         ("p.setJointMotorControl2(dog, 0, p.TORQUE_CONTROL, force=9)\n", Severity.WARNING),
         ("pinocchio.buildModelFromUrdf('go1.urdf')\n", Severity.WARNING),
+        # ManiSkill's controllers give every drive its largest force; Bullet and SAPIEN alone say nothing of it.
+        (f"from mani_skill.agents.controllers import *\n{CONTROLLER}", Severity.INFO),
+        (f"import sapien.core as sapien\n{CONTROLLER}", Severity.INFO),
+        ("from mani_skill.agents.base_agent import BaseAgent\n", Severity.WARNING),
+        (f"import pybullet\n{CONTROLLER}", Severity.WARNING),
     ],
 )
 def test_effort_of_a_urdf_that_a_trainer_has_not(program: str, severity: Severity) -> None:
@@ -735,56 +743,6 @@ def test_effort_of_a_urdf_that_a_trainer_has_not(program: str, severity: Severit
     write_go1()
     Path("r/run.py").write_text(f"import isaacgym\nasset('go1.urdf')\n{program}")
     assert of_published("r") == {("go1.urdf", severity)}
-
-
-CONTROLLER = "PDJointPosControllerConfig(['pan', 'lift'], stiffness=1e3, damping=1e2, force_limit=100)\n"
-
-
-@pytest.mark.parametrize(
-    ("limit", "program", "severity"),
-    [
-        (
-            'effort="0" velocity="0"',
-            f"from mani_skill.agents.controllers import *\n{CONTROLLER}",
-            Severity.INFO,
-        ),
-        ('effort="0" velocity="9"', f"import sapien.core as sapien\n{CONTROLLER}", Severity.INFO),
-        # A speed is no force; without one, and in another simulator, the URDF's effort may be the drive's.
-        (
-            'effort="9" velocity="0"',
-            f"from mani_skill.agents.controllers import *\n{CONTROLLER}",
-            Severity.WARNING,
-        ),
-        ('effort="0" velocity="0"', "from mani_skill.agents.base_agent import BaseAgent\n", Severity.WARNING),
-        ('effort="0" velocity="0"', f"import pybullet\n{CONTROLLER}", Severity.WARNING),
-        # PyBullet has a URDF's speed for whom asks it.
-        ('effort="9" velocity="0"', "import pybullet as p\n", Severity.INFO),
-        ('effort="9" velocity="0"', "from pybullet_utils import bullet_client\n", Severity.INFO),
-        ('effort="0" velocity="9"', "import pybullet as p\n", Severity.WARNING),
-        (
-            'effort="9" velocity="0"',
-            "import pybullet as p\nmost = p.getJointInfo(arm, 0)[11]\n",
-            Severity.WARNING,
-        ),
-        ('effort="9" velocity="0"', "import pybullet as p\nimport mujoco\n", Severity.WARNING),
-        ('effort="9" velocity="0"', "import pybullet as p\nfrom isaacgym import gymapi\n", Severity.WARNING),
-        ('effort="9" velocity="0"', "load('arm')\n", Severity.WARNING),
-    ],
-)
-def test_a_limit_of_0_that_no_drive_takes(limit: str, program: str, severity: Severity) -> None:
-    """ManiSkill's controllers give every drive its largest force; PyBullet enforces no speed of a URDF."""
-    for path in Path("r/models").iterdir():
-        path.unlink()
-    joints = "".join(
-        f'<link name="{n}"/><joint name="{n}" type="revolute"><parent link="base"/><child link="{n}"/>'
-        f'<limit lower="-1" upper="1" {its}/></joint>'
-        for n, its in (("pan", limit), ("lift", limit), ("wrist", 'effort="9" velocity="9"'))
-    )
-    Path("r/models/arm.urdf").write_text(f'<robot name="arm"><link name="base"/>{joints}</robot>')
-    Path("r/arm.py").write_text(f"{program}urdf_path = 'models/arm.urdf'\n")
-    for as_named, grave in ((False, severity), (True, Severity.WARNING)):
-        found = audit(["r"], Settings(select=("LIM101",), as_named=as_named)).findings
-        assert {item.severity for item in found} == {grave}, as_named
 
 
 def legs(name: str, cls: str, limit: str) -> str:

@@ -65,6 +65,8 @@ def by_command(case: Case, row: LedgerRow, view: ActuatorView | None, bound: flo
         )
         return Bounded(effect, None, None)
     effect = f"its clamped {clamped} bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
+    if row.position_range is None and row.control != "velocity":
+        effect += f" inside the {clamped}'s range"
     partners = (other for other in partner_rows(case, row, *MODELS) if not is_exporters(other))
     others = (other for other in partners if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER)
     # The largest limit of those files that lie nearest.

@@ -54,7 +54,10 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
             if limiting is None or limiting.effort_limit is None:
                 continue
             place = row.joint, row.place("frictionloss")
-            if place not in least or limiting.effort_limit < least[place][3]:
+            # Of a part alone the inertia is not known, of the model that includes it it may be.
+            if place not in least or _rank(limiting.effort_limit, row) < _rank(
+                least[place][3], least[place][0]
+            ):
                 least[place] = row, friction, limiting, limiting.effort_limit
         return least.values()
 
@@ -105,13 +108,20 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
         """How fast the full limit moves the joint in MuJoCo [rad/s or m/s], and whether friction brakes it most.
 
         Below its limit, friction is a constraint that brakes in proportion to speed and to the joint's inertia: a
-        light joint, or one with more damping than that, hardly feels it.
+        light joint, or one with more damping than that, hardly feels it. Of one of unknown inertia nobody knows.
         """
         from actspec.simulate.reference import SOFT_RATE, SOFT_SHARE
 
         inertia, damping = row.inertia_free_min, row.joint_damping or 0.0
-        if case.artifacts[row.artifact].kind is not FileKind.MJCF or inertia is None:
+        if case.artifacts[row.artifact].kind is not FileKind.MJCF:
             return 0.0, True
+        if inertia is None:
+            return 0.0, False
         brakes = inertia * SOFT_RATE * SOFT_SHARE / (1.0 - SOFT_SHARE)
         speed = limit / (brakes + damping) if brakes + damping > 0.0 else math.inf
         return speed, brakes > damping
+
+
+def _rank(limit: float, row: LedgerRow) -> tuple[float, bool]:
+    """By which of two lines for one joint the one that is judged is chosen, the least."""
+    return limit, row.inertia_free_min is None

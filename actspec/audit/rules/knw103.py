@@ -126,6 +126,9 @@ class FarFromPublished(RuleOver[Likeness]):
             limit,
             help=f"{_meant(mine, row, field, limit)}{text}: {source}",
             fields=(field,),
+            # Of a description that no program there names, the speeds limit nothing.
+            noted_in_folders=case.artifacts[row.artifact].kind is not FileKind.CFG
+            and not case.is_run(row.place(field)),
         )
 
 

@@ -54,9 +54,6 @@ _LINE = {
     "no_load_speed": "the no-load speed is 0: the torque-speed line divides by it, and the torque is not a number",
 }
 
-_OVER = {"effort_limit": "urdf_effort", "velocity_limit": "urdf_velocity"}
-"""By the first figure of a finding, what programs of a folder write over, or take from no URDF."""
-
 _BOTH_ZERO = (
     "the URDF's effort and velocity are 0: MuJoCo reads them as no limit, a tool that sets up drives from them as a "
     "joint that can give nothing and is held"
@@ -67,7 +64,6 @@ class NoEffectiveLimit(RuleInParts):
     code = "LIM101"
     name = "no-effective-limit"
     noted_in_folders = True
-    counts_where_run = True
     aliases: ClassVar[dict[str, str]] = {
         "LIM101": "no-limit-of-any-kind",
         "LIM102": "limit-is-a-placeholder",
@@ -162,9 +158,7 @@ class NoEffectiveLimit(RuleInParts):
     def _heard(
         self, case: Case, row: LedgerRow, found: Iterable[Finding], quiet: bool = False
     ) -> Iterator[Finding]:
-        """Of limits, notes where nothing takes them, and where a plugin of the file has a torque of the wheel;
-        in a folder, of what its programs write over or leave.
-        """
+        """Of limits, notes where nothing takes them, and where a plugin of the file has a torque of the wheel."""
         for one in found:
             drive = wheel_drive(case, row) if one.value and "effort_limit" in one.fields else None
             if drive is not None and drive.most < (one.value or 0.0):
@@ -174,8 +168,6 @@ class NoEffectiveLimit(RuleInParts):
                 yield replace(one, message=message, related=related, severity=Severity.INFO)
             elif quiet or row.artifact in case.once(furniture) or is_left_undriven(case, row):
                 yield replace(one, severity=Severity.INFO)
-            elif _OVER[one.fields[0]] in case.written(one.span, row.joint):
-                yield replace(one, noted_in_folders=True)
             else:
                 yield one
 
@@ -269,8 +261,6 @@ class NoEffectiveLimit(RuleInParts):
             fields=("effort_limit",),
             severity=Severity.INFO if bounded.confidence is None and off is None else self.severity,
             confidence=None if off is not None else bounded.confidence,
-            # In a folder the program that drives it may limit it.
-            noted_in_folders=bound is None and off is None,
             about="" if bound is None else shown(row, "effort_limit", bound),
         )
 
@@ -294,7 +284,6 @@ class NoEffectiveLimit(RuleInParts):
             unit(row, "effort_limit"),
             help="state the motor's effort limit",
             fields=("effort_limit",),
-            noted_in_folders=True,
         )
 
     def _placeholders(self, row: LedgerRow, limits: Mapping[str, float | None]) -> Finding:
@@ -310,7 +299,6 @@ class NoEffectiveLimit(RuleInParts):
             unit(row, "effort_limit"),
             help="state the motor's effort and velocity limits",
             fields=LIMITS,
-            noted_in_folders=True,
         )
 
     def _exporters(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
@@ -367,7 +355,6 @@ class NoEffectiveLimit(RuleInParts):
                 # Few simulators enforce a speed limit at all, and joints without a motor have one too. A slide is more
                 # often a base, a lift or a block that is moved than an axis with a motor.
                 severity=Severity.INFO if field == "velocity_limit" or row.kind is JointKind.SLIDE else None,
-                noted_in_folders=True,
             )
             yield found if found.severity is Severity.INFO else _graver(case, row, found)
         elif limit == 0.0 and not idle:

@@ -122,6 +122,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
             fields=("kd",),
             severity=Severity.ERROR if sure else self.severity if beyond else Severity.INFO,
             confidence=self.confidence if beyond else Confidence.MEDIUM,
+            noted_in_folders=bounded,
         )
 
 
