@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 
 _SCALE = "self.cfg.action_scale"
 _ZERO = re.compile(r"self\.\w+\.data\.default_joint_pos")
@@ -20,6 +21,7 @@ _SAME = _CLAMPS | {"clone", "detach", "to"}
 """Methods of a tensor that leave its numbers, or those between two ends."""
 
 
+@lru_cache(maxsize=1)  # A file has many tasks.
 def scales_positions(tree: ast.Module) -> bool:
     """Whether every environment of a file commands `default_joint_pos + action_scale x action`, of all joints.
 
