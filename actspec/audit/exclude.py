@@ -17,7 +17,8 @@ from actspec.diagnostics import Diagnostic, Severity, Span
 _NEAR = 0.8
 """Likeness from which a name is a glob's, misspelt. Chosen: one letter of five."""
 
-_NUMBER = re.compile(r"\d+")
+_MOST = 20_000
+"""Files and folders of a project that are looked at for a name. Chosen: a second at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,14 +80,15 @@ def unfit(
         fit = fits or (lambda glob, folder, path: _excludes(glob, folder, path, above=False))
         if any(fit(glob, folder, path) for path in own):
             continue
-        bare = os.path.normpath(glob).replace(os.sep, "/")
+        # As Windows writes paths: no file here has such a name.
+        bare = os.path.normpath(glob.replace("\\", "/")).replace(os.sep, "/")
         # A folder, where files are named.
         below = f"{bare}/**" if "/" in bare else f"**/{bare}/**"
         able = [bare, *_deeper(bare, base)]
         if fits is not None:
             able += [below, *_deeper(below, base)]
         everything = any(base.startswith(path) for path in whole)
-        mended = _mended(glob, base, own, everything=everything)
+        mended = _mended(bare, base, own, everything=everything)
         if mended:
             able += [mended, f"{mended}/**"]
         near = next((one for one in able if any(fit(one, folder, path) for path in own)), None)
@@ -106,11 +108,10 @@ def _deeper(glob: str, base: str) -> Iterator[str]:
 def _mended(glob: str, base: str, own: Sequence[str], *, everything: bool) -> str | None:
     """A glob with what a part of it, that is no name there, is nearly the name of; the rest narrows it down as before.
 
-    What is there and was not looked at is left alone. Where not all was looked at that it could name, so are, of names
-    that may lie at any depth, those that are near on purpose: `tests` and `test`, `mode_13` and `mode_14`.
+    What is there and was not looked at is left alone, at any depth where the name may lie at any: `test` near `tests`.
     """
     names = {part for path in own for part in path[len(base) :].split(os.sep)}
-    parts = os.path.normpath(glob).split(os.sep)
+    parts = glob.split("/")
     for number, part in enumerate(parts, 1):
         if part in names or any(sign in part for sign in "*?"):
             continue
@@ -118,16 +119,19 @@ def _mended(glob: str, base: str, own: Sequence[str], *, everything: bool) -> st
             return None
         near = get_close_matches(part, sorted(names), n=1, cutoff=_NEAR)
         fixed = len(parts) > 1 and not any(sign in before for before in parts[:number] for sign in "*?")
-        if near and (everything or fixed or _is_slip(part, near[0])):
+        if near and (everything or fixed or not _is_below(base, part)):
             return "/".join((*parts[: number - 1], near[0], *parts[number:]))
     return None
 
 
-def _is_slip(one: str, other: str) -> bool:
-    """Whether two near names differ inside, and in no number."""
-    return not (
-        one.startswith(other) or other.startswith(one) or _NUMBER.findall(one) != _NUMBER.findall(other)
-    )
+def _is_below(folder: str, name: str) -> bool:
+    """Whether something in a folder, at any depth, has a name; or there is too much in it to tell."""
+    count = 0
+    for _, folders, files in os.walk(folder):
+        count += len(folders) + len(files)
+        if name in folders or name in files or count > _MOST:
+            return True
+    return False
 
 
 def _excludes(glob: str, folder: str, path: str, *, above: bool) -> bool:

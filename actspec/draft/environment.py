@@ -135,9 +135,13 @@ def _in_environment(
     if own and any(_is_robot_of(one, part) for one in every):
         # Of the robot it is said, with all of it.
         return part, "", None
+    acting = [term for term in env.actions if term.command is not None]
+    if env.actions and not acting:
+        # Of a law that is not known nothing is taken, which is told of the joints.
+        left.add("action_scale")
     spans = [
         *(setting.span for setting in taken.values()),
-        *(term.place for term in env.actions),
+        *(term.place for term in acting),
         *(item.span for item in env.randomize),
     ]
     said = listed([word for name, word in _OF_TRAINING.items() if name in told and name not in left], 9)

@@ -37,7 +37,7 @@ class MeshDependence:
     """Moving bodies whose mass comes from mesh files.
 
     Attributes:
-        body: Name of the first.
+        body: The first, in words.
         bodies: The bodies, in the model's order; they live as long as their spec.
         missing: Mesh files that they need and that are not there, by their names in the spec; those that MuJoCo
             cannot read never are. Empty: all are there.
@@ -55,7 +55,7 @@ class MeshDependence:
         why = ["that are not there"] * (len(self._unread) < len(self.missing))
         endings = sorted({os.path.splitext(name)[1] or "no ending" for name in self._unread})
         why += [f"that MuJoCo cannot read ({listed(map(one_line, endings))})"] * bool(endings)
-        return f"the mass of body {self.body!r} comes from mesh files {' or '.join(why)}"
+        return f"the mass of {self.body} comes from mesh files {' or '.join(why)}"
 
     @property
     def remedy(self) -> str:
@@ -113,7 +113,17 @@ def mesh_dependence(spec: mujoco.MjSpec) -> MeshDependence | None:
             bodies.append(body)
     if not bodies:
         return None
-    return MeshDependence(bodies[0].name, tuple(bodies), tuple(missing), spec.compiler.settotalmass > 0.0)
+    return MeshDependence(
+        _in_words(bodies[0]), tuple(bodies), tuple(missing), spec.compiler.settotalmass > 0.0
+    )
+
+
+def _in_words(body: mujoco.MjsBody) -> str:
+    """A body by its name, else by a joint that it has."""
+    if body.name:
+        return f"body {body.name!r}"
+    joint = next((joint.name for joint in body.joints if joint.name), None)
+    return f"the body of joint {joint!r}" if joint else "a body without a name"
 
 
 def give_placeholder_masses(meshes: MeshDependence) -> None:

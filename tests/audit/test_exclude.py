@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from pathlib import Path
@@ -210,21 +211,36 @@ def test_what_is_said_of_files_can_be_ignored(settings: Settings, shown: list[st
         pytest.param("third_party", ".", None, id="one that fits"),
         pytest.param("build", ".", None, id="not made yet, and nothing has nearly its name"),
         pytest.param(
-            "thrid_party", "robots", "did you mean 'third_party'?", id="of a folder of the settings"
+            "third_patry", "robots", "did you mean 'third_party'?", id="of a folder of the settings"
         ),
         pytest.param(
             "robotz/own", "robots", "did you mean 'robots/own'?", id="a path of which the rest is kept"
         ),
         pytest.param("elsewhere/thrid_party", "robots", None, id="there, in another folder"),
         pytest.param("thrid_part", "robots", None, id="there, beside the folder"),
-        pytest.param("third_partys", "robots", None, id="perhaps elsewhere: the plural"),
+        pytest.param("thrid_party", "robots", None, id="there, somewhere in another folder"),
+        pytest.param("third_parties", "robots", None, id="the plural, there"),
+        pytest.param("third_part", "robots", "did you mean 'third_party'?", id="without its last letter"),
+        pytest.param("e.urd", "robots", "did you mean 'e.urdf'?", id="a file without its last letter"),
         pytest.param(
             "own/third_party", ".", "did you mean '**/own/third_party'?", id="a path from the middle"
         ),
         pytest.param("own/*.urdf", "robots", "did you mean '**/own/*.urdf'?", id="files of it"),
         pytest.param("own/*.usd", "robots", None, id="files that are not there"),
         pytest.param("elsewhere/*.xml", "robots", None, id="a folder that is there"),
-        pytest.param("third_party2", "robots", None, id="perhaps elsewhere: another number"),
+        pytest.param("third_party2", "robots", "did you mean 'third_party'?", id="nowhere: another number"),
+        pytest.param(
+            "robots\\own\\third_party",
+            ".",
+            "did you mean 'robots/own/third_party'?",
+            id="as Windows writes it",
+        ),
+        pytest.param(
+            "robots\\own\\third_prty",
+            ".",
+            "did you mean 'robots/own/third_party'?",
+            id="so, and misspelt",
+        ),
         pytest.param("thrid_party", "robots/a.xml", None, id="a file, as a hook names it"),
     ],
 )
@@ -235,7 +251,8 @@ def test_a_misspelt_glob_is_told(
     if named == "robots":
         Path("elsewhere/thrid_party").mkdir(parents=True)
         Path("thrid_part").mkdir()
-    Path("actspec.toml").write_text(f'[audit]\nexclude = ["{glob}"]\n')
+        Path("elsewhere/third_parties").mkdir()
+    Path("actspec.toml").write_text(f"[audit]\nexclude = [{json.dumps(glob)}]\n")
     main(["audit", named, "--exit-zero", "--jobs", "1"])
     found = [
         line for line in capsys.readouterr().err.splitlines() if "AUD017" in line or "did you mean" in line
@@ -271,6 +288,7 @@ def test_a_misspelt_glob_of_the_command_is_told(capsys: pytest.CaptureFixture[st
         ("robots/own", "did you mean 'robots/own/**'?"),
         ("own/", "did you mean '**/own/**'?"),
         ("grippers/**", None),
+        ("e.urd", "did you mean 'e.urdf'?"),
         ("own/*", "did you mean '**/own/*'?"),
         ("own/third_party", "did you mean '**/own/third_party/**'?"),
         ("./robots/own/**", "did you mean 'robots/own/**'?"),

@@ -70,7 +70,7 @@ WHEELS = 'b = mdp.JointVelocityActionCfg(joint_names=["wheel_.*"], scale=10.0)'
 
 def environment(folder: Path, terms: tuple[str, ...], text: str = LAB) -> Artifact:
     """The environment of a file with these terms."""
-    lab = text is LAB
+    lab = "mjlab" not in text
     body = ("\n    " if lab else ",\n            ").join(terms)
     if not lab:
         body = body.replace("joint_names", "actuator_names").replace("asset_name", "entity_name")
@@ -295,3 +295,83 @@ def test_a_class_of_another_law_takes_what_it_wants(tmp_path: Path) -> None:
         assert config is not None
         told.append([note.where for note in config.notes])
     assert told == [["actions.a.scale"], []]
+
+
+DIRECT = (
+    LAB.partition("class SceneCfg")[0].replace("ManagerBasedRLEnvCfg, mdp", "DirectRLEnv, DirectRLEnvCfg")
+    + """
+class BotEnvCfg(DirectRLEnvCfg):
+    robot = BOT_CFG
+    decimation = 4
+    action_scale = 0.25
+"""
+)
+ENV = """
+class BotEnv(DirectRLEnv):
+    def _pre_physics_step(self, actions: torch.Tensor) -> None:
+        self._actions = actions.clone()
+        self._targets = self.cfg.action_scale * self._actions + self._robot.data.default_joint_pos
+
+    def _apply_action(self) -> None:
+        self._robot.set_joint_position_target(self._targets)
+"""
+LAW = "self.cfg.action_scale * self._actions + self._robot.data.default_joint_pos"
+SET = "self._robot.set_joint_position_target(self._targets)"
+LATE = (f"        self._targets = {LAW}\n", ""), (SET, f"self._robot.set_joint_position_target({LAW})")
+
+
+@pytest.mark.parametrize(
+    ("code", "known"),
+    [
+        # Isaac Lab's anymal_c, as it stands in one file with its cfg up to 2.0.
+        (ENV, True),
+        (ENV.replace(*LATE[0]).replace(*LATE[1]), True),
+        (ENV.replace("actions.clone()", "torch.clamp(actions, -1.0, 1.0).to(self.device)"), True),
+        (ENV.replace("actions.clone()", "actions.clamp(-1.0, 1.0)"), True),
+        (ENV.replace(LAW, "self._robot.data.default_joint_pos + self._actions * self.cfg.action_scale"), True),
+        (ENV.replace(LAW, f"torch.clamp({LAW}, self.low, self.high)"), True),
+        # The environment stands in another file.
+        ("", False),
+        # Isaac Lab's franka_cabinet, cartpole and ant, and ManiSkill's franka.
+        (ENV.replace(LAW, "self._targets + self.speed * self.dt * self._actions * self.cfg.action_scale"), False),
+        (ENV.replace(LAW, "self.cfg.action_scale * self._actions").replace("_position_", "_effort_"), False),
+        (ENV.replace(LAW, "self.cfg.action_scale * self.joint_gears * self._actions"), False),
+        (ENV.replace(LAW, "torch.clamp(self._actions + self._robot.data.joint_pos, self.low, self.high)"), False),
+        # What looks like the law, and is another.
+        (ENV.replace(LAW, LAW.replace("*", "+")), False),
+        (ENV.replace("default_joint_pos", "joint_pos"), False),
+        (ENV.replace("actions.clone()", "2.0 * actions"), False),
+        (ENV.replace("actions.clone()", "0.8 * self._actions + 0.2 * actions"), False),
+        (ENV.replace("_position_", "_effort_"), False),
+        (ENV.replace("(self._targets)", "(self._targets, joint_ids=self._legs)"), False),
+        (ENV.replace(SET, f"{SET}\n        self._robot.set_joint_effort_target(self._torques)"), False),
+        (ENV.replace(SET, f"self._targets = self._filter(self._targets)\n        {SET}"), False),
+        (ENV.replace(SET, f"self._targets += 0.1\n        {SET}"), False),
+        (ENV.replace(SET, f"if self.cfg.debug:\n            {SET}"), False),
+        (ENV + ENV.replace("BotEnv(", "StrongEnv(").replace("actions.clone()", "2.0 * actions"), False),
+        (ENV.replace("DirectRLEnv", "OwnEnv").partition("    def _apply")[0], False),
+        (ENV.replace("actions.clone()", f"actions{' + 0.0' * 1500}"), False),
+    ],
+)  # fmt: skip
+def test_the_scale_of_a_direct_task(tmp_path: Path, code: str, known: bool) -> None:
+    """`action_scale` of a direct task is what its code makes of it: a position's where that is seen."""
+    part = environment(tmp_path, (), DIRECT + code)
+    found = [joint.action_scale for joint in lift_config(part, JOINTS).actuators.joints]
+    told = [None if one is None else one.note if one.value is None else one.value for one in found]
+    if known:
+        speed = "BotEnvCfg commands a position, 0.25 x action, and the joint's command is a speed"
+        assert told == [0.25, 0.25, speed, speed]
+    else:
+        assert told == ["what the environment's code makes of BotEnvCfg.action_scale = 0.25 is not known"] * 4
+    rows = rows_of_config(part, 0, (), Versions(), joints=JOINTS)
+    assert [row.action_scale for row in rows] == ([0.25, 0.25, None, None] if known else [None] * 4)
+    # A change of the number is one of the policy's all the same: diff and lock have it as it stands.
+    assert part.config is not None
+    entries = {where: one.value for where, one in part.config.entries.items()}
+    assert entries == ({} if known else {"action_scale": 0.25})
+
+
+def test_a_manager_based_task_scales_by_its_terms(tmp_path: Path) -> None:
+    """An attribute of the author's own beside the terms says nothing of a joint."""
+    text = LAB.replace("    decimation = 4", "    decimation = 4\n    action_scale = 9.0")
+    assert scales(tmp_path, (LEGS, WHEELS), text) == [0.25, 0.25, 10.0, 10.0]

@@ -595,6 +595,23 @@ def test_what_needs_the_inertia_stops_where_a_mesh_is_absent() -> None:
 
 
 @pytest.mark.parametrize(
+    ("bodies", "called"),
+    [
+        ('<body name="arm"><joint name="j"/>{}</body>', "body 'arm'"),
+        ('<body><joint/><joint name="j" axis="1 0 0"/>{}</body>', "the body of joint 'j'"),
+        ('<body><joint name="j"/><geom size="0.1"/><body>{}</body></body>', "a body without a name"),
+    ],
+)
+def test_what_a_body_of_meshes_is_called(tmp_path: Path, bodies: str, called: str) -> None:
+    """By its name, else by a joint of its own."""
+    geom = '<geom type="mesh" mesh="m"/>'
+    text = '<mujoco><asset><mesh name="m" file="m.stl"/></asset><worldbody>{}</worldbody></mujoco>'
+    (tmp_path / "r.xml").write_text(text.format(bodies.format(geom)))
+    reason = load_robot(str(tmp_path / "r.xml")).inertia_reason
+    assert reason == f"the mass of {called} comes from mesh files that are not there"
+
+
+@pytest.mark.parametrize(
     "name",
     [
         "m.obj",
@@ -626,7 +643,10 @@ def test_meshes_that_mujoco_reads(tmp_path: Path, name: str) -> None:
         # What it weighs nobody knows, though the file is there.
         reason = load_robot(str(tmp_path / "r.xml")).inertia_reason
         ending = os.path.splitext(name)[1] or "no ending"
-        assert reason == f"the mass of body '' comes from mesh files that MuJoCo cannot read ({ending})"
+        assert (
+            reason
+            == f"the mass of the body of joint 'j' comes from mesh files that MuJoCo cannot read ({ending})"
+        )
     else:
         assert decodes(name)
         assert load_robot(str(tmp_path / "r.xml")).inertia is not None

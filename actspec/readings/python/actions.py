@@ -8,6 +8,7 @@ tests/frameworks/test_actions.py.
 from __future__ import annotations
 
 from actspec.readings.artifact import ActionTerm, Setting
+from actspec.readings.python.direct import scales_positions
 from actspec.readings.python.settings import Draft, comes_from, fields_of, known, setting, texts
 from actspec.readings.python.values import Cls, External, Obj, Unknown, Value, class_names, reason_of
 
@@ -58,6 +59,29 @@ def take_actions(draft: Draft, actions: Value | None, robot: str) -> None:
     named = {whose for whose, _ in found}
     own = next((name for name in (robot, _FIRST) if name in named), None)
     draft.actions.extend(term for whose, term in found if own is None or whose in (own, None))
+
+
+def take_action_scale(draft: Draft, task: Value, value: Value) -> None:
+    """Take `action_scale` of a direct task, which has no terms: a name of its author, of whatever its code does.
+
+    Args:
+        draft: Gets it as a term for all joints, and notes.
+        task: The task's cfg.
+        value: Its field.
+    """
+    cls = task.data.cls if isinstance(task.data, Obj) else None
+    scale = setting(value)
+    if scale.unknown is not None:
+        draft.note("action_scale", scale.unknown, scale.span)
+    name, why = "" if cls is None else cls.name, ""
+    if not isinstance(cls, Cls) or not scales_positions(cls.scope.source.tree):
+        size = ""
+        if scale.number is not None:
+            size = f" = {scale.number:g}"
+            draft.entries["action_scale"] = scale
+        why = f"what the environment's code makes of {name}.action_scale{size} is not known"
+    command = None if why else "position"
+    draft.actions.append(ActionTerm("action_scale", name, None, command, why, scale, None, None, task.span))
 
 
 def _robot_of(value: Value) -> str | None:

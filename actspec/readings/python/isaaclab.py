@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Framework, RobotConfig
-from actspec.readings.python.actions import take_actions
+from actspec.readings.python.actions import take_action_scale, take_actions
 from actspec.readings.python.settings import (
     Draft,
     Events,
@@ -121,8 +121,8 @@ def environment(name: str, value: Value, span: Span, robot: str | None = None) -
     fields = fields_of(value)
     draft.set("physics_dt", fields_of(fields.get("sim")).get("dt"))
     draft.set("decimation", fields.get("decimation"))
-    # Of a direct task, which has no terms.
-    draft.set("action_scale", fields.get("action_scale"))
+    if "actions" not in fields and "action_scale" in fields:
+        take_action_scale(draft, value, fields["action_scale"])
     if robot in (None, *robots_in(value)[:1]):
         draft.events(fields.get("events"), _EVENTS)
     take_actions(draft, fields.get("actions"), _scene(draft, value, fields, robot))

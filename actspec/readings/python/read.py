@@ -216,7 +216,7 @@ class _Reader:
             parts = [("", own[config.name])]
             if config is configs[0]:
                 parts += [(f"{name}: " if name else "", [one]) for name, one in rest]
-            entries: dict[str, Setting] = {}
+            entries = dict(config.entries)
             others: dict[str, Setting] = {}
             for prefix, assigned in parts:
                 numbers, values = sorted_out(assigned, config, prefix)

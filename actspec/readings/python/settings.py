@@ -187,6 +187,7 @@ class Draft:
     edited: frozenset[str] = frozenset()
     elsewhere: dict[str, str] = field(default_factory=dict)
     robot_missing: Span | None = None
+    entries: dict[str, Setting] = field(default_factory=dict)
 
     def config(self, framework: Framework, name: str, span: Span) -> RobotConfig:
         """All of it as a configuration."""
@@ -199,6 +200,7 @@ class Draft:
             tuple(self.ranges),
             tuple(self.actions),
             tuple(self.notes),
+            entries=self.entries,
             edited=self.edited,
             elsewhere=self.elsewhere,
             robot_missing=self.robot_missing,
