@@ -19,7 +19,7 @@ from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framewo
 from actspec.readings.config import control_of_group, is_own_class, selected
 from actspec.readings.isaaclab import has_curve
 from actspec.readings.versions import Versions, is_native
-from actspec.robot.view import ModelFormat
+from actspec.robot.view import NAMELESS, ModelFormat
 from actspec.simulators import DEFAULT_VERSIONS
 from actspec.units import format_quantity
 
@@ -62,16 +62,12 @@ class RobotReading:
         return None if self.artifact.config is None else self.artifact.config.framework
 
 
-_NAMELESS = "MuJoCo Model"
-"""MuJoCo's name for a model without one."""
-
-
 def robot_name(reading: RobotReading) -> str:
     """What the robot is called, else its file, as a folder may be called: `UNITREE_A1_CFG` is unitree_a1,
     `Cassie.asset_cfg` is Cassie, and the robot of `UnitreeA1FlatEnvCfg` is UnitreeA1."""
     stem = os.path.splitext(os.path.basename(reading.path))[0]
     given = reading.artifact.name
-    for text in ("" if given == _NAMELESS else given, stem):
+    for text in ("" if given == NAMELESS else given, stem):
         if reading.framework is not None:
             text = re.sub(r"(?<=.)(?:Flat|Rough)?EnvCfg(?:_PLAY)?$", "", text)
             text = re.sub(r"(?<=.)(?:_?(?:ARTICULATION|ROBOT)?_?CFG|\.(?:asset|robot)(?:_cfg)?)$", "", text)

@@ -449,6 +449,10 @@ Limits of 0 are a rule's (ROBOT125).
 """
 
 
+_OF_THE_TEXT = frozenset({"angle"})
+"""What programs write over that the text cannot be read without: its figures are no figures before."""
+
+
 @dataclass(frozen=True, slots=True)
 class FileReading:
     """One file that the user named, read or not.
@@ -474,8 +478,8 @@ class FileReading:
         run: Of a model in a folder, whether a program there writes out its name, or a model that one does.
         written: Figures of models that programs of its folder write over when they have loaded one; `urdf_effort` where
             they ask no URDF for it, `urdf_limit` where none is of a trainer that takes a URDF's for the drive's,
-            `compiled` where none is of MuJoCo or each attaches it, `integrator` where they set another, `drive` where
-            they leave a configuration's gains to a simulator of their own.
+            `compiled` where none is of MuJoCo or each attaches it, `integrator` where they set another, `angle` where
+            one sets radians, `drive` where they leave a configuration's gains to a simulator of their own.
         idle: Configurations in a folder that no program there imports, where one imports others.
         record: Whether it is what a training wrote of itself: it says what was, and is not for editing.
         unread: Of a robot file that is not read where it is found in a folder, what it is: `xacro`, `template`.
@@ -503,9 +507,14 @@ class FileReading:
     unread: str = ""
 
     def as_named(self) -> FileReading:
-        """The same file as if it was named, whatever its folder says of it."""
+        """The same file as if it was named, whatever its folder says of it but for the unit of what is in it."""
         return replace(
-            self, in_folder=False, put_aside=False, unnamed=False, written=frozenset(), idle=frozenset()
+            self,
+            in_folder=False,
+            put_aside=False,
+            unnamed=False,
+            written=self.written & _OF_THE_TEXT,
+            idle=frozenset(),
         )
 
     @property

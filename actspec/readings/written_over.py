@@ -10,13 +10,18 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
         rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""
         rb"""|\w\[["']effort["']\](?:\.fill\(|(?:\[(?!\s*-?\d)[^\]\n]*\])?\s*=(?!=))"""
     ),
+    "angle": re.compile(
+        rb"""["']@?angle["'](?:\]\s*=|\s*[:,])\s*["']radian"""
+        rb"""|\.compiler\.(?:angle\s*=\s*["']radian|degree\s*=\s*(?:False|0)\b)"""
+    ),
     "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
 }
 """What a program writes over a file's figure when it has loaded it.
 
 Forks of legged_gym clip at limits of the configuration in place of the URDF's effort, or put them in its place for all
 joints (for one of them by number: a gripper's). What puts actuators that it made
-into any configuration of Isaac Lab has their limits from elsewhere.
+into any configuration of Isaac Lab has their limits from elsewhere. To an MJCF's tree or spec some
+give the angle that it lacks, as safety-gymnasium does.
 """
 
 _LOADS = re.compile(

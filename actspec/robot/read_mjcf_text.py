@@ -20,7 +20,7 @@ from actspec.robot.mjcf_actuator_text import actuator_text, class_text, numbers
 from actspec.robot.mjcf_elements import JointElement, Written, read_elements
 from actspec.robot.read_mjcf import nan_fields, stated_attributes, stated_fields
 from actspec.robot.turned import report_turned
-from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
+from actspec.robot.view import NAMELESS, ActuatorView, JointView, ModelFormat, RobotView
 from actspec.robot.xml_tree import Element, XmlDocument, report_behind
 
 _KINDS = {kind.value: kind for kind in JointKind}
@@ -75,7 +75,7 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
     switches = _Switches(_flag(document, "actuation"), _flag(document, "clampctrl"), off)
     step = numbers(option.get("timestep", "0.002"), 1)
     return RobotView(
-        name=document.root.get("model") or "MuJoCo Model",
+        name=document.root.get("model") or NAMELESS,
         path=document.files[0].path,
         format=ModelFormat.MJCF,
         joints=tuple(joint for joint in joints if joint.name),

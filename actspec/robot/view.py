@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+NAMELESS = "MuJoCo Model"
+"""MuJoCo's name for a model without one."""
+
+
 class ModelFormat(str, Enum):
     """Format of a robot file."""
 

@@ -247,7 +247,7 @@ def test_control_ranges_tell_of_two_hinges_too(world: str, severity: str) -> Non
     Path("arm.xml").write_text(f"<mujoco>{world}{arm}</mujoco>")
     found = audited("arm.xml", rule="UNT101").findings
     assert [(item.finding.joint, item.severity.value) for item in found] == [("a", severity), ("b", severity)]
-    unless = ", unless what includes it has the angle"
+    unless = ", unless what includes or loads it has the angle"
     assert all(item.finding.message.endswith(unless) == (severity == "info") for item in found)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -691,6 +692,40 @@ def test_an_integrator_that_programs_write_over(programs: list[str], severity: S
         Path(f"arm/run_{number}.py").write_text(f"import mujoco\n{program}")
     found = audit(["arm"], Settings(select=("STB101",))).findings
     assert [item.severity for item in found] == [severity]
+
+
+@pytest.mark.parametrize(
+    ("program", "severity"),
+    [
+        ('xml["mujoco"].setdefault("compiler", {}).update({"@angle": "radian"})', "info"),
+        ('root.find("compiler").set("angle", "radian")', "info"),
+        ("spec.compiler.degree = 0", "info"),
+        ("spec.compiler.degree = 1", "warning"),
+        ('# xml["compiler"] = {"@angle": "radian"}', "warning"),
+        # What it writes of its own is another file.
+        ("""print('<compiler angle="radian"/>')""", "warning"),
+        ("", "warning"),
+    ],
+)
+@pytest.mark.parametrize("compiler", ["", '<compiler autolimits="true"/>', '<compiler angle="degree"/>'])
+def test_an_angle_that_a_program_sets(program: str, severity: str, compiler: str) -> None:
+    """Whoever audits the folder as named gets the model with the angle, too; one that states its own has that.
+
+    1.57 degrees are 0.0274 rad, of all three hinges.
+    """
+    Path("arm").mkdir()
+    hinges = "".join(f'<body><geom size="0.1"/><joint name="{n}" range="-1.57 1.57"/></body>' for n in "abc")
+    motors = "".join(f'<motor joint="{n}" ctrlrange="-5 5"/>' for n in "abc")
+    Path("arm/arm.xml").write_text(
+        f'<mujoco>{compiler}<option timestep="0.01"/><worldbody>{hinges}</worldbody>'
+        f"<actuator>{motors}</actuator></mujoco>"
+    )
+    Path("arm/load.py").write_text(f"import mujoco\nFILE = 'arm/arm.xml'\n{program}\n")
+    for settings in (Settings(), Settings(as_named=True)):
+        (found,) = audit(["arm"], replace(settings, select=("UNT101",))).findings
+        assert found.severity.value == ("warning" if "angle" in compiler else severity)
+        said = found.finding.message.endswith(", unless what includes or loads it has the angle")
+        assert said == (found.severity.value == "info")
 
 
 @pytest.mark.parametrize(

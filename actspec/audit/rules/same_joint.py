@@ -12,7 +12,9 @@ from actspec.audit.rules.sided import are_of_two_sides
 from actspec.joints import plain_words
 from actspec.readings.artifact import Artifact
 from actspec.readings.body import are_two_limbs, figures_of
+from actspec.readings.called import stem_of
 from actspec.readings.joint_names import last_numbers, series
+from actspec.robot.view import NAMELESS
 
 _LEAST = 4
 """Joints that a limb has. Chosen: fingers and a wrist are of the arm that has them, and told with it."""
@@ -40,13 +42,15 @@ def is_one_joint(case: Case, one: int, other: int, joint: str) -> bool:
 def are_of_two_products(case: Case, one: int, other: int, joint: str) -> bool:
     """Whether two files of one format may be of two machines of one maker, with an arm in common, say, as to a joint.
 
-    Each is called by a word that the other has not, and the joint stands elsewhere: a rover with mecanum wheels and one
-    with plain ones, on another track. What is only added to a name, or only a number, is a version's.
+    Each is called by a word that the other has not, by its file's where the model has no name, and the joint stands
+    elsewhere: a rover with mecanum wheels and one with plain ones, on another track. What is only added to a name, or
+    only a number, is a version's.
     """
     artifacts = case.artifacts[one], case.artifacts[other]
     if artifacts[0].kind is not artifacts[1].kind:
         return False
-    words = [{word for word in plain_words(artifact.name) if word.isalpha()} for artifact in artifacts]
+    names = [stem_of(each.path) if each.name == NAMELESS else each.name for each in artifacts]
+    words = [{word for word in plain_words(name) if word.isalpha()} for name in names]
     views = [artifact.robot.joint(joint) if artifact.robot is not None else None for artifact in artifacts]
     points = [view.point for view in views if view is not None and view.point is not None]
     apart = len(points) == 2 and math.dist(*points) > _ELSEWHERE

@@ -9,14 +9,18 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rules.source_blame import Disagreement, is_met
 from actspec.audit.rules.source_rule import SourceRule, are_exchanged, is_of_one_training, shown
 from actspec.diagnostics import Severity
-from actspec.joints import JointKind
+from actspec.joints import JointKind, plain_words
 from actspec.readings.artifact import FileKind
+from actspec.readings.called import stem_of
 from actspec.readings.dynamics import figure
 from actspec.units import format_number
 
 _CREEPS = 2.0
 """kd over kp, the time in which a joint that is damped so follows its command [s], from which on the two are exchanged.
 Chosen: the other way round it is half a second, and 0.2 s is the most in Isaac Lab's robots (Franka: 400 and 80)."""
+
+_OF_DRIVES = frozenset(("position", "pos", "velocity", "vel", "speed", "torque", "effort", "motor"))
+"""Words for what a drive follows, in names of files."""
 
 
 class Gain(SourceRule):
@@ -86,7 +90,8 @@ class Gain(SourceRule):
 
     def grave(self, case: Case, found: Disagreement) -> Severity | None:
         """Whether a wheel is turned to an angle or at a speed is no matter of tuning, whatever the files are."""
-        return self.severity if _is_wheel_held(case, found) and not is_met(case, found) else None
+        grave = _is_wheel_held(case, found) and not is_met(case, found) and not _are_named_so(case, found)
+        return self.severity if grave else None
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """What the policy trained with and what runs it should be one; an MJCF is often only where it is tried."""
@@ -111,6 +116,13 @@ def _is_wheel_held(case: Case, found: Disagreement) -> bool:
         for index in models
         for row in case.joints.get((index, joint), ())
     )
+
+
+def _are_named_so(case: Case, found: Disagreement) -> bool:
+    """Whether the names of both files tell their drives, each another: `arm_position.xml` and `arm_velocity.xml`."""
+    paths = (case.artifacts[rows[0].artifact].path for rows in (found.rows, found.others))
+    here, there = (_OF_DRIVES.intersection(plain_words(stem_of(path))) for path in paths)
+    return bool(here) and bool(there) and here != there
 
 
 def _pair(found: Disagreement) -> tuple[frozenset[int], str, str]:

@@ -12,8 +12,8 @@ from actspec.readings.artifact import Artifact, FileKind, without_comments
 
 
 def unless(is_part: bool) -> str:
-    """What includes or mounts a part has the angle."""
-    return ", unless what includes it has the angle" if is_part else ""
+    """What includes, mounts or loads a part has the angle."""
+    return ", unless what includes or loads it has the angle" if is_part else ""
 
 
 def of_a_part(found: Finding) -> Finding:
@@ -30,9 +30,10 @@ def graded(case: Case, found: Finding, artifact: Artifact) -> Finding:
 
 
 def is_of_a_part(case: Case, artifact: Artifact, place: Span) -> bool:
-    """Whether what includes a model may have the angle of a range that is written at a place."""
-    beside = os.path.dirname(artifact.path) in case.once(_folders_of_parts)
-    is_part = artifact.is_part or (beside and not artifact.states(b"angle="))
+    """Whether what includes or loads a model may have the angle of a range that is written at a place."""
+    elsewhere = os.path.dirname(artifact.path) in case.once(_folders_of_parts)
+    elsewhere = elsewhere or "angle" in case.written(Span(artifact.path), "")
+    is_part = artifact.is_part or (elsewhere and not artifact.states(b"angle="))
     return is_part and _is_own(artifact, place)
 
 
