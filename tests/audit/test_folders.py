@@ -335,6 +335,36 @@ def test_a_model_that_a_program_of_the_folder_names(
     assert severity() == elsewhere
 
 
+@pytest.mark.parametrize(
+    ("program", "severity"),
+    [
+        ("FILE = 'arm.urdf'\n", "warning"),
+        # Its text may be another one when a simulator has it.
+        ("import mujoco\nload(open('arm.urdf').read().replace('MASS', '1'))\n", "info"),
+        (
+            "import mujoco\nwith open(os.path.join(HERE, 'arm.urdf')) as file:\n    load(file.read())\n",
+            "info",
+        ),
+        ("import mujoco\nopen('log.txt', 'w')\nFILE = 'arm.urdf'\n", "warning"),
+        ("tree = ET.parse('arm.urdf')\n", "info"),
+        # A tool that takes it apart, and one that simulates it.
+        ("import argparse\nADD('--model', default='arm.urdf')\n", "info"),
+        ("import argparse, pybullet\nADD('--model', default='arm.urdf')\n", "warning"),
+        ("FILE = 'arm.urdf.xacro'\n", "info"),
+    ],
+)
+def test_a_model_that_a_program_takes_apart(
+    program: str, severity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is simulated is what it makes of it."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/arm.urdf").write_text(_LIMB.format(lower=-1))
+    Path("r/run.py").write_text(program)
+    (found,) = [item for item in audit(["r"], Settings()).findings if item.finding.code == "DMP103"]
+    assert found.severity.value == severity
+
+
 def test_a_model_that_lacks_a_submodule_stays_a_note(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is wrong with it, whoever names it."""
     monkeypatch.chdir(tmp_path)

@@ -631,6 +631,22 @@ def test_actuators_that_a_program_makes(program: str, severity: Severity) -> Non
     assert {item.severity for item in found} == {severity}
 
 
+def test_a_class_without_a_figure_that_a_program_replaces() -> None:
+    """A DC motor that is never made needs no line."""
+    text = go1_config().replace("ImplicitActuatorCfg", "DCMotorCfg")
+    Path("r/go1.py").write_text(
+        text.replace("effort_limit_sim=50.0", "effort_limit=50.0, velocity_limit=9.0")
+    )
+    Path("r/run.py").write_text("from go1 import GO1_CFG\nuse(GO1_CFG)\n")
+
+    def severities() -> set[str]:
+        return {item.severity.value for item in audit(["r"], Settings(select=("CFG104",))).findings}
+
+    assert severities() == {"error"}
+    Path("r/run.py").write_text("from go1 import GO1_CFG\nuse(GO1_CFG.replace(actuators=MOTORS))\n")
+    assert severities() == {"info"}
+
+
 @pytest.mark.parametrize(
     ("group", "gains", "severity"),
     [

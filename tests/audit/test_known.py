@@ -232,6 +232,27 @@ def test_an_arm_with_a_gripper(
     assert {item.finding.joint for item in found} == said
 
 
+def test_speeds_of_a_description_that_nothing_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A UR5e turns at 180 deg/s = 3.14 rad/s; 6.28 in what a program of the folder loads counts."""
+    monkeypatch.chdir(tmp_path)
+    names = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    hinges = "".join(
+        f'<link name="{name}"/><joint name="{name}_joint" type="revolute"><parent link="base"/><child link="{name}"/>'
+        '<limit lower="-1" upper="1" effort="28" velocity="6.28"/></joint>'
+        for name in names
+    )
+    Path("r").mkdir()
+    Path("r/ur5e.urdf").write_text(f'<robot name="ur5e"><link name="base"/>{hinges}</robot>')
+
+    def severities(path: str) -> set[str]:
+        return {item.severity.value for item in audit([path], Settings(select=("KNW103",))).findings}
+
+    assert severities("r/ur5e.urdf") == {"warning"}
+    assert severities("r") == {"info"}
+    Path("r/run.py").write_text("import pybullet\nload('ur5e.urdf')\n")
+    assert severities("r") == {"warning"}
+
+
 @pytest.mark.parametrize(
     ("prefixes", "count", "said"),
     [

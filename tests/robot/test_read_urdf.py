@@ -211,6 +211,14 @@ def test_nonsense_limits_are_no_limits() -> None:
     ]
 
 
+def test_a_limit_that_sdf_takes_for_none() -> None:
+    """-1 is how SDF says that nothing limits it, and a remark; -1.5 is nonsense."""
+    for effort, severity in (("-1", "info"), ("-1.5", "warning")):
+        text = robot(joint(f'<limit lower="1" upper="2" effort="{effort}" velocity="3"/>', "revolute"))
+        (said,) = [one for one in read(text).diagnostics if one.code == "ROBOT123"]
+        assert said.severity.value == severity
+
+
 @pytest.mark.parametrize(
     ("ends", "severity", "told"),
     [

@@ -73,12 +73,12 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
             return
         speed, held = self._creep(case, row, limit)
         share = f"is not below the effort limit of {own_figure(limiting, 'effort_limit')}"
-        effect = "the drive cannot move the joint"
+        effect = "the drive cannot move the joint" if held else "a real drive cannot move the joint"
         if friction < limit:
             left = shown(row, "effort_limit", limit - friction)
             share = f"takes {format_number(100.0 * friction / limit, 3)} % of the effort limit of "
             share += own_figure(limiting, "effort_limit")
-            effect = f"that leaves {left} to drive the joint"
+            effect = f"that leaves {'' if held else 'a real drive '}{left} to drive the joint"
         elif speed >= _CREEPS:
             effect = (
                 "a real drive cannot move the joint, and MuJoCo's, whose friction is soft, has it creep at "

@@ -47,3 +47,25 @@ def test_the_speed_is_that_of_mujoco(
     data.ctrl[0] = 1.0
     mujoco.mj_step(model, data, nstep=5000)
     assert float(said[1]) == pytest.approx(float(data.qvel[0]), rel=0.05)
+
+
+def test_a_part_of_which_its_includer_tells_the_inertia(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """MuJoCo refuses the part alone: of what friction does there nothing is known but what its includer compiles to."""
+    monkeypatch.chdir(tmp_path)
+    part = FINGER.format(inertia=1e-5, damping=5.0).replace('name="finger"', 'name="finger" class="light"', 1)
+    Path("finger.xml").write_text(part)
+
+    def said(*files: str) -> tuple[str, Severity]:
+        (found,) = audit(list(files), Settings(select=("FRC101",))).findings
+        return found.finding.message.partition(": ")[2], found.severity
+
+    assert said("finger.xml") == ("a real drive cannot move the joint", Severity.INFO)
+    Path("hand.xml").write_text(
+        '<mujoco><default><default class="light"/></default><include file="finger.xml"/></mujoco>'
+    )
+    creeps = (
+        "a real drive cannot move the joint, and MuJoCo's, whose friction is soft, has it creep at 0.03 rad/s"
+    )
+    assert said("finger.xml", "hand.xml") == (creeps, Severity.INFO)
