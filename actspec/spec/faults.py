@@ -132,6 +132,11 @@ def _range(field: str, ends: list[Any], breaches: Breaches) -> str | None:
     return None
 
 
+def _items(texts: Iterable[str]) -> str:
+    """Texts as the items of a list."""
+    return ", ".join(f'"{bare}"' for text in texts if (bare := text.strip("\"'")))
+
+
 def _in_yaml_words(
     kind: str,
     message: str,
@@ -156,8 +161,13 @@ def _in_yaml_words(
             text = text.removesuffix("]")
         if text[:1] + text[-1:] == "()" and len(apart(text[1:-1])) > 1:
             text = text[1:-1]
-        items = ", ".join(f'"{bare}"' for item in apart(text) if (bare := item.strip("\"'")))
-        return f"must be a list{got}", f"write `[{items}]`"
+        parts, words = apart(text), text.split()
+        if len(parts) == 1 < len(words) and not any(word[0].isdigit() for word in words):
+            return (
+                f"must be a list{got}",
+                f"write `[{_items(words)}]`, or if it is one name `[{_items(parts)}]`",
+            )
+        return f"must be a list{got}", f"write `[{_items(parts)}]`"
     if kind in ("dict_type", "model_type", "model_attributes_type"):
         keys = sorted(fields_of(model))
         key = _ALONE.get(model) if model is not None else None
