@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -244,6 +245,8 @@ def _report_loose(
 
 MANY = 3
 """Patterns that match nothing, from which on they may have one cause. Chosen: two are slips."""
+MOST_ENDS = 8
+"""Beginnings and ends of names, the most frequent, that patterns may lack."""
 MOST_SUGGESTIONS = 20
 """Patterns for which the nearest right one is looked for, which may take 50 ms each."""
 
@@ -403,10 +406,15 @@ class _Matcher:
         ends = [("", f"_{last}") for *_, last in words] + [(f"{first}_", "") for first, *_ in words]
         best: dict[_Miss, str] = {}
         how = ""
-        for before, behind in dict.fromkeys(ends):
-            whole = {miss: before + miss.pattern + behind for miss in few if "|" not in miss.pattern}
+        for (before, behind), _ in Counter(ends).most_common(MOST_ENDS):
+            # What stands beside a repeat or a choice is not added to all of the name.
+            whole = {
+                miss: before + miss.pattern + behind
+                for miss in few
+                if "|" not in miss.pattern and (miss.pattern[:1] if before else miss.pattern[-1:]).isalnum()
+            }
             fits = {miss: text for miss, text in whole.items() if _matches(text, miss.names)}
-            if len({miss.pattern for miss in fits}) > max(1, len(best)):
+            if len(fits) > len(best) and len({miss.pattern for miss in fits}) > 1:
                 best, how = (
                     fits,
                     f"for them begin with '{before}'" if before else f"for them end in '{behind}'",

@@ -281,8 +281,13 @@ JOINTS = "name: r, model: none, joints: [l_yaw_joint, l_hip_joint, l_knee_joint,
         ),
         (
             "[yaw_joint, hip_joint, knee_joint, l_foot_joint, l_toe_joint]",
-            "the patterns 'yaw_joint', 'hip_joint', 'knee_joint' match no joint of 'r', whose names for them begin with "
-            "'l_'. write [l_yaw_joint, l_hip_joint, l_knee_joint, l_foot_joint, l_toe_joint]",
+            "the patterns 'yaw_joint', 'hip_joint', 'knee_joint' match no joint of 'r', whose names for them begin "
+            "with 'l_'. write [l_yaw_joint, l_hip_joint, l_knee_joint, l_foot_joint, l_toe_joint]",
+        ),
+        # Globs have their own answer.
+        (
+            '["l_yaw*", "l_hip*", l_knee_joint, l_foot_joint, l_toe_joint]',
+            "the pattern 'l_yaw*' matches no joint of 'r'. did you mean 'l_yaw.*'? (matches l_yaw_joint)",
         ),
         # None of these is a joint's with an end of its own.
         (
