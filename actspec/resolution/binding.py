@@ -407,11 +407,11 @@ class _Matcher:
         best: dict[_Miss, str] = {}
         how = ""
         for (before, behind), _ in Counter(ends).most_common(MOST_ENDS):
-            # What stands beside a repeat or a choice is not added to all of the name.
+            # A choice would have the end in one of its parts, and a repeat may be meant as a glob.
             whole = {
                 miss: before + miss.pattern + behind
                 for miss in few
-                if "|" not in miss.pattern and (miss.pattern[:1] if before else miss.pattern[-1:]).isalnum()
+                if "|" not in miss.pattern and not miss.pattern.endswith(("*", "+", "?", "}"))
             }
             fits = {miss: text for miss, text in whole.items() if _matches(text, miss.names)}
             if len(fits) > len(best) and len({miss.pattern for miss in fits}) > 1:
