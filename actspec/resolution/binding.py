@@ -67,6 +67,7 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
     had: dict[_Place, tuple[str, ...]] = {}
     broken: set[str] = set()
     twice: dict[_Place, dict[_Place, list[str]]] = {}
+    doubtful: set[str] = set()
     for name, group in model.actuators.items():
         for index, pattern in enumerate(group.joints):
             place = _Place(name, index, pattern)
@@ -79,11 +80,13 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
                     continue
                 # The one that takes all of the other's joints, and more, is the greedy one; else the second.
                 first = set(had[other]) > set(found)
+                if not first and not set(found) > set(had[other]):
+                    # Nothing tells which of the groups is meant.
+                    doubtful.add(joint)
                 greedy, narrow = (other, place) if first else (place, other)
                 owner[joint] = narrow
                 twice.setdefault(greedy, {}).setdefault(narrow, []).append(joint)
     unmanaged: dict[str, Path] = {}
-    doubtful: set[str] = set()
     clashes: dict[Path, list[str]] = {}
     for index, pattern in enumerate(model.robot.unmanaged):
         path: Path = ("robot", "unmanaged", index)
@@ -242,6 +245,8 @@ def _report_loose(
 
 MANY = 3
 """Patterns that match nothing, from which on they may have one cause. Chosen: two are slips."""
+MOST_ENDS = 8
+"""Beginnings and ends of names, the most frequent, that patterns may lack."""
 MOST_SUGGESTIONS = 20
 """Patterns for which the nearest right one is looked for, which may take 50 ms each."""
 
@@ -277,7 +282,7 @@ class _Matcher:
         self._matched: set[str] = set()
         self._missed: list[_Miss] = []
         self._suggestions = MOST_SUGGESTIONS
-        self._keys: Counter[Path] = Counter()
+        self._beside: dict[Path, list[str]] = {}
 
     def match(
         self,
@@ -289,7 +294,7 @@ class _Matcher:
         key: bool = False,
     ) -> tuple[str, ...]:
         names = self.names if names is None else names
-        self._keys[path[:-1]] += key
+        self._beside.setdefault(path[:-1], []).append(pattern)
         try:
             found = match_names(pattern, names)
         except PatternError as err:
@@ -311,13 +316,14 @@ class _Matcher:
         """
         missed = list(dict.fromkeys(miss.pattern for miss in self._missed))
         count, all_of_them = len(missed), len({*missed, *self._matched})
+        renamed, how = self._renamed()
         robot = f"'{self.robot.name}'"
         if missed and not self.names:
             message = f"{robot} has no hinge or slide joint with a name, and the spec has patterns of joints"
             have = "name a model that has joints"
             if self.robot.path.endswith(".xacro"):
                 have = "expand it first, and name what that writes: `xacro ROBOT.urdf.xacro -o ROBOT.urdf`"
-        elif self._is_another(count):
+        elif self._is_another(count, renamed):
             many = f"{count} of the spec's {all_of_them} patterns match no joint"
             message = (
                 f"{'no pattern of the spec matches a joint' if count == all_of_them else many} of {robot}: the "
@@ -325,12 +331,9 @@ class _Matcher:
             )
             have = f"it has the joints {listed(self.names, 4)}"
         else:
-            cased = self._recased()
-            if len(cased) > 1:
-                self._report_case(cased)
-            else:
-                cased = {}
-            others = [miss for miss in self._missed if miss not in cased]
+            if renamed:
+                self._report_renamed(renamed, how)
+            others = [miss for miss in self._missed if miss not in renamed]
             strange = [misses for misses in self._mappings(others) if self._is_strange(misses)]
             for misses in strange:
                 self._report_mapping(misses)
@@ -343,16 +346,22 @@ class _Matcher:
         path = ("robot", "joints" if self.spec.model.robot.model == "none" else "model")
         self.breaches.error("BIND001", message, path, f"{have}; the patterns without a match: {without}")
 
-    def _is_another(self, missed: int) -> bool:
-        """Whether the model is another robot's: more than a third of what puts joints into groups has none at all."""
+    def _is_another(self, missed: int, renamed: Collection[_Miss]) -> bool:
+        """Whether the model is another robot's: more than a third of what puts joints into groups has none at all.
+
+        Args:
+            missed: How many patterns match nothing.
+            renamed: Those of which it is known what they mean.
+        """
         if missed < MANY:
             return False
         groups = {pattern for group in self.spec.model.actuators.values() for pattern in group.joints}
         joints = [joint.name for joint in self.robot.joints]
+        known = {miss.pattern for miss in renamed}
         strange = 0
-        for number, pattern in enumerate(sorted(groups - self._matched)):
+        for number, pattern in enumerate(sorted(groups - self._matched - known)):
             with suppress(PatternError):
-                if len(apart(pattern)) == 1 and not match_names(pattern, joints):
+                if len(_parts(pattern, self.names)) == 1 and not match_names(pattern, joints):
                     strange += number >= MOST_SUGGESTIONS or not is_slip(pattern, joints)
         return 3 * strange > len(groups)
 
@@ -362,7 +371,7 @@ class _Matcher:
         for miss in missed:
             if miss.key:
                 found.setdefault(miss.path[:-1], []).append(miss)
-        return [misses for path, misses in found.items() if len(misses) == self._keys[path]]
+        return [misses for path, misses in found.items() if len(misses) == len(self._beside[path])]
 
     def _is_strange(self, misses: Sequence[_Miss]) -> bool:
         """Whether keys, too many to be slips, are names of no joint of the robot, nor nearly."""
@@ -386,27 +395,50 @@ class _Matcher:
             key=True,
         )
 
-    def _recased(self) -> dict[_Miss, str]:
-        """Patterns that match joints but for capital and small letters, each with the one that does."""
-        found = {miss: recased(miss.pattern, miss.names) for miss in self._missed[:MOST_SUGGESTIONS]}
-        return {miss: right for miss, right in found.items() if right is not None}
+    def _renamed(self) -> tuple[dict[_Miss, str], str]:
+        """Several patterns that match joints but for one thing, each with the one that does, and what that is."""
+        few = self._missed[:MOST_SUGGESTIONS]
+        found = {miss: recased(miss.pattern, miss.names) for miss in few}
+        cased = {miss: right for miss, right in found.items() if right is not None}
+        if len(cased) > 1:
+            return cased, "have other capital letters"
+        words = [name.split("_") for name in self.names if "_" in name]
+        ends = [("", f"_{last}") for *_, last in words] + [(f"{first}_", "") for first, *_ in words]
+        best: dict[_Miss, str] = {}
+        how = ""
+        for (before, behind), _ in Counter(ends).most_common(MOST_ENDS):
+            # A choice would have the end in one of its parts, and a repeat may be meant as a glob.
+            whole = {
+                miss: before + miss.pattern + behind
+                for miss in few
+                if "|" not in miss.pattern and not miss.pattern.endswith(("*", "+", "?", "}"))
+            }
+            fits = {miss: text for miss, text in whole.items() if _matches(text, miss.names)}
+            if len(fits) > len(best) and len({miss.pattern for miss in fits}) > 1:
+                best, how = (
+                    fits,
+                    f"for them begin with '{before}'" if before else f"for them end in '{behind}'",
+                )
+        return best, how
 
-    def _report_case(self, cased: Mapping[_Miss, str]) -> None:
-        """Say once that the names have other letters, with the whole list as it is to be, where all stand in one."""
-        first = next(iter(cased))
-        written = listed(dict.fromkeys(f"'{miss.pattern}'" for miss in cased), 4)
-        right = list(dict.fromkeys(cased.values()))
-        if len({miss.path[:-1] for miss in cased}) == 1 and not first.key:
-            help = f"write [{', '.join(right)}]"
+    def _report_renamed(self, renamed: Mapping[_Miss, str], how: str) -> None:
+        """Say once how the names differ, with the whole list as it is to be, where all stand in one."""
+        first = next(iter(renamed))
+        written = listed(dict.fromkeys(f"'{miss.pattern}'" for miss in renamed), 4)
+        right = list(dict.fromkeys(renamed.values()))
+        if len({miss.path[:-1] for miss in renamed}) == 1 and not first.key:
+            meant = {miss.pattern: text for miss, text in renamed.items()}
+            whole = (meant.get(pattern, pattern) for pattern in self._beside[first.path[:-1]])
+            items = dict.fromkeys(text if text.isidentifier() else f'"{text}"' for text in whole)
+            help = f"write [{', '.join(items)}]"
         else:
-            lines = listed(map(str, sorted({self.spec.span(*miss.path).line for miss in cased})))
+            lines = listed(map(str, sorted({self.spec.span(*miss.path).line for miss in renamed})))
             quoted = listed(f"'{pattern}'" for pattern in right)
             help = f"write {quoted} (line{'s' * (',' in lines)} {lines})"
         both = f"s {written} match" if right[1:] else f" {written} matches"
         self.breaches.error(
             "BIND001",
-            f"the pattern{both} no joint of {self.robot.name!r}, whose names have other capital letters: "
-            f"{listed(self.names, 4)}",
+            f"the pattern{both} no joint of {self.robot.name!r}, whose names {how}: {listed(self.names, 4)}",
             first.path,
             help,
             key=first.key,
@@ -421,13 +453,14 @@ class _Matcher:
             elsewhere = set()
         others = [joint for joint in self.robot.joints if joint.name in elsewhere]
         guess = None
-        parts = apart(pattern)
+        parts = _parts(pattern, names)
         if self._suggestions and len(parts) == 1:
             self._suggestions -= 1
             guess = suggest_pattern(pattern, names)
         if len(parts) > 1 and not miss.key:
             written = ", ".join(f'"{part}"' for part in parts)
-            help: str | None = f"a comma in a text ends no pattern: write `[{written}]`"
+            mark = "comma" if "," in pattern else "space"
+            help: str | None = f"a {mark} in a text ends no pattern: write `[{written}]`"
         elif others and not others[0].kind.is_scalar:
             kind = others[0].kind.value
             help = f"'{others[0].name}' is a {kind} joint; only hinge and slide joints have actuators here"
@@ -448,3 +481,17 @@ class _Matcher:
             help,
             key=miss.key,
         )
+
+
+def _parts(text: str, names: Sequence[str]) -> tuple[str, ...]:
+    """Patterns that one text has: with commas between them, or with spaces where each matches one of the names."""
+    words = text.split()
+    return tuple(words) if all(_matches(word, names) for word in words) else apart(text)
+
+
+def _matches(pattern: str, names: Sequence[str]) -> bool:
+    """Whether a text is a pattern that matches one of the names."""
+    try:
+        return bool(match_names(pattern, names))
+    except PatternError:
+        return False

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from actspec.diagnostics import Collector, Path, did_you_mean, listed
 from actspec.patterns import apart
 from actspec.spec.document import Breaches
-from actspec.spec.gears import Stage
+from actspec.spec.gears import KINDS_OF_STAGE, Stage
 from actspec.spec.models import Actuators, Friction, Motor, Randomize, Robot, SpecModel, Timing, Tunable
 from actspec.spec.rules.groups import RANDOMIZED_KINDS, check_randomize
 from actspec.spec.shape import fields_of, model_at
@@ -132,6 +132,11 @@ def _range(field: str, ends: list[Any], breaches: Breaches) -> str | None:
     return None
 
 
+def _items(texts: Iterable[str]) -> str:
+    """Texts as the items of a list."""
+    return ", ".join(f'"{bare}"' for text in texts if (bare := text.strip("\"'")))
+
+
 def _in_yaml_words(
     kind: str,
     message: str,
@@ -143,6 +148,8 @@ def _in_yaml_words(
     got = f", got {_got(given)}"
     if kind in ("tuple_type", "list_type"):
         if isinstance(given, bool) or not isinstance(given, (str, int, float)):
+            if model is Stage and isinstance(given, Mapping) and len(given.keys() & {*KINDS_OF_STAGE}) > 1:
+                return f"must be a list{got}", _stages(given)
             whole = short(given)
             fits = isinstance(given, Mapping) and given and model is not None and not whole.endswith("...")
             return f"must be a list{got}", f"write `[{whole}]`" if fits else None
@@ -156,8 +163,13 @@ def _in_yaml_words(
             text = text.removesuffix("]")
         if text[:1] + text[-1:] == "()" and len(apart(text[1:-1])) > 1:
             text = text[1:-1]
-        items = ", ".join(f'"{bare}"' for item in apart(text) if (bare := item.strip("\"'")))
-        return f"must be a list{got}", f"write `[{items}]`"
+        parts, words = apart(text), text.split()
+        if len(parts) == 1 < len(words) and not any(word[0].isdigit() for word in words):
+            return (
+                f"must be a list{got}",
+                f"write `[{_items(words)}]`, or if it is one name `[{_items(parts)}]`",
+            )
+        return f"must be a list{got}", f"write `[{_items(parts)}]`"
     if kind in ("dict_type", "model_type", "model_attributes_type"):
         keys = sorted(fields_of(model))
         key = _ALONE.get(model) if model is not None else None
@@ -209,6 +221,13 @@ _ALONE: dict[type[BaseModel], str] = {Friction: "coulomb", Stage: "ratio"}
 
 _TO_ONE = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(?::\s*1\s*)?")
 """A gear ratio: `9`, `9:1`."""
+
+
+def _stages(given: Mapping[str, Any]) -> str:
+    """How the stages are written that one mapping holds."""
+    stages = ", ".join(f"{{{key}: {short(item)}}}" for key, item in given.items() if key in KINDS_OF_STAGE)
+    rest = listed(f"`{short(key)}`" for key in given if key not in KINDS_OF_STAGE)
+    return f"write `[{stages}]`" + (f", {rest} in its own stage" if rest else "")
 
 
 def _stage(given: Any) -> str:

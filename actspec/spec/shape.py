@@ -196,6 +196,11 @@ def _section_of(name: str, value: Any, own: frozenset[str]) -> str | None:
     return None if value.keys() & own - {"note"} else section_of(value)
 
 
+def is_section(name: str) -> bool:
+    """Whether a spec has a section called so."""
+    return name in fields_of(SpecModel)
+
+
 def word_for(section: str, key: str) -> str | None:
     """The word for what a section holds by name, if the key is one of its fields."""
     model, word = _NAMED.get(section, (None, ""))

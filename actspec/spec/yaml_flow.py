@@ -31,6 +31,7 @@ _NOT_CLOSED = re.compile(r"""(["'])([^"']*),\s*\1$""")
 """A text in quotes with a comma at its end, as far as to the quote that should open the next one."""
 _LIST_KEY = re.compile(r"(?:- +)?(\[[^\[\],{}\s]*\][^\s,{}]+?)\s*:(?:\s|$)")
 """A joint pattern that begins with `[`, as a key."""
+_EQUALS = re.compile(rf"({NAME})\s*=\s*$")
 _END_OF_TEXT = re.compile(rf"\s*(?:\}}|,\s*(?:{NAME}):\s)")
 
 
@@ -43,7 +44,7 @@ def brackets(lines: list[str], mark: Any) -> Problem | None:
     """
     opened: list[str] = []
     closed = False
-    quote: tuple[str, int, int] | None = None
+    quote: tuple[str, int, int, str] | None = None
     for number, line in enumerate(lines[: mark.line + 1]):
         here = number == mark.line
         if here and not opened and quote is None:
@@ -68,7 +69,7 @@ def brackets(lines: list[str], mark: Any) -> Problem | None:
             # In a text of a block these characters have no meaning.
             begins = not before or before in "[{," or (before in ":-" and line[column - 1] == " ")
             if char in "\"'" and begins:
-                quote = char, number, column
+                quote = char, number, column, "".join(opened[-1:])
             elif char in OPENS and (begins or opened):
                 opened.append(char)
             elif (
@@ -91,10 +92,16 @@ def brackets(lines: list[str], mark: Any) -> Problem | None:
     return None
 
 
-def _not_closed(lines: list[str], quote: tuple[str, int, int]) -> Problem:
-    char, number, column = quote
+def _not_closed(lines: list[str], quote: tuple[str, int, int, str]) -> Problem:
+    """What to write for a text that begins with a quote, at a line and column, in a `[`, a `{` or none of them."""
+    char, number, column, inside = quote
     text = COMMENT.sub("", lines[number][column + 1 :])
-    word = re.split(r"[\],}]|: ", text)[0].rstrip("\u201c\u201d\u00bb\u2019")
+    is_value = lines[number][:column].rstrip().endswith(":")
+    ends = r"[\],}]|: "
+    if is_value and inside != "[":
+        # A comma in braces ends a value where a key follows.
+        ends = _END_OF_TEXT.pattern if inside else r"\s*$"
+    word = re.split(ends, text)[0].rstrip("\u201c\u201d\u00bb\u2019")
     return Problem(
         "this quote is not closed on its line", f"write `{char}{cut(word)}{char}`", Mark(number, column)
     )
@@ -132,6 +139,11 @@ def no_comma(lines: list[str], mark: Any, kind: str, end: str) -> Problem | None
     at = line[mark.column : mark.column + 1]
     if at in CLOSES:
         return Problem(f"this {kind} ends with `{at}`", f"close it with `{end}`", mark)
+    equals = _EQUALS.search(line, 0, mark.column)
+    if at in OPENS and equals is not None:
+        rest = line[mark.column :].partition(OPENS[at])[0] + OPENS[at]
+        message = f"`{equals[1]}` has `=` in place of `:`"
+        return Problem(message, f"write `{equals[1]}: {cut(rest)}`", Mark(mark.line, equals.start(1)))
     if at == ":":
         word = next((m for m in _WORD.finditer(line) if m.end() == len(line[: mark.column].rstrip())), None)
     else:

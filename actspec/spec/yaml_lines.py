@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from actspec.diagnostics import many
 from actspec.spec.yaml_text import cut
 
 NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)")
@@ -80,3 +81,45 @@ def line_above(lines: list[str], number: int) -> int | None:
 
 def indent(line: str) -> int:
     return len(line) - len(line.lstrip(" "))
+
+
+def off_level(lines: list[str], number: int) -> Problem | None:
+    """An item that is indented otherwise than the one before it in its list; the first, where those below are as this.
+
+    Args:
+        lines: The file.
+        number: The line of the item.
+    """
+    own = indent(lines[number]) if number < len(lines) else 0
+    above = _item_above(lines, number)
+    if above is None or not _is_item(lines[number]) or indent(lines[above]) == own:
+        return None
+    its = indent(lines[above])
+    below = next((n for n in range(number + 1, len(lines)) if line_above(lines, n + 1) == n), None)
+    first = _item_above(lines, above)
+    alone = first is None or indent(lines[first]) != its
+    odd, right = number, above
+    if alone and below is not None and _is_item(lines[below]) and indent(lines[below]) == own:
+        odd, right = above, number
+    one, other = indent(lines[odd]), indent(lines[right])
+    beside = f"that of line {right + 1}, in the same list, by {other}"
+    message = f"this item is indented by {many(one, 'space')}, and {beside}"
+    return Problem(message, f"indent it by {many(other, 'space')}", Mark(odd, one))
+
+
+def _item_above(lines: list[str], number: int) -> int | None:
+    """The item before one in its list, at whatever indentation; None: it is the first, or stands among keys."""
+    own, among_keys = indent(lines[number]), False
+    above = line_above(lines, number)
+    while above is not None:
+        if _is_item(lines[above]):
+            return None if among_keys and indent(lines[above]) + 2 != own else above
+        if indent(lines[above]) < own:
+            return None
+        among_keys = among_keys or indent(lines[above]) == own
+        above = line_above(lines, above)
+    return None
+
+
+def _is_item(line: str) -> bool:
+    return line.lstrip().startswith("- ")

@@ -20,6 +20,7 @@ from actspec.spec.yaml_lines import (
     lacks_colon,
     line_above,
     no_colon,
+    off_level,
 )
 from actspec.spec.yaml_text import BREAK, cut, stray_character
 
@@ -142,7 +143,7 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         if part in problem:
             return Problem(message, advice, mark)
     if "block" in context and mark is not None:
-        found = _no_level(lines, mark)
+        found = off_level(lines, mark.line) or _no_level(lines, mark)
         if found is not None:
             return found
     if "block collection" in context:
@@ -306,6 +307,9 @@ def _below_a_value(lines: list[str], number: int) -> Problem | None:
     above = line_above(lines, number)
     if above is None or number >= len(lines):
         return None
+    item = off_level(lines, number)
+    if item is not None:
+        return item
     own, its = indent(lines[number]), indent(lines[above])
     if own <= its or COMMENT.sub("", lines[above]).rstrip().endswith(":"):
         return None

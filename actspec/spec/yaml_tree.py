@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from actspec.diagnostics import Collector, Span, listed, many, nearest
+from actspec.spec.yaml_lines import off_level
 from actspec.spec.yaml_problems import plain_problem, too_deep
-from actspec.spec.yaml_text import Stop, cut, got, place, stray_character, text_of
+from actspec.spec.yaml_text import BREAK, Stop, cut, got, place, stray_character, text_of
 
 MAX_DEPTH = 40
 """Deepest nesting of collections. Chosen: the language needs 7."""
@@ -130,6 +131,7 @@ class _Builder:
         """Keys that are no text by what they are, each with the path of its mapping."""
         self.root: Node | None = None
         self.end = Span(path)
+        self.lines: list[str] = []
         self.keys = 0
         self.empty: tuple[str, Span] | None = None
         """The last key outside of { } with nothing behind it, and its place."""
@@ -140,7 +142,7 @@ class _Builder:
         """The root; None for a text without a document."""
         import yaml
 
-        self.end = place(text, self.path)
+        self.end, self.lines = place(text, self.path), BREAK.split(text)
         loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
         documents = 0
         try:
@@ -266,9 +268,8 @@ class _Builder:
         if _NOT_IN_VALUE.search(text):
             self.error("SPEC003", "a text may not hold NUL or half of a surrogate pair", span)
         value: Scalar = text
-        lines = event.end_mark.line - event.start_mark.line + 1
         if plain and inside is not None and isinstance(inside.node.value, list) and not inside.flow:
-            self.item(text.split(), lines, event.end_mark)
+            self.item(text.split(), event.start_mark.line, event.end_mark)
         if event.tag is not None:
             value = self.tagged(event.tag, text, span)
         elif plain:
@@ -282,9 +283,14 @@ class _Builder:
             self.anchors[event.anchor] = node
         self.add(node, plain=plain and event.tag is None)
 
-    def item(self, words: list[str], lines: int, end: Any) -> None:
-        """Tell an item of a list of `- ` that has a word on each of several lines: they are items of their own."""
-        if lines > 1 and len(words) == lines:
+    def item(self, words: list[str], start: int, end: Any) -> None:
+        """Tell an item of a list of `- ` that goes on with items of its own: further in, or a word on each line."""
+        for number in range(start + 1, end.line + 1):
+            found = off_level(self.lines, number)
+            if found is not None:
+                self.error("SPEC004", found.message, self.at(found.mark), found.help)
+                return
+        if end.line > start and len(words) == end.line - start + 1:
             last = words[-1]
             at = Span(self.path, end.line + 1, end.column - len(last) + 1)
             self.error(
@@ -425,8 +431,11 @@ class _Builder:
             if one.header is not None and owner is not None:
                 below.setdefault(one.header, []).append(one)
         told: set[Span] = set()
+        if below:
+            # The models take time to load, and a file that is right needs none of them here.
+            from actspec.spec.shape import is_section
         for header, mine in below.items():
-            if owner is None or (len(mine) == 1 and not mine[0].next):
+            if owner is None or (len(mine) == 1 and not mine[0].next and not is_section(header[0])):
                 continue
             name, names = cut(header[0]), listed(dict.fromkeys(f"`{cut(one.key)}`" for one in mine), 4)
             message = f"`{name}` is empty in `{cut(owner[0])}`, and what follows is repeated there: {names}"

@@ -59,6 +59,20 @@ def test_several_joints_in_two_groups_are_one_error() -> None:
     ]
 
 
+def test_a_joint_of_two_groups_of_two_kinds_is_one_error() -> None:
+    """Nothing tells which group is meant, and so nothing is said of what the slide lacks among hinges."""
+    hinges = PD.replace("25", "25 N*m/rad")
+    slides = PD.replace("25", "25 N/m")
+    text = spec_of(f"a: {{joints: [hip, calf, slide], {hinges}}}, b: {{joints: [slide], {slides}}}")
+    (told,) = refused(text)
+    assert told.startswith(
+        "BIND002 actuators.b.joints[0]: the joint 'slide' is in two groups: 'b' by 'slide' and 'a'"
+    )
+    # In one group alone it is told.
+    (told,) = refused(spec_of(f"a: {{joints: [hip, calf, slide], {hinges}}}"))
+    assert told.startswith("RES001 actuators.a.kp: slide: ")
+
+
 def test_a_greedy_pattern_is_one_error() -> None:
     """It is told, wherever it stands, with the joint that is unmanaged; the units of its slide follow from it."""
     greedy, narrow = (
@@ -207,7 +221,7 @@ ANOTHER = "name: r, model: none, joints: [LF_HAA, LF_HFE, LF_KFE, RF_HAA, RF_HFE
             "",
             (
                 "BIND001 actuators.a.joints[0]: the patterns 'lf_haa', 'rf_haa', 'lf_hfe' match no joint of 'r'",
-                "write [LF_HAA, RF_HAA, LF_HFE]",
+                "write [LF_HAA, RF_HAA, LF_HFE, RF_HFE]",
             ),
         ),
         (
@@ -248,6 +262,54 @@ def test_names_in_other_letters_are_told_once(groups: str, pose: str, expected: 
         :1
     ] == [expected]
     assert (both in found[0].message) == expected[1].startswith("write")
+
+
+JOINTS = "name: r, model: none, joints: [l_yaw_joint, l_hip_joint, l_knee_joint, l_foot_joint, l_toe_joint]"
+
+
+@pytest.mark.parametrize(
+    ("patterns", "expected"),
+    [
+        (
+            "[l_yaw, l_hip, l_knee, l_foot_joint, l_toe_joint]",
+            "the patterns 'l_yaw', 'l_hip', 'l_knee' match no joint of 'r', whose names for them end in '_joint'. "
+            "write [l_yaw_joint, l_hip_joint, l_knee_joint, l_foot_joint, l_toe_joint]",
+        ),
+        (
+            '[yaw_joint, "(hip|knee)_joint", l_foot_joint, l_toe_joint]',
+            "the pattern 'yaw_joint' matches no joint of 'r'. did you mean '.*yaw_joint'? (matches l_yaw_joint)",
+        ),
+        (
+            "[yaw_joint, hip_joint, knee_joint, l_foot_joint, l_toe_joint]",
+            "the patterns 'yaw_joint', 'hip_joint', 'knee_joint' match no joint of 'r', whose names for them begin "
+            "with 'l_'. write [l_yaw_joint, l_hip_joint, l_knee_joint, l_foot_joint, l_toe_joint]",
+        ),
+        # Globs have their own answer.
+        (
+            '["l_yaw*", "l_hip*", l_knee_joint, l_foot_joint, l_toe_joint]',
+            "the pattern 'l_yaw*' matches no joint of 'r'. did you mean 'l_yaw.*'? (matches l_yaw_joint)",
+        ),
+        # None of these is a joint's with an end of its own.
+        (
+            "[l_wrist, l_elbow, l_neck, l_foot_joint, l_toe_joint]",
+            "3 of the spec's 5 patterns match no joint of 'r': the model is another robot's, or its joints have other "
+            "names. it has the joints l_yaw_joint, l_hip_joint, l_knee_joint, l_foot_joint and 1 more; the patterns "
+            "without a match: 'l_wrist', 'l_elbow', 'l_neck'",
+        ),
+        (
+            "[l_yaw_joint l_hip_joint l_knee_joint, l_foot_joint, l_toe_joint]",
+            "the pattern 'l_yaw_joint l_hip_joint l_knee_joint' matches no joint of 'r'. a space in a text ends no "
+            'pattern: write `["l_yaw_joint", "l_hip_joint", "l_knee_joint"]`',
+        ),
+    ],
+)
+def test_short_names_are_told_once(patterns: str, expected: str) -> None:
+    """Names without the beginning or end that all have, and names with spaces between them: not another robot."""
+    with pytest.raises(ResolveError) as refusal:
+        fit(spec_of(f"a: {{joints: {patterns}, {PD}}}", robot=JOINTS))
+    item = refusal.value.diagnostics[0]
+    names = ": l_yaw_joint, l_hip_joint, l_knee_joint, l_foot_joint and 1 more"
+    assert f"{item.message.removesuffix(names)}. {item.help}" == expected
 
 
 def test_keys_of_another_naming_are_told_once() -> None:

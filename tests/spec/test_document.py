@@ -342,6 +342,19 @@ def test_a_header_two_levels_too_far_in_is_told_too() -> None:
     ]
 
 
+def test_a_section_too_far_in_is_told_by_one_name_that_is_repeated() -> None:
+    """A group called as a motor is repeated among the motors, though not as the first behind `actuators:`."""
+    text = "motors:\n  hip: {a: 1}\n  knee: {a: 1}\n  actuators:\n  legs: {b: 1}\n  knee: {b: 1}\n"
+    assert [str(d).splitlines() for d in errors(text)] == [
+        [
+            "s.yaml:4:3: SPEC006 motors: `actuators` is empty in `motors`, and what follows is repeated there: `knee`",
+            "  help: indent `actuators:` by 0 spaces as `motors:`, if that is its own",
+        ]
+    ]
+    (only,) = said(text.replace("actuators", "wrist"))
+    assert "the key 'knee' is repeated" in only
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -789,6 +802,92 @@ def test_a_syntax_error_is_told_in_plain_words(text: str, line: int, message: st
             "this item lacks its `- ` and goes on with the one above it",
             "write `- c`",
             id="no hyphen in a list",
+        ),
+        # The second item is further in than the first: a place of its own, not `- ` among keys.
+        pytest.param(
+            "a:\n  g:\n    - {r: 14}\n      - {r: 2}",
+            "4:7",
+            "this item is indented by 6 spaces, and that of line 3, in the same list, by 4",
+            "indent it by 4 spaces",
+            id="an item in braces further in",
+        ),
+        pytest.param(
+            "a:\n  g:\n  - {r: 14}\n    - {r: 2}",
+            "4:5",
+            "this item is indented by 4 spaces, and that of line 3, in the same list, by 2",
+            "indent it by 2 spaces",
+            id="an item further in than a list at its key",
+        ),
+        pytest.param(
+            "a:\n  g:\n    - {r: 14}\n  - {r: 2}",
+            "4:3",
+            "this item is indented by 2 spaces, and that of line 3, in the same list, by 4",
+            "indent it by 4 spaces",
+            id="an item further out",
+        ),
+        pytest.param(
+            "a:\n  g:\n    - r: 14\n      e: 1\n      - r: 2\n        e: 1",
+            "5:7",
+            "this item is indented by 6 spaces, and that of line 3, in the same list, by 4",
+            "indent it by 4 spaces",
+            id="an item at the keys of the one before",
+        ),
+        pytest.param(
+            "a:\n  g:\n    - r: 14\n        - r: 2",
+            "4:9",
+            "this item is indented by 8 spaces, and that of line 3, in the same list, by 4",
+            "indent it by 4 spaces",
+            id="an item in the text of the one before",
+        ),
+        pytest.param(
+            "a:\n  - b\n    - c\n  - d",
+            "3:5",
+            "this item is indented by 4 spaces, and that of line 2, in the same list, by 2",
+            "indent it by 2 spaces",
+            id="a word further in",
+        ),
+        pytest.param(
+            "a:\n  - b\n    - c\n    - d",
+            "2:3",
+            "this item is indented by 2 spaces, and that of line 3, in the same list, by 4",
+            "indent it by 4 spaces",
+            id="the first word further out than all others",
+        ),
+        # A list that has ended is not this one's.
+        pytest.param(
+            "a:\n  b:\n    - c\n  d: 1\n  - e: 2",
+            "5:3",
+            "this `- ` begins a list, and keys stand beside it",
+            "write `e: 2` without `- `",
+            id="hyphen behind a key that has a list",
+        ),
+        pytest.param(
+            'a: {t: "Servo 430, 12 V}\nb: "x"',
+            "1:8",
+            "this quote is not closed on its line",
+            'write `"Servo 430, 12 V"`',
+            id="quote of a text with a comma",
+        ),
+        pytest.param(
+            'a: {t: "Servo 430, 12 V, p: 3}\nb: "x"',
+            "1:8",
+            "this quote is not closed on its line",
+            'write `"Servo 430, 12 V"`',
+            id="quote of a text with a comma before a key",
+        ),
+        pytest.param(
+            'a:\n  t: "Servo: 430, 12 V  # c\nb: "x"',
+            "2:6",
+            "this quote is not closed on its line",
+            'write `"Servo: 430, 12 V"`',
+            id="quote of a text that is the rest of its line",
+        ),
+        pytest.param(
+            "a: {n: 4 ms, r=[2 ms, 8 ms]}",
+            "1:14",
+            "`r` has `=` in place of `:`",
+            "write `r: [2 ms, 8 ms]`",
+            id="equals before a list in braces",
         ),
         pytest.param(
             "a: {v: 5 ms, note: delay: 5 steps}\nb: 1",

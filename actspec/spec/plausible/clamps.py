@@ -151,12 +151,14 @@ class Poses:
         units: The unit that it writes all those of a kind of joint in, as `deg` or `mm`.
         keyframe: Positions in the first keyframe of the robot's file, by joint, as far as they are known [rad or m].
         shared: Where one default position is written for several joints.
+        exchanged: Where one is written that is outside of its range and fits another joint whose own fits here.
     """
 
     place: Span | None
     units: Mapping[JointKind, str]
     keyframe: Mapping[str, float]
     shared: Collection[Span]
+    exchanged: Mapping[Span, JointActuator]
 
     def inside(self, joint: JointActuator) -> float | None:
         """Position of a joint in the keyframe, if that is in the joint's range [rad or m]."""
@@ -165,9 +167,13 @@ class Poses:
 
 
 def poses_of(
-    model: SpecModel, joints: Iterable[JointActuator], spans: SourceMap, keyframe: Mapping[str, float]
+    model: SpecModel,
+    joints: Iterable[JointActuator],
+    spans: SourceMap,
+    keyframe: Mapping[str, float],
+    sure: Collection[Span],
 ) -> Poses:
-    """The default positions of a spec, beside its robot's keyframe."""
+    """The default positions of a spec, beside its robot's keyframe, and where the author is sure of a number."""
     units = {}
     for kind in (JointKind.HINGE, JointKind.SLIDE):
         stated = (
@@ -177,7 +183,41 @@ def poses_of(
         units[kind] = written.pop() if len(written) == 1 else ""
     place = spans.value(("robot", "default_pose")) if model.robot.default_pose else None
     counts = Counter(joint.default_position.span for joint in joints)
-    return Poses(place, units, keyframe, {span for span, count in counts.items() if span and count > 1})
+    shared = {span for span, count in counts.items() if span and count > 1}
+    return Poses(place, units, keyframe, shared, _exchanged(joints, sure))
+
+
+def _exchanged(joints: Iterable[JointActuator], sure: Collection[Span]) -> dict[Span, JointActuator]:
+    """Pairs of default positions that are outside of their ranges and each inside of the other's, and of no third."""
+    held: dict[Span, list[JointActuator]] = {}
+    for joint in joints:
+        pose = joint.default_position
+        if (
+            pose.span is not None
+            and pose.span not in sure
+            and pose.origin is Origin.AUTHORED
+            and joint.position_range is not None
+        ):
+            held.setdefault(pose.span, []).append(joint)
+    off = {span: mine for span, mine in held.items() if not any(_takes(joint, joint) for joint in mine)}
+    fits = {
+        span: [
+            other
+            for other, theirs in off.items()
+            if all(_takes(one, two) and _takes(two, one) for one in mine for two in theirs)
+        ]
+        for span, mine in off.items()
+    }
+    alone = {span: others[0] for span, others in fits.items() if len(others) == 1}
+    return {span: off[other][0] for span, other in alone.items() if alone.get(other) == span}
+
+
+def _takes(joint: JointActuator, other: JointActuator) -> bool:
+    """Whether the default position of another joint is in the range of this one."""
+    pose, limits = other.default_position.value, joint.position_range
+    slack = POSE_TOLERANCE[joint.kind]
+    inside = pose is not None and limits is not None and limits[0] - slack <= pose <= limits[1] + slack
+    return inside and joint.kind is other.kind
 
 
 def pose_found(joint: JointActuator, written: Mapping[Span, SpecValue], poses: Poses) -> Iterator[Found]:
@@ -203,6 +243,10 @@ def pose_found(joint: JointActuator, written: Mapping[Span, SpecValue], poses: P
     if found is None:
         return
     (low, high), (beyond, message, help) = limits, found
+    other = None if pose.span is None else poses.exchanged.get(pose.span)
+    if other is not None:
+        yield from _told_together(joint, other, beyond, message, own)
+        return
     # What the keyframe has is one joint's, and a number that several have is another one for each.
     at = None if pose.span in poses.shared else poses.inside(joint)
     meant = None if at is None else shown_in(at, pose.unit, own)
@@ -211,6 +255,28 @@ def pose_found(joint: JointActuator, written: Mapping[Span, SpecValue], poses: P
         help += f" you mean {meant}, as in the first keyframe?"
     error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
     doubt = Doubt("SPEC190", message, "robot.default_pose", pose.span, help, error=error)
+    yield Found(doubt, joint.joint, beyond, False)
+
+
+def _told_together(
+    joint: JointActuator, other: JointActuator, beyond: float, message: str, own: str
+) -> Iterator[Found]:
+    """Two default positions that are exchanged, at the first of them.
+
+    Args:
+        joint: The joint.
+        other: The one that has its position.
+        beyond: How far the joint's is outside of its range.
+        message: That it is.
+        own: The unit in which all are written; empty: rad or m.
+    """
+    first, second, limits = joint.default_position, other.default_position, other.position_range
+    if first.span is None or second.span is None or second.span < first.span or limits is None:
+        return
+    theirs, *ends = (shown_in(at, second.unit, own) for at in (second.value or 0.0, *limits))
+    message += f"; and {theirs} of {other.joint} outside of {' to '.join(ends)}"
+    help = f"are the two exchanged ({second.span})? Each is inside of the other's range"
+    doubt = Doubt("SPEC190", message, "robot.default_pose", first.span, help, (second.span,))
     yield Found(doubt, joint.joint, beyond, False)
 
 

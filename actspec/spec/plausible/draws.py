@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from actspec.diagnostics import Path, alternatives
-from actspec.fields import FRICTION_SHARE, LARGEST_FACTOR, largest_factor
+from actspec.fields import BY_SPEC, FRICTION_SHARE, LARGEST_FACTOR, largest_factor
+from actspec.ir import JointActuator, Origin, Quantity
 from actspec.spec.document import SourceMap
-from actspec.spec.models import Actuators, Randomize
+from actspec.spec.models import Actuators, Randomize, SpecModel
 from actspec.spec.plausible.relations import DEGREE, POINT
-from actspec.spec.plausible.table import Doubt, at
+from actspec.spec.plausible.table import Doubt, Found, at, shown
 from actspec.spec.rules.groups import RANDOMIZED_KINDS, range_of
 from actspec.spec.values import Fault, SpecValue
 from actspec.units import Kind, format_quantity
@@ -20,6 +22,8 @@ DIGIT = 50.0
 """Above it two factors are in per cent, below it they are without their points."""
 ABOUT_NOMINAL = 2.0
 """The mean of a gaussian is about the nominal value by this factor. Chosen."""
+VALUES = 3.0
+"""Above it both ends of a range of factors may be values. Published: 3 is the most that a factor is."""
 OFF = {"rad": 0.25, "m": 0.1}
 """Largest error of an encoder [rad or m]. Published: 0.02 rad."""
 
@@ -69,6 +73,11 @@ def _drawn(entry: Randomize, field: str, path: Path, group: Actuators, spans: So
         for index, end in enumerate(ends)
         if ((end.value or 0.0) > most if factors else is_off(end))
     ]
+    least = min((end.value or 0.0 for end in ends), default=0.0)
+    if factors and not wrong and entry.distribution != "gaussian" and least > VALUES:
+        # That the nominal value is in the range which it would be multiplied by is no accident.
+        values = _values(ends, entry, field, group, most)
+        wrong = list(enumerate(ends)) if values is not None and values[1] is not None else []
     if not wrong:
         return
     far = [end for _, end in wrong]
@@ -182,9 +191,35 @@ def _negative(
         return
     least = nominal.value + min(end.value or 0.0 for end in pair)
     if least < 0.0:
-        message = f"{field} is drawn below 0: {format_quantity(least, pair[0].unit, 4)}"
-        help = f"the nominal is {nominal.written}: raise the low end"
-        yield at(spans, "SPEC188", message, (*path, "add", 0), help, (*path, "add", 1))
+        yield _below(field, least, pair[0].unit, nominal.written, path, spans)
+
+
+def _below(field: str, least: float, unit: str, nominal: str, path: Path, spans: SourceMap) -> Doubt:
+    message = f"{field} is drawn below 0: {format_quantity(least, unit, 4)}"
+    help = f"the nominal is {nominal}: raise the low end"
+    return at(spans, "SPEC188", message, (*path, "add", 0), help, (*path, "add", 1))
+
+
+def negative_found(joint: JointActuator, model: SpecModel, spans: SourceMap) -> Iterator[Found]:
+    """Offsets as above on a number that follows from others, as an armature does from its motor."""
+    for entry in joint.randomize if not is_drawn(model) else ():
+        field = BY_SPEC.get(entry.field)
+        nominal = None if field is None else getattr(joint, field.ir, None)
+        if entry.operation != "add" or entry.distribution == "gaussian" or not isinstance(nominal, Quantity):
+            continue
+        if nominal.value is None or nominal.origin is Origin.AUTHORED or entry.field == "encoder_bias":
+            continue
+        least = nominal.value + entry.low
+        if least < 0.0:
+            path = ("actuators", joint.group, "randomize", entry.field)
+            doubt = _below(entry.field, least, nominal.unit, shown(nominal), path, spans)
+            judged = (*doubt.judged, nominal.span)
+            yield Found(replace(doubt, judged=judged), joint.joint, -least, nominal.origin is Origin.DERIVED)
+
+
+def is_drawn(model: SpecModel) -> bool:
+    """Whether a target draws from the ranges."""
+    return any((target.target or name) == "randomization" for name, target in model.targets.items())
 
 
 def _dry(field: str, group: Actuators) -> SpecValue | None:

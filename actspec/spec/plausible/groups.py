@@ -13,7 +13,7 @@ from actspec.joints import JointKind
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
 from actspec.spec.models import Actuators, Friction, Motor, SpecModel, Tunable
-from actspec.spec.plausible.draws import draw_doubts, is_off, off
+from actspec.spec.plausible.draws import draw_doubts, is_drawn, is_off, off
 from actspec.spec.plausible.drive import Drive, Limit, Rub, Train, cut_gearbox, is_one, number, output_of
 from actspec.spec.plausible.driven import NEVER_GEARED_UP
 from actspec.spec.plausible.gains import STIFF_RETURN, Gains, derived_doubts, gain_words
@@ -164,7 +164,7 @@ def group_doubts(
         kept: What the author is sure of.
     """
     # A target that draws has the same as an error (RND004).
-    told_of_draws = any((target.target or name) == "randomization" for name, target in model.targets.items())
+    told_of_draws = is_drawn(model)
     for path, fields, group in layers(model):
         base: Path = path[:2]
 

@@ -16,6 +16,7 @@ from actspec.spec.models import Motor, SpecModel
 from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
 from actspec.spec.plausible.clamps import Poses, left_out_doubts, pose_found, poses_of
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
+from actspec.spec.plausible.draws import negative_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, UNREACHED, WINDING, given_at, unreached_limit
 from actspec.spec.plausible.gains import blamed
@@ -110,7 +111,7 @@ def check_joints(
     rubbed = {span for doubt in doubts if doubt.code == "FRC101" for span in doubt.judged}
     rubbed.update(span for doubt in doubts if doubt.diagnostic in found for span in doubt.blamed)
     drives = {drive.name: drive for drive in witnessed(joints, model, document.spans, kept)}
-    poses = poses_of(model, joints, document.spans, keyframe)
+    poses = poses_of(model, joints, document.spans, keyframe, kept.sure)
     told = _joint_doubts_of(joints, model, poses, drives, found, rubbed, levers, document.spans, kept)
     tell([*by_number(told), *left_out_doubts(joints, poses)], kept, collector)
     accepted = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
@@ -327,6 +328,7 @@ def _joint_doubts(
 ) -> Iterator[Found]:
     yield from pose_found(joint, written, poses)
     yield from command_range_found(joint, poses.place)
+    yield from negative_found(joint, model, spans)
     for check in (scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"

@@ -204,6 +204,7 @@ CHECKS = (
         "motor's torque, an encoder's error in degrees, values far from the nominal one or below 0, dry friction up to "
         "the effort limit; such an error as the nominal one; a standard deviation many times its value.",
         "A warning for a factor above 10 (published: 3, on kd), or above 3 on strength and effort limit (1.25), for "
+        "factors above 3 that are values with the nominal one between them, for "
         "offsets that bring a number without a sign below 0 where no target draws them (else they are RND004), for "
         "values that are all above ten times the nominal "
         "one or below a tenth of it, for dry friction that can be drawn (by scale, add or abs) at the effort limit of "
@@ -246,7 +247,8 @@ CHECKS = (
         "degrees.",
         "A warning from 0.05 rad (5 mm) beyond an end on, an error from the width of the range, or pi, beyond it. "
         "Published: to 0.02 rad beyond (calf of the B2). Of a joint that is left out only where `default_pose` has "
-        "others, and positions are commanded. A range of position commands above 12 times the joint's own "
+        "others, and positions are commanded. Two that are each inside of the other's range are told as exchanged. "
+        "A range of position commands above 12 times the joint's own "
         "(chosen: degrees are 57 times, mm 1000), or its own in degrees; powers of ten for both ends are "
         "placeholders. Also one that is 0.05 rad (5 mm) from the joint's range, or from a default position inside of "
         "that (of 4549 published servos one by 0.016 rad, and one of 1942 with a position by 0.012). Of a hinge "

@@ -691,6 +691,71 @@ def test_two_joints_that_the_default_pose_leaves_out() -> None:
     )
 
 
+THREE = "".join(
+    f'<body><joint name="{name}" axis="0 1 0" range="{ends}"/><geom size="0.1" mass="1"/>'
+    for name, ends in (("calf", "0.1 2.6"), ("toe", "-3 3"))
+)
+
+
+@pytest.mark.parametrize(
+    ("hip", "calf", "expected"),
+    [
+        # Ranges: -1 to 0.5 and 0.1 to 2.6 rad. Each is outside of its own, and inside of the other's.
+        (
+            "1.4 rad",
+            "-0.6 rad",
+            [
+                (
+                    "hip: the default position 1.4 rad is outside of the joint's range, -1 rad to 0.5 rad; and "
+                    "-0.6 rad of calf outside of 0.1 rad to 2.6 rad",
+                    "are the two exchanged (s.yaml:2:COLUMN)? Each is inside of the other's range",
+                )
+            ],
+        ),
+        # The hip's 0.7 would be inside, and the calf's -1.2 is in neither.
+        (
+            "0.7 rad",
+            "-1.2 rad",
+            [
+                (
+                    "hip: the default position 0.7 rad is outside of the joint's range, -1 rad to 0.5 rad",
+                    "is the sign wrong? -0.7 rad is inside, -40.11 deg",
+                ),
+                (
+                    "calf: the default position -1.2 rad is outside of the joint's range, 0.1 rad to 2.6 rad",
+                    "is the sign wrong? 1.2 rad is inside, 68.75 deg",
+                ),
+            ],
+        ),
+        # Of one of them the author is sure: the other alone is wrong.
+        (
+            "{value: 1.4 rad, sure: true}",
+            "-0.6 rad",
+            [
+                (
+                    "calf: the default position -0.6 rad is outside of the joint's range, 0.1 rad to 2.6 rad",
+                    "is the sign wrong? 0.6 rad is inside, 34.38 deg",
+                )
+            ],
+        ),
+        ("-0.6 rad", "1.4 rad", []),
+    ],
+)
+def test_two_default_positions_that_are_exchanged(
+    hip: str, calf: str, expected: list[tuple[str, str]]
+) -> None:
+    text = spec_of(
+        "legs: {joints: [hip, calf, toe], level: ideal_pd, kp: 8, kd: 0.2}",
+        robot=f"name: leg, model: robot.xml, default_pose: {{hip: {hip}, calf: {calf}, toe: 2 rad}}",
+    )
+    column = str(text.splitlines()[1].index(f"{calf}, toe") + 1)
+    found = said(text, MODEL.replace("</body>", f"{THREE}</body></body></body>"))
+    assert [(item.message, item.help) for item in found] == [
+        (message, help.replace("COLUMN", column)) for message, help in expected
+    ]
+    assert {(item.code, item.severity) for item in found} <= {("SPEC190", Severity.WARNING)}
+
+
 POSED = (
     "legs: {joints: [hip, calf, toe], level: ideal_pd, kp: 8, kd: 0.2}, "
     "rails: {joints: [rail], level: ideal_pd, kp: 800 N/m, kd: 20 N*s/m}"

@@ -532,6 +532,11 @@ def test_a_range_that_is_offered_has_the_nominal_in_it(
             "effort_limit: 20, randomize: {effort_limit: {scale: [16, 24]}}",
             "are they values? Then write `abs: [",
         ),
+        # 4 / 6 = 0.667 and 8 / 6 = 1.333; as factors both are above any that is published.
+        (
+            "kp: 40, kd: 1, friction: {coulomb: 6}, randomize: {friction.coulomb: {scale: [4, 8]}}",
+            "are they values? Then write `abs: [4 N*m, 8 N*m]`, or `scale: [0.6667, 1.333]`",
+        ),
         # Nobody says what the nominal kp is.
         (
             "kp: unknown, kd: 1, randomize: {kp: {scale: [32, 48]}}",

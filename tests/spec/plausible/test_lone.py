@@ -455,6 +455,8 @@ def test_exchanged_motors_are_told_once(level: str) -> None:
         ("effort_limit: {scale: [0.5, 3.1]}", "a factor of 3.1 on the nominal value: no motor"),
         ("strength: {scale: [0.5, 3]}", None),
         ("kp: {scale: [0.5, 3.1]}", None),
+        # Values, of which the nominal 1 N*m*s/rad is none, would be as odd as these factors are.
+        ("kd: {scale: [3.5, 5]}", None),
     ],
 )  # fmt: skip
 def test_ranges(entry: str, expected: str | None) -> None:
@@ -463,6 +465,30 @@ def test_ranges(entry: str, expected: str | None) -> None:
     found = said(spec_of(groups))
     assert [item.code for item in found] == ["SPEC188"] * (expected is not None)
     assert all(item.message.startswith(expected or "") for item in found)
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        # 1e-5 kg*m^2 x 30^2 = 0.009 kg*m^2, and 0.009 - 0.02 = -0.011; 0.009 - 0.009 is 0.
+        ("armature: {add: [-0.02, 0.02]}", "hip: armature is drawn below 0: -0.011 kg*m^2"),
+        ("armature: {add: [-0.009, 0.02]}", None),
+        ("armature: {add: [0, 0.02], distribution: gaussian}", None),
+        # What the motor's peak torque is: 12 N*m.
+        ("effort_limit: {add: [-20, 0]}", "hip: effort_limit is drawn below 0: -8 N*m"),
+    ],
+)
+def test_ranges_about_what_follows_from_the_motor(entry: str, message: str | None) -> None:
+    motors = (
+        "{m: {side: joint, peak_torque: 12, stall_torque: 12, no_load_speed: 20 rad/s, gear_ratio: 30, "
+        "rotor_inertia: 1e-5}}"
+    )
+    group = "own: {joints: [hip], motor: m, level: dc_motor, kp: 40, kd: 1, effort_limit: peak"
+    group += f", randomize: {{{entry}}}}}"
+    found = said(spec_of(f"{group}, {REST}", motors=motors))
+    assert [(item.code, item.message) for item in found] == ([("SPEC188", message)] if message else [])
+    drawn = "targets: {random: {target: randomization, for: [json]}}"
+    assert said(spec_of(f"{group}, {REST}", motors=motors, more=drawn)) == []
 
 
 def test_a_range_below_0_is_told_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
