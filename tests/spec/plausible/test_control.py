@@ -147,7 +147,20 @@ def test_groups(fields: str, expected: list[str]) -> None:
         (
             "kp: 2.1, kd: 0.04, friction: {coulomb: 0.6}, action_scale: 0.25",
             "action_scale",
-            "is it turned from degrees into rad twice? Once it is 14.32.",
+            # Not from degrees: 0.25 / 0.0174533 = 14.32 rad is more than twice a whole turn, 12.57 rad.
+            "look for the point in the wrong place",
+        ),
+        # The friction holds it within 0.6 / 2.1 = 0.29 rad, and kd is below the viscous friction.
+        (
+            "kp: 2.1, kd: 0.04, friction: {coulomb: 0.6, viscous: 0.05}, action_scale: 0.25",
+            "kp",
+            "is it per degree? Per radian it is 120.3 N*m/rad, and kd 57.3 times as well",
+        ),
+        # Within 0.6 / 20 = 0.03 rad: the gains are sound, and 0.01 / 0.0174533 = 0.573.
+        (
+            "kp: 20, kd: 0.5, friction: {coulomb: 0.6, viscous: 0.6}, action_scale: 0.01",
+            "action_scale",
+            "is it turned from degrees into rad twice? Once it is 0.573.",
         ),
         # By 60 x 20 N*m / 0.1 rad = 12000 N*m/rad, and 0.6 x 20 / 0.001745 = 6875 N*m/rad.
         (
