@@ -195,6 +195,7 @@ def _unmoved(joint: JointActuator, scale: Quantity, reach: float, torque: float)
     friction, unit = joint.friction_coulomb, joint.default_position.unit
     held = f"{format_quantity(torque, friction.unit, 3)}: the joint's own dry friction of {shown(friction)} holds it"
     kp, limit, viscous = joint.kp, joint.effort_limit, joint.friction_viscous
+    kd = None if joint.kd is None else joint.kd.value
     if (
         kp is not None
         and joint.motor is not None
@@ -204,7 +205,7 @@ def _unmoved(joint: JointActuator, scale: Quantity, reach: float, torque: float)
         and torque / DEGREE >= (friction.value or 0.0)
         and (
             limit.value > SOFT_ERROR * kp.require()
-            or is_held(kp.require(), joint.kd and joint.kd.value, friction.require(), viscous.value or 0.0)
+            or is_held(kp.require(), kd, friction.require(), viscous.value or 0.0)
         )
     ):
         # As by the joint's inertia, which only a compiled model tells.

@@ -99,6 +99,8 @@ ODD = 0.4
 BY_CURRENT = 0.25
 """What it costs that a torque is what its current gives, where no slip makes it so, as `RARE`."""
 
+OTHER_MOTOR = "the robot's file has about the same: is another motor meant, or has this one a wrong unit?"
+"""Help for a limit that contradicts its motor."""
 TORQUES: tuple[Path, ...] = (
     ("stall_torque",),
     ("peak_torque",),
@@ -125,7 +127,7 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
         repairs = [item for item in repairs if not item.rare or limits.isdisjoint(item.paths)]
     if all(relation.code == "SPEC183" and not relation.error for relation in broken):
         # It is a large machine's, or a figure with which it is a robot's of a usual size.
-        repairs = [item for item in repairs if not any(_is_large(relation) for relation in item.after)]
+        repairs = [one for one in repairs if not any(at.code == "SPEC183" and at.excess for at in one.after)]
     best = explained(before, repairs)
     kept = False
     if best and not drive.sure.isdisjoint(best[0].paths):
@@ -142,20 +144,20 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     elif not witnessed and drive.witnesses:
         # A limit that meets the robot's file with no figure is offered none.
         known = {spans.value(witness.limit) for witness in drive.witnesses if witness.limit is not None}
+        ours = (item for item in before if item.witnessed and item.path[0] == "actuators")
+        agreed = {spans.value(item.path) for item in ours if 1.0 / AGREES <= item.value <= AGREES}
         refuted = {spans.value(relation.path): relation.message for relation in broken if relation.witnessed}
         for doubt in motor_doubts(replace(drive, witnesses=()), spans):
             vague = doubt.span is not None and (doubt.help or "").startswith("did you mean")
-            if vague and doubt.span in known:
+            if doubt.span in agreed:
+                doubt = replace(doubt, help=OTHER_MOTOR)
+            elif vague and doubt.span in known:
                 doubt = replace(doubt, help=POINT)
             elif vague and doubt.span in refuted:
                 doubt = replace(doubt, help=refuted[doubt.span])
             yield doubt
     elif not witnessed and not kept:
         yield from unexplained(drive, broken, spans)
-
-
-def _is_large(relation: Relation) -> bool:
-    return relation.code == "SPEC183" and relation.excess > 0.0
 
 
 class Misread(NamedTuple):
