@@ -622,6 +622,40 @@ def test_figures_whose_side_nobody_states_are_not_judged() -> None:
     assert [item.code for item in every] == ["SPEC130"]
 
 
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        # 1 x 10 rad/s = 10 N*m, which a friction of 25 N*m holds; the motor has 20.
+        ("command: velocity, kd: 1, friction: {coulomb: 25}", ["FRC101"]),
+        # 0.01 x 10 rad/s = 0.1 N*m of 0.2, of which the motor takes no notice.
+        ("command: velocity, kd: 0.01, friction: {coulomb: 0.2}", ["SPEC192"]),
+    ],
+)
+def test_a_friction_that_no_drive_overcomes_says_nothing_of_gains(fields: str, expected: list[str]) -> None:
+    assert codes(of_group(fields)) == expected
+
+
+@pytest.mark.parametrize(
+    ("side", "viscous", "expected"),
+    [
+        ("motor", 0.02, []),
+        # 2080 rpm at the output are 218 rad/s, and 0.02 x 218 = 4.4 N*m of 3.2.
+        ("joint", 0.02, ["SPEC184"]),
+        # 14.5 rad/s behind the gear: 2 x 14.5 = 29 N*m of 48.
+        ("motor", 2.0, ["FRC106"]),
+    ],
+)
+def test_a_motor_of_the_wrong_side_says_nothing_of_friction(
+    side: str, viscous: float, expected: list[str]
+) -> None:
+    figures = "stall_torque: 13.4, peak_torque: 3.2, continuous_torque: 0.988, no_load_speed: 2080 rpm"
+    figures += ", gear_ratio: 15"
+    motors = f"{{m: {{side: {side}, {figures}}}}}"
+    group = f"command: velocity, kd: 4, effort_limit: continuous, friction: {{viscous: {viscous}}}"
+    legs = f"legs: {{joints: [hip], motor: m, level: dc_motor, {group}}}, {REST}"
+    assert codes(spec_of(legs, motors=motors)) == expected
+
+
 def test_two_inertias_are_one_message() -> None:
     """607 g*cm^2 at an output of 18 N*m would be 297 000 rad/s^2, but either of the two may be the wrong one."""
     motors = (
