@@ -46,6 +46,7 @@ from actspec.spec.plausible.relations import (
     ALIKE,
     KGF_CM,
     MET,
+    OTHER_MOTOR,
     POINT,
     RARE,
     Relation,
@@ -61,6 +62,7 @@ from actspec.spec.plausible.slips import (
     milli,
     multiplied,
     slips_of,
+    small_units,
     tens,
     thousandth,
     transposed,
@@ -99,8 +101,6 @@ ODD = 0.4
 BY_CURRENT = 0.25
 """What it costs that a torque is what its current gives, where no slip makes it so, as `RARE`."""
 
-OTHER_MOTOR = "the robot's file has about the same: is another motor meant, or has this one a wrong unit?"
-"""Help for a limit that contradicts its motor."""
 TORQUES: tuple[Path, ...] = (
     ("stall_torque",),
     ("peak_torque",),
@@ -147,14 +147,13 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
         ours = (item for item in before if item.witnessed and item.path[0] == "actuators")
         agreed = {spans.value(item.path) for item in ours if 1.0 / AGREES <= item.value <= AGREES}
         refuted = {spans.value(relation.path): relation.message for relation in broken if relation.witnessed}
+        instead = refuted | dict.fromkeys(known, POINT)
         for doubt in motor_doubts(replace(drive, witnesses=()), spans):
             vague = doubt.span is not None and (doubt.help or "").startswith("did you mean")
             if doubt.span in agreed:
                 doubt = replace(doubt, help=OTHER_MOTOR)
-            elif vague and doubt.span in known:
-                doubt = replace(doubt, help=POINT)
-            elif vague and doubt.span in refuted:
-                doubt = replace(doubt, help=refuted[doubt.span])
+            elif vague and doubt.span in instead:
+                doubt = replace(doubt, help=instead[doubt.span])
             yield doubt
     elif not witnessed and not kept:
         yield from unexplained(drive, broken, spans)
@@ -427,6 +426,10 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
             yield moved(torques, 1e-3, f"are {names} in {thousandth(first.unit)}? {milli(first)}")
         turns = all(_given(motor, path).unit == "N*m" for path in torques)
         if len(torques) > 1 and turns and all("kgf" not in _given(motor, path).written for path in torques):
+            for factor, help in small_units(first, names):
+                small = moved(torques, factor, help, RARE)
+                if any(item.witnessed and 1.0 / EXACT < item.value < EXACT for item in small.after):
+                    yield small
             # A torque constant is in N*m/A on every sheet.
             rare = RARE if motor.torque_constant is None else RARE - 0.05
             meant = in_unit(multiplied(first, 0.1))

@@ -178,3 +178,50 @@ actuators:
         assert item.code == "SPEC187"
         assert "continuous_torque 113 N*m" in item.message or "continuous_torque 113" in item.message
         assert (item.help or "").startswith(f"are {exchanged} of ")
+
+
+@pytest.mark.parametrize(
+    ("torques", "effort", "help"),
+    [
+        # The file's 3.5 N*m: 350 N*cm, and 496 oz*in x 0.00706155 = 3.503.
+        (
+            (410, 350, 130),
+            3.5,
+            "are stall_torque, peak_torque, continuous_torque in N*cm? 410 N*cm is 4.1 N*m",
+        ),
+        (
+            (580, 496, 184),
+            3.5,
+            "are stall_torque, peak_torque, continuous_torque in oz*in? 580 oz*in is 4.096 N*m",
+        ),
+        (
+            (4100, 3500, 1300),
+            3.5,
+            "are stall_torque, peak_torque, continuous_torque in mN*m? 4100 mN*m is 4.1 N*m",
+        ),
+    ],
+)
+def test_all_torques_of_a_servo_in_a_sheet_s_unit(
+    tmp_path: Path, torques: tuple[int, int, int], effort: float, help: str
+) -> None:
+    path = tmp_path / "leg.urdf"
+    hip = JOINT.format(name="hip", parent="base", effort=effort, speed=4.8)
+    path.write_text(
+        f'<robot name="leg"><link name="base"/><link name="hip_"/>{hip}</robot>', encoding="utf-8"
+    )
+    stall, peak, continuous = torques
+    text = f"""actspec: 1
+robot: {{name: leg, model: leg.urdf}}
+motors:
+  servo: {{side: joint, stall_torque: {stall} N*m, no_load_speed: 46 rpm, peak_torque: {peak} N*m,
+    continuous_torque: {continuous} N*m, gear_ratio: 353.5, reflected_inertia: 0.012 kg*m^2}}
+actuators:
+  hip: {{joints: [hip], motor: servo, level: ideal_pd, kp: 18, kd: 0.6, effort_limit: peak}}
+"""
+    try:
+        spec = validate(document_from_text(text, str(tmp_path / "s.yaml")))
+        every = resolve(spec, joints_of_text(str(path))).diagnostics
+    except ActspecError as err:
+        every = err.diagnostics
+    (found,) = [item for item in every if item.code in BY_CODE]
+    assert (found.where, found.help) == ("motors.servo.stall_torque", help)
