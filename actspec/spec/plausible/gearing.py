@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Path
@@ -148,6 +148,23 @@ def reductions_repaired(drive: Drive) -> Iterator[Repair]:
             stages = (*others, last.model_copy(update={"ratio": ratio}))
             after = tuple(relations(_with_stages(drive, root, stages)))
             yield Repair(after, (root,), COUNTED_TWICE["transmission"], COPIED)
+
+
+def gear_forgotten(drive: Drive, moved: Callable[[Sequence[Path], float, str], Repair]) -> Iterator[Repair]:
+    """A gear where the motor has none, if effort and speed of the robot's file both ask for one."""
+    if number(drive.motor.gear_ratio) != 1.0 or drive.trains:
+        # Behind a direct drive it is the transmission's.
+        return
+    asked = [
+        (relation.code, relation.value)
+        for relation in relations(drive)
+        if relation.witnessed and relation.broken and relation.path[0] == "motors"
+    ]
+    weak = [1.0 / value for code, value in asked if code == "SPEC187" and value < 1.0]
+    if weak and any(code == "SPEC184" and value > 1.0 for code, value in asked):
+        gear = min(weak)
+        help = "is a gear forgotten? gear_ratio is rotor turns in one output turn"
+        yield replace(moved([("gear_ratio",)], gear, help), fitted=True)
 
 
 def multiplier_doubts(

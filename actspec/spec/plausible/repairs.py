@@ -40,7 +40,12 @@ from actspec.spec.plausible.drive import (
     with_figure,
 )
 from actspec.spec.plausible.driven import AGREES, JUST, SLOWED
-from actspec.spec.plausible.gearing import counts_repaired, reductions_repaired, stages_repaired
+from actspec.spec.plausible.gearing import (
+    counts_repaired,
+    gear_forgotten,
+    reductions_repaired,
+    stages_repaired,
+)
 from actspec.spec.plausible.motors import GEAR_INVERSE, is_gear_apart, relations
 from actspec.spec.plausible.relations import (
     ALIKE,
@@ -278,7 +283,7 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
         help = f"is it quoted at the {there}? At the {here} it is {about if lossy else ''}{meant}"
         return moved([path], factor, help, rare)
 
-    yield from _forgotten(drive, moved)
+    yield from gear_forgotten(drive, moved)
     if number(motor.gear_ratio) and motor.gear_ratio is not None:
         ratio, turned = motor.gear_ratio.value or 1.0, False
         if ratio < 1.0:
@@ -416,12 +421,18 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
         names = listed([str(path[-1]) for path in torques], 5)
         if across is not None:
             factor = across * (passed if across > 1.0 else 1.0 / passed)
-            meant = about + in_unit(multiplied(first, factor))
-            which = f" ({names})" if len(torques) > 1 else ""
-            help = f"is it quoted at the {there}{which}? At the {here} {in_unit(first)} is {meant}"
             # Without a speed all figures of the side are torques: `side` is no likelier.
             alone = not any(number(figure_at(motor, path)) for path in SPEEDS)
-            yield moved(torques, factor, help, 0.0 if alone else SIDED)
+            sides = [(torques, 0.0 if alone else SIDED)]
+            # An actuator's sheet has what it gives, and that of its winding the line.
+            given = [path for path in plain if path != ("stall_torque",)]
+            sides += [(given, ONE_SIDED)] if 1 < len(given) < len(torques) else []
+            for paths, rare in sides:
+                which = f" ({listed([str(path[-1]) for path in paths], 5)})" if len(torques) > 1 else ""
+                one = _given(motor, paths[0])
+                meant = f"{in_unit(one)} is {about}{in_unit(multiplied(one, factor))}"
+                help = f"is it quoted at the {there}{which}? At the {here} {meant}"
+                yield moved(paths, factor, help, rare)
         if len(torques) > 1:
             yield moved(torques, 1e-3, f"are {names} in {thousandth(first.unit)}? {milli(first)}")
         turns = all(_given(motor, path).unit == "N*m" for path in torques)
@@ -487,23 +498,6 @@ def _is_efficient(motor: Motor) -> bool:
     """Whether an efficiency of the gearbox is stated."""
     stages = [stage.efficiency for stage in motor.gearbox or ()]
     return any(number(value) is not None for value in (motor.efficiency, *stages))
-
-
-def _forgotten(drive: Drive, moved: Callable[[Sequence[Path], float, str], Repair]) -> Iterator[Repair]:
-    """A gear where the motor has none, if effort and speed of the robot's file both ask for one."""
-    if number(drive.motor.gear_ratio) != 1.0 or drive.trains:
-        # Behind a direct drive it is the transmission's.
-        return
-    asked = [
-        (relation.code, relation.value)
-        for relation in relations(drive)
-        if relation.witnessed and relation.broken and relation.path[0] == "motors"
-    ]
-    weak = [1.0 / value for code, value in asked if code == "SPEC187" and value < 1.0]
-    if weak and any(code == "SPEC184" and value > 1.0 for code, value in asked):
-        gear = min(weak)
-        help = "is a gear forgotten? gear_ratio is rotor turns in one output turn"
-        yield replace(moved([("gear_ratio",)], gear, help), fitted=True)
 
 
 def _unknown_gear(drive: Drive, moved: Callable[..., Repair]) -> Iterator[Repair]:
