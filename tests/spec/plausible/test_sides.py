@@ -222,3 +222,10 @@ def test_what_the_actuator_gives_at_its_output_beside_the_line_of_its_winding() 
         "motors.m.continuous_torque",
         "is it quoted at the gearbox output? At the rotor it is 1.251 N*m",
     )
+
+
+@pytest.mark.parametrize(("share", "meant"), [("0.0085", "0.85"), ("0.085", "0.85"), ("0.03", "0.3")])
+def test_an_efficiency_with_its_point_in_the_wrong_place(share: str, meant: str) -> None:
+    """What is offered is none that would be told again."""
+    found = told(f"side: motor, peak_torque: 1, gear_ratio: 10, efficiency: {share}")
+    assert [help for code, _, _, help in found if code == "SPEC189"] == [f"did you mean {meant}?"]
