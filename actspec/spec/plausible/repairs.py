@@ -425,12 +425,12 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
             alone = not any(number(figure_at(motor, path)) for path in SPEEDS)
             sides = [(torques, 0.0 if alone else SIDED)]
             # An actuator's sheet has what it gives, and that of its winding the line.
-            given = [path for path in plain if path != ("stall_torque",)]
-            sides += [(given, ONE_SIDED)] if 1 < len(given) < len(torques) else []
+            driven = [path for path in plain if path != ("stall_torque",)]
+            sides += [(driven, ONE_SIDED)] if 1 < len(driven) < len(torques) else []
             for paths, rare in sides:
                 which = f" ({listed([str(path[-1]) for path in paths], 5)})" if len(torques) > 1 else ""
-                one = _given(motor, paths[0])
-                meant = f"{in_unit(one)} is {about}{in_unit(multiplied(one, factor))}"
+                shown = _given(motor, paths[0])
+                meant = f"{in_unit(shown)} is {about}{in_unit(multiplied(shown, factor))}"
                 help = f"is it quoted at the {there}{which}? At the {here} {meant}"
                 yield moved(paths, factor, help, rare)
         if len(torques) > 1:
