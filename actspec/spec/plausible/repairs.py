@@ -425,7 +425,7 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
             alone = not any(number(figure_at(motor, path)) for path in SPEEDS)
             sides = [(torques, 0.0 if alone else SIDED)]
             # An actuator's sheet has what it gives, and that of its winding the line.
-            driven = [path for path in plain if path != ("stall_torque",)]
+            driven: list[Path] = [path for path in plain if path[-1] != "stall_torque"]
             sides += [(driven, ONE_SIDED)] if 1 < len(driven) < len(torques) else []
             for paths, rare in sides:
                 which = f" ({listed([str(path[-1]) for path in paths], 5)})" if len(torques) > 1 else ""
