@@ -200,6 +200,11 @@ ANGLE = "angle is a dimension of its own: write `{}` if that is meant"
 @pytest.mark.parametrize(
     ("given", "kind", "message", "help"),
     [
+        # 0.000301 x 0.45359237 kg x (0.0254 m)^2.
+        (
+            "0.000301 lb*in^2", Kind.INERTIA, "0.000301 lb*in^2 is not an inertia: unknown unit `lb`",
+            "oz, lbf, kgf and gf are forces; as a mass 0.000301 lbf*in^2 is 8.80845e-08 kg*m^2",
+        ),
         # 30 * 2 pi = 188.496
         ("30 Hz", Kind.SPEED, "30 Hz is a frequency, not a speed", "30 Hz as angular speed is 188.496 rad/s"),
         (

@@ -161,7 +161,8 @@ def parse_value(
         (at_most is not None and parsed.value > at_most, "<=", at_most),
     ):
         if bad and bound is not None:
-            percent = sense == "<=" and bound == 1.0 and parsed.value <= 100.0
+            # Of fewer per cent the part is as odd.
+            percent = sense == "<=" and bound == 1.0 and 10.0 <= parsed.value <= 100.0
             raise fault(
                 f"must be {sense} {format_quantity(bound, unit)}, got {format_quantity(parsed.value, unit)}",
                 f"did you mean `{parsed.value:g} %`? That is {parsed.value / 100.0:g}" if percent else None,
@@ -176,7 +177,10 @@ def parse_value(
                 else parse_quantity(std_given, kind)
             )
         except UnitError as err:
-            raise fault(err.message, err.help, ("std",)) from None
+            share = isinstance(std_given, str) and _PERCENT.fullmatch(std_given.strip())
+            part = abs(parsed.value) * float(share[1]) / 100.0 if share else 0.0
+            meant = f"{std_given} of the value is `{format_quantity(part, unit, 4)}`" if share else err.help
+            raise fault(err.message, meant, ("std",)) from None
         std = std_parsed.value
         if std < 0:
             raise fault(
@@ -476,6 +480,7 @@ def _a(noun: str) -> str:
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
 
 
+_PERCENT = re.compile(r"([0-9]*\.?[0-9]+) *%")
 _PLAIN_NUMBER = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*", re.ASCII)
 
 

@@ -133,9 +133,11 @@ def _did_you_mean(text: str, unknown: str | None, shown: str, kind: Kind) -> str
             return f"did you mean `{shortened(shown)} {candidate}`?{same}"
         if not similar:
             given = f"{shortened(shown)} {candidate}"
-            inverse = "/" in candidate or "^-" in candidate
-            other = _other_kind(given, float(shown), unit, kind) if inverse else None
-            fallback = fallback or f"did you mean `{candidate}`? {other or in_units(kind)}"
+            inverse, heavy = "/" in candidate or "^-" in candidate, kind is Kind.INERTIA
+            other = _other_kind(given, float(shown), unit, kind) if inverse or heavy else None
+            # A pound is a mass there, and no force is meant.
+            meant = other if heavy else None
+            fallback = fallback or meant or f"did you mean `{candidate}`? {other or in_units(kind)}"
     return fallback
 
 

@@ -79,6 +79,18 @@ def test_std_with_a_unit_of_its_own() -> None:
             (),
             id="percent",
         ),
+        pytest.param(
+            Number(Kind.RATIO, above=0.0, at_most=1.0), 1.23, "must be <= 1, got 1.23", None, (), id="no percent"
+        ),
+        # 0.05 x 6 N*m.
+        pytest.param(
+            TORQUE,
+            {"value": "6 N*m", "std": "5 %"},
+            "5 % is dimensionless, not a torque",
+            "5 % of the value is `0.3 N*m`",
+            ("std",),
+            id="std in percent",
+        ),
         pytest.param(TORQUE, True, "must be a torque, got true", "write for instance `33.5 N*m`", (), id="bool"),
         pytest.param(TORQUE, None, "must be a torque, got null", "write for instance `33.5 N*m`", (), id="null"),
         pytest.param(

@@ -10,7 +10,7 @@ from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity, tidy
 from actspec.poses import POSE_TOLERANCE
 from actspec.spec.plausible.clamps import PART, WIDE, clamp_words, is_open, is_posed, turned_words
 from actspec.spec.plausible.relations import DEGREE, RPM
-from actspec.spec.plausible.swing import SOFT_ERROR
+from actspec.spec.plausible.swing import SOFT_ERROR, is_held
 from actspec.spec.plausible.table import Found, found_at, is_stated, shown
 from actspec.units import format_quantity
 
@@ -129,6 +129,13 @@ def _rate_range(joint: JointActuator, end: Quantity, low: float, high: float) ->
     yield found_at(joint, "SPEC190", where, ratio, message, help or "look for a wrong unit", end, most)
 
 
+def _span(joint: JointActuator) -> float | None:
+    """How far the joint goes [rad or m]; None: that is unknown."""
+    if joint.position_range is not None:
+        return joint.position_range[1] - joint.position_range[0]
+    return 2.0 * math.pi if joint.kind is JointKind.HINGE else None
+
+
 def scale_found(joint: JointActuator) -> Iterator[Found]:
     """One unit of action against range, speed and effort limit; published: 0.41 of the range, 0.75 of the limit."""
     scale, limit = joint.action_scale, joint.effort_limit
@@ -136,9 +143,7 @@ def scale_found(joint: JointActuator) -> Iterator[Found]:
         return
     reach = abs(scale.value)
     if joint.command is Command.POSITION:
-        span = None if joint.position_range is None else joint.position_range[1] - joint.position_range[0]
-        if span is None and joint.kind is JointKind.HINGE:
-            span = 2.0 * math.pi
+        span = _span(joint)
         torque = None if joint.kp is None or not joint.kp.value else joint.kp.value * reach
         if torque is not None and torque < (joint.friction_coulomb.value or 0.0) and is_stated(scale):
             yield _unmoved(joint, scale, reach, torque)
@@ -189,14 +194,19 @@ def _unmoved(joint: JointActuator, scale: Quantity, reach: float, torque: float)
     """One unit of action that the joint's dry friction holds; policies give about one."""
     friction, unit = joint.friction_coulomb, joint.default_position.unit
     held = f"{format_quantity(torque, friction.unit, 3)}: the joint's own dry friction of {shown(friction)} holds it"
-    kp, limit = joint.kp, joint.effort_limit
+    kp, limit, viscous = joint.kp, joint.effort_limit, joint.friction_viscous
+    kd = None if joint.kd is None else joint.kd.value
     if (
         kp is not None
         and joint.motor is not None
         and joint.kind is JointKind.HINGE
         and is_stated(kp)
-        and (limit.value or 0.0) > SOFT_ERROR * kp.require()
+        and limit.value
         and torque / DEGREE >= (friction.value or 0.0)
+        and (
+            limit.value > SOFT_ERROR * kp.require()
+            or is_held(kp.require(), kd, friction.require(), viscous.value or 0.0)
+        )
     ):
         # As by the joint's inertia, which only a compiled model tells.
         error = format_quantity((limit.value or 0.0) / kp.require(), "rad", 3)
@@ -221,7 +231,7 @@ def _unmoved(joint: JointActuator, scale: Quantity, reach: float, torque: float)
         )
     words = f"one unit of action is {format_quantity(reach, unit, 4)} of command, and asks for {held}"
     help = "look for the point in the wrong place"
-    if joint.kind is JointKind.HINGE:
+    if joint.kind is JointKind.HINGE and reach / DEGREE <= SCALE * (_span(joint) or 0.0):
         twice = format_quantity(reach / DEGREE, "", 4)
         help = f"is it turned from degrees into rad twice? Once it is {twice}. Or {help}"
     where, size = f"actuators.{joint.group}.action_scale", (friction.value or 0.0) / torque

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -64,7 +65,8 @@ def exchanges(drives: Sequence[Drive], model: SpecModel, spans: SourceMap) -> It
         where, *others = (path for _, *pair in found for path in pair)
         judged = (path for item in told for path in (item.path, *item.others))
         message = "; and ".join(item.message for item in told)
-        doubt = at(spans, "SPEC187", message, where, help, *others, *judged)
+        error = any(item.error for item in told)
+        doubt = at(spans, "SPEC187", message, where, help, *others, *judged, error=error)
         # What a limit of theirs is held against says nothing before the lines are right.
         held = [path for drive in (one, two) for path in (limit.path for limit in drive.limits)]
         wrong = tuple(spans.value(path) for path in (*others, *held))
@@ -80,22 +82,25 @@ def _exchanged(
         if ours is None or theirs is None or one.motor.side != two.motor.side:
             continue
         motors = (one.motor.model_copy(update={field: theirs}), two.motor.model_copy(update={field: ours}))
-        if _fits(one, two, thermal, *motors):
+        if _fits(one, two, thermal, MATCHES, *motors):
             yield field, ("motors", one.name, field), ("motors", two.name, field)
     places = [
         [path for path, fields, _ in layers(model) if fields.motor == drive.name] for drive in (one, two)
     ]
-    if all(len(paths) == 1 for paths in places) and _fits(one, two, thermal, two.motor, one.motor):
+    # That the one is far too weak, and the other too strong, is no accident if each is sound in the other's place.
+    contradicted = all(any(item.broken for item in _efforts(drive, thermal)) for drive in (one, two))
+    factor = math.inf if contradicted else MATCHES
+    if all(len(paths) == 1 for paths in places) and _fits(one, two, thermal, factor, two.motor, one.motor):
         (mine,), (other,) = places
         yield "motor", (*mine, "motor"), (*other, "motor")
 
 
-def _fits(one: Drive, two: Drive, thermal: Collection[str], *motors: Motor) -> bool:
-    """Whether with these motors all is sound, and every limit what its motor gives."""
+def _fits(one: Drive, two: Drive, thermal: Collection[str], factor: float, *motors: Motor) -> bool:
+    """Whether with these motors all is sound, and every limit what its motor gives, by this factor."""
     for drive, motor in zip((one, two), motors, strict=True):
         changed = replace(drive, motor=motor)
         efforts = _efforts(changed, thermal)
-        if not efforts or not all(_is_within(item, MATCHES) for item in efforts):
+        if not efforts or not all(_is_within(item, factor) for item in efforts):
             return False
         if any(item.broken for item in relations(changed)):
             return False

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Path
 from actspec.ir import JointActuator
 from actspec.spec.document import SourceMap
+from actspec.spec.gears import Stage
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.drive import Drive, gear_of, number, stage_path, turns_of
 from actspec.spec.plausible.groups import MULTIPLIERS, layers
@@ -24,6 +25,9 @@ TWICE = 5.0
 of 3 or 4 behind a gear of 3 or 4 is built."""
 SAME_GEAR = 0.01
 """They are equal by this part: one of the two may be rounded."""
+COPIED = -3.0
+"""What it costs that the gear stands twice, as `RARE`: the same number again is no accident, however usual the figures
+are without either."""
 COUNTED_TWICE = {
     key: f"is the gear counted twice? Then remove this: {MULTIPLIERS[key]}, behind its own gear"
     for key in ("reduction", "transmission")
@@ -37,29 +41,24 @@ SEVERAL_MOTORS = 3
 def stages_repaired(drive: Drive) -> Iterator[Repair]:
     """Corrections of the stages of the gearbox, and of the transmissions to the joints."""
     gearbox = drive.motor.gearbox or ()
+    root: Path = ("motors", drive.name, "gearbox")
+    for index, stages, help, rare in _other_stages(gearbox):
+        motor = drive.motor.model_copy(update={"gearbox": stages})
+        place = stage_path(gearbox[index], (*root, index))
+        yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
     for index, stage in enumerate(gearbox):
-        for other, help, rare in stage_slips(stage):
-            stages = (*gearbox[:index], other, *gearbox[index + 1 :])
-            motor = drive.motor.model_copy(update={"gearbox": stages})
-            place = stage_path(stage, ("motors", drive.name, "gearbox", index))
-            yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
         if number(stage.inertia) and stage.inertia is not None:
             for factor, help, rare in inertias(stage.inertia):
                 other = stage.model_copy(update={"inertia": multiplied(stage.inertia, factor)})
                 stages = (*gearbox[:index], other, *gearbox[index + 1 :])
                 motor = drive.motor.model_copy(update={"gearbox": stages})
-                place = ("motors", drive.name, "gearbox", index, "inertia")
-                yield Repair(tuple(relations(replace(drive, motor=motor))), (place,), help, rare)
+                yield Repair(
+                    tuple(relations(replace(drive, motor=motor))), ((*root, index, "inertia"),), help, rare
+                )
     for train in {train.root: train for train in drive.trains.values()}.values():
-        for index, stage in enumerate(train.stages):
-            for other, help, rare in stage_slips(stage):
-                stages = (*train.stages[:index], other, *train.stages[index + 1 :])
-                trains = {
-                    key: replace(same, stages=stages) if same.root == train.root else same
-                    for key, same in drive.trains.items()
-                }
-                after = tuple(relations(replace(drive, trains=trains)))
-                yield Repair(after, (train.place(index),), help, rare)
+        for index, stages, help, rare in _other_stages(train.stages):
+            after = tuple(relations(_with_stages(drive, train.root, stages)))
+            yield Repair(after, (train.place(index),), help, rare)
         for first, second in itertools.combinations(range(len(train.stages)), 2):
             one, two = train.stages[first], train.stages[second]
             if one.radius is None or two.radius is None:
@@ -68,13 +67,29 @@ def stages_repaired(drive: Drive) -> Iterator[Repair]:
                 stage.model_copy(update={"radius": {first: two, second: one}.get(index, stage).radius})
                 for index, stage in enumerate(train.stages)
             )
-            trains = {
-                key: replace(same, stages=stages) if same.root == train.root else same
-                for key, same in drive.trains.items()
-            }
             places = (train.place(first), train.place(second))
             help = f"are the two radii, {one.radius.written} and {two.radius.written}, exchanged?"
-            yield Repair(tuple(relations(replace(drive, trains=trains))), places, help)
+            yield Repair(tuple(relations(_with_stages(drive, train.root, stages))), places, help)
+
+
+def _other_stages(stages: Sequence[Stage]) -> Iterator[tuple[int, tuple[Stage, ...], str, float]]:
+    """Stages with one of them the wrong way round, in another unit or left out; which, what was meant, its cost."""
+    for index, stage in enumerate(stages):
+        for other, help, rare in stage_slips(stage):
+            yield index, (*stages[:index], other, *stages[index + 1 :]), help, rare
+        before = stages[index - 1].ratio if index else None
+        if stage.ratio is not None and before is not None and stage.ratio.value == before.value:
+            # Two equal stages are built as well.
+            yield index, (*stages[:index], *stages[index + 1 :]), "is this stage written twice?", RARE
+
+
+def _with_stages(drive: Drive, root: Path, stages: tuple[Stage, ...]) -> Drive:
+    """The drive with other stages where those of a train are written."""
+    trains = {
+        key: replace(train, stages=stages) if train.root == root else train
+        for key, train in drive.trains.items()
+    }
+    return replace(drive, trains=trains)
 
 
 def counts_repaired(drive: Drive) -> Iterator[Repair]:
@@ -111,7 +126,7 @@ def reductions_repaired(drive: Drive) -> Iterator[Repair]:
             for power in (-2, -1, 1, 2)
         ]
         if _is_gear_again(gear, size):
-            slips.append((1.0 / size, COUNTED_TWICE["reduction"], 0.0))
+            slips.append((1.0 / size, COUNTED_TWICE["reduction"], COPIED))
         for factor, help, rare in slips:
             limits = tuple(
                 replace(item, reduction=item.reduction * factor) if item.reduced == place else item
@@ -125,6 +140,31 @@ def reductions_repaired(drive: Drive) -> Iterator[Repair]:
             )
             after = tuple(relations(replace(drive, limits=limits, witnesses=witnesses)))
             yield Repair(after, (place,), help, rare)
+    for root, train in {train.root: train for train in drive.trains.values()}.items():
+        turns = _plain_turns(train.stages)
+        if root[-1] == "transmission" and turns and _is_gear_again(gear, turns):
+            *others, last = train.stages
+            ratio = None if last.ratio is None else multiplied(last.ratio, 1.0 / turns)
+            stages = (*others, last.model_copy(update={"ratio": ratio}))
+            after = tuple(relations(_with_stages(drive, root, stages)))
+            yield Repair(after, (root,), COUNTED_TWICE["transmission"], COPIED)
+
+
+def gear_forgotten(drive: Drive, moved: Callable[[Sequence[Path], float, str], Repair]) -> Iterator[Repair]:
+    """A gear where the motor has none, if effort and speed of the robot's file both ask for one."""
+    if number(drive.motor.gear_ratio) != 1.0 or drive.trains:
+        # Behind a direct drive it is the transmission's.
+        return
+    asked = [
+        (relation.code, relation.value)
+        for relation in relations(drive)
+        if relation.witnessed and relation.broken and relation.path[0] == "motors"
+    ]
+    weak = [1.0 / value for code, value in asked if code == "SPEC187" and value < 1.0]
+    if weak and any(code == "SPEC184" and value > 1.0 for code, value in asked):
+        gear = min(weak)
+        help = "is a gear forgotten? gear_ratio is rotor turns in one output turn"
+        yield replace(moved([("gear_ratio",)], gear, help), fitted=True)
 
 
 def multiplier_doubts(
@@ -147,8 +187,8 @@ def multiplier_doubts(
         if (fields.motor or group.motor) != drive.name:
             continue
         size, key = number(fields.reduction), "reduction"
-        if size is None and fields.transmission and all(stage.ratio for stage in fields.transmission):
-            size, key = turns_of(fields.transmission), "transmission"
+        if size is None and fields.transmission:
+            size, key = _plain_turns(fields.transmission), "transmission"
         if gear is not None and size is not None and _is_gear_again(gear, size):
             field = "gearbox" if drive.motor.gearbox else "gear_ratio"
             own: Path = ("motors", drive.name, field)
@@ -173,6 +213,11 @@ def _is_gear_again(gear: float | None, reduction: float | None) -> bool:
     if gear is None or reduction is None:
         return False
     return reduction >= TWICE and math.isclose(gear, reduction, rel_tol=SAME_GEAR)
+
+
+def _plain_turns(stages: Sequence[Stage]) -> float | None:
+    """Turns of the motor's output in one of the joint, where each stage is stated as a ratio."""
+    return turns_of(stages) if all(stage.ratio for stage in stages) else None
 
 
 def _one_motor(gear: float | None, motors: int) -> str:

@@ -241,12 +241,16 @@ def _joint_doubts_of(
     causes = {
         one.doubt.span for found in every.values() for one in found if one.doubt.code not in _CONSEQUENCES
     }
+    rubs = {one.doubt.span for found in every.values() for one in found if one.doubt.code == "FRC101"}
     for joint in joints:
         linkage = linked.get(joint.joint)
         lever = levers[joint.joint]
         for found in every[joint.joint]:
             doubt = found.doubt
             if doubt.code in _CONSEQUENCES and not causes.isdisjoint(doubt.judged):
+                continue
+            if doubt.code == "SPEC192" and not rubs.isdisjoint(doubt.judged):
+                # What no drive overcomes says nothing of gains.
                 continue
             reduction = reduction_of(joint.group, model.actuators[joint.group])
             if doubt.code == "SPEC183" and reduction is not None and doubt.span in sound:
@@ -520,4 +524,6 @@ def _viscous(
         help = f"one of 2 numbers is wrong. {help}"
     elif lined:
         help += " The slope of the torque-speed line belongs to the motor, not to friction"
-    yield found_at(joint, "FRC106", where, torque / limit.value, message, help, number, other, limit)
+    found = found_at(joint, "FRC106", where, torque / limit.value, message, help, number, other, limit)
+    # What is doubted of the motor itself is told there.
+    yield replace(found, derived=found.derived or lined)

@@ -312,7 +312,7 @@ def _efficient(drive: Drive) -> Iterator[Relation]:
                 (0.4, 1.0),
                 f"an efficiency of {value.written}: the gearbox would lose {100 * (1 - share):.3g} % of the torque",
                 place,
-                f"did you mean {10 * share:g}?",
+                f"did you mean {share * 10 ** math.ceil(math.log10(LEAST_EFFICIENCY / share)):.4g}?",
                 about=f"{place}",
             )
 

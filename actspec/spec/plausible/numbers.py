@@ -31,7 +31,7 @@ from actspec.units import format_quantity
 SPREAD = 10.0
 """Standard deviation over value. Chosen: of what a fit hardly sees it is 1 to 3."""
 
-_BY_FILE = frozenset(("FRC101", "SPEC135", "SPEC180"))
+_BY_FILE = frozenset(("FRC101", "SPEC135", "SPEC180", "SPEC187"))
 _CODE = re.compile("[A-Za-z]{2,}[0-9]+")
 
 

@@ -58,6 +58,8 @@ TO_THE_DIGIT = 1.005
 EXACTLY = 0.35
 """What that is worth before others, as `RARE`: a little more than that."""
 
+OTHER_MOTOR = "the robot's file has about the same: is another motor meant, or has this one a wrong unit?"
+"""Of a limit that contradicts its motor."""
 POINT = "is the point in the wrong place?"
 KEEP = "`sure: true` beside it keeps a number that is right"
 

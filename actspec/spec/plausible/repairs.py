@@ -40,12 +40,18 @@ from actspec.spec.plausible.drive import (
     with_figure,
 )
 from actspec.spec.plausible.driven import AGREES, JUST, SLOWED
-from actspec.spec.plausible.gearing import counts_repaired, reductions_repaired, stages_repaired
+from actspec.spec.plausible.gearing import (
+    counts_repaired,
+    gear_forgotten,
+    reductions_repaired,
+    stages_repaired,
+)
 from actspec.spec.plausible.motors import GEAR_INVERSE, is_gear_apart, relations
 from actspec.spec.plausible.relations import (
     ALIKE,
     KGF_CM,
     MET,
+    OTHER_MOTOR,
     POINT,
     RARE,
     Relation,
@@ -61,6 +67,7 @@ from actspec.spec.plausible.slips import (
     milli,
     multiplied,
     slips_of,
+    small_units,
     tens,
     thousandth,
     transposed,
@@ -125,7 +132,7 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
         repairs = [item for item in repairs if not item.rare or limits.isdisjoint(item.paths)]
     if all(relation.code == "SPEC183" and not relation.error for relation in broken):
         # It is a large machine's, or a figure with which it is a robot's of a usual size.
-        repairs = [item for item in repairs if not any(_is_large(relation) for relation in item.after)]
+        repairs = [one for one in repairs if not any(at.code == "SPEC183" and at.excess for at in one.after)]
     best = explained(before, repairs)
     kept = False
     if best and not drive.sure.isdisjoint(best[0].paths):
@@ -142,20 +149,19 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
     elif not witnessed and drive.witnesses:
         # A limit that meets the robot's file with no figure is offered none.
         known = {spans.value(witness.limit) for witness in drive.witnesses if witness.limit is not None}
+        ours = (item for item in before if item.witnessed and item.path[0] == "actuators")
+        agreed = {spans.value(item.path) for item in ours if 1.0 / AGREES <= item.value <= AGREES}
         refuted = {spans.value(relation.path): relation.message for relation in broken if relation.witnessed}
+        instead = refuted | dict.fromkeys(known, POINT)
         for doubt in motor_doubts(replace(drive, witnesses=()), spans):
             vague = doubt.span is not None and (doubt.help or "").startswith("did you mean")
-            if vague and doubt.span in known:
-                doubt = replace(doubt, help=POINT)
-            elif vague and doubt.span in refuted:
-                doubt = replace(doubt, help=refuted[doubt.span])
+            if doubt.span in agreed:
+                doubt = replace(doubt, help=OTHER_MOTOR)
+            elif vague and doubt.span in instead:
+                doubt = replace(doubt, help=instead[doubt.span])
             yield doubt
     elif not witnessed and not kept:
         yield from unexplained(drive, broken, spans)
-
-
-def _is_large(relation: Relation) -> bool:
-    return relation.code == "SPEC183" and relation.excess > 0.0
 
 
 class Misread(NamedTuple):
@@ -277,7 +283,7 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
         help = f"is it quoted at the {there}? At the {here} it is {about if lossy else ''}{meant}"
         return moved([path], factor, help, rare)
 
-    yield from _forgotten(drive, moved)
+    yield from gear_forgotten(drive, moved)
     if number(motor.gear_ratio) and motor.gear_ratio is not None:
         ratio, turned = motor.gear_ratio.value or 1.0, False
         if ratio < 1.0:
@@ -415,16 +421,26 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
         names = listed([str(path[-1]) for path in torques], 5)
         if across is not None:
             factor = across * (passed if across > 1.0 else 1.0 / passed)
-            meant = about + in_unit(multiplied(first, factor))
-            which = f" ({names})" if len(torques) > 1 else ""
-            help = f"is it quoted at the {there}{which}? At the {here} {in_unit(first)} is {meant}"
             # Without a speed all figures of the side are torques: `side` is no likelier.
             alone = not any(number(figure_at(motor, path)) for path in SPEEDS)
-            yield moved(torques, factor, help, 0.0 if alone else SIDED)
+            sides = [(torques, 0.0 if alone else SIDED)]
+            # An actuator's sheet has what it gives, and that of its winding the line.
+            driven: list[Path] = [path for path in plain if path[-1] != "stall_torque"]
+            sides += [(driven, ONE_SIDED)] if 1 < len(driven) < len(torques) else []
+            for paths, rare in sides:
+                which = f" ({listed([str(path[-1]) for path in paths], 5)})" if len(torques) > 1 else ""
+                shown = _given(motor, paths[0])
+                meant = f"{in_unit(shown)} is {about}{in_unit(multiplied(shown, factor))}"
+                help = f"is it quoted at the {there}{which}? At the {here} {meant}"
+                yield moved(paths, factor, help, rare)
         if len(torques) > 1:
             yield moved(torques, 1e-3, f"are {names} in {thousandth(first.unit)}? {milli(first)}")
         turns = all(_given(motor, path).unit == "N*m" for path in torques)
         if len(torques) > 1 and turns and all("kgf" not in _given(motor, path).written for path in torques):
+            for factor, help in small_units(first, names):
+                small = moved(torques, factor, help, RARE)
+                if any(item.witnessed and 1.0 / EXACT < item.value < EXACT for item in small.after):
+                    yield small
             # A torque constant is in N*m/A on every sheet.
             rare = RARE if motor.torque_constant is None else RARE - 0.05
             meant = in_unit(multiplied(first, 0.1))
@@ -482,23 +498,6 @@ def _is_efficient(motor: Motor) -> bool:
     """Whether an efficiency of the gearbox is stated."""
     stages = [stage.efficiency for stage in motor.gearbox or ()]
     return any(number(value) is not None for value in (motor.efficiency, *stages))
-
-
-def _forgotten(drive: Drive, moved: Callable[[Sequence[Path], float, str], Repair]) -> Iterator[Repair]:
-    """A gear where the motor has none, if effort and speed of the robot's file both ask for one."""
-    if number(drive.motor.gear_ratio) != 1.0 or drive.trains:
-        # Behind a direct drive it is the transmission's.
-        return
-    asked = [
-        (relation.code, relation.value)
-        for relation in relations(drive)
-        if relation.witnessed and relation.broken and relation.path[0] == "motors"
-    ]
-    weak = [1.0 / value for code, value in asked if code == "SPEC187" and value < 1.0]
-    if weak and any(code == "SPEC184" and value > 1.0 for code, value in asked):
-        gear = min(weak)
-        help = "is a gear forgotten? gear_ratio is rotor turns in one output turn"
-        yield replace(moved([("gear_ratio",)], gear, help), fitted=True)
 
 
 def _unknown_gear(drive: Drive, moved: Callable[..., Repair]) -> Iterator[Repair]:

@@ -16,6 +16,8 @@ SERVO = 10.0
 """Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
 PER_AMPERE = 0.05
 """So much likelier than a torque a torque constant is in kgf*cm: sheets of servos have kgf*cm/A."""
+OZ_IN = 0.00706155
+"""[N*m]."""
 INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"))
 """Units of datasheets [kg*m^2]."""
 SPEEDS = {"rpm": RPM, "rad/s": 1.0, "deg/s": DEGREE}
@@ -150,6 +152,18 @@ def kgf_cm(value: SpecValue) -> str:
     size = value.value or 0.0
     unit = value.unit.replace("N*m", "kgf*cm")
     return f"is it in {unit}? {size:g} {unit} is {format_quantity(size * KGF_CM, value.unit, 4)}"
+
+
+def small_units(value: SpecValue, names: str) -> Iterator[tuple[float, str]]:
+    """Factors of torques in other units of servos' sheets; of a size all are usual, so that other figures have to tell.
+
+    Args:
+        value: The first of them [N*m].
+        names: Of all.
+    """
+    for unit, factor in (("N*cm", 0.01), ("oz*in", OZ_IN)):
+        meant = in_unit(multiplied(value, factor))
+        yield factor, f"are {names} in {unit}? {value.value or 0.0:g} {unit} is {meant}"
 
 
 def tens(value: SpecValue) -> Iterator[tuple[float, str, float]]:

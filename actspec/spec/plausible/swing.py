@@ -81,7 +81,7 @@ def frequency_words(
     slack = error is not None and error > (most if geared else SOFT_ERROR)
     tight = error is not None and error < STIFF_ERROR
     soft = frequency < TOO_SOFT and (gains.driven or heavy)
-    held = dry / gains.kp > HELD_ERROR and (gains.kd or 0.0) < gains.viscous
+    held = is_held(gains.kp, gains.kd, dry, gains.viscous)
     if held:
         message += f"; the dry friction of {format_quantity(dry, unit.torque, 4)} alone holds it within "
         message += format_quantity(dry / gains.kp, unit.position, 3)
@@ -104,6 +104,11 @@ def frequency_words(
         help = f"is it multiplied by 57.3? Without that it is {without.shown_kp}"
         return message, POINT if without.kp > STIFF**2 * inertia else help, frequency
     return None
+
+
+def is_held(kp: float, kd: float | None, dry: float, viscous: float) -> bool:
+    """Whether friction holds a joint farther from its command than gains let it that are per radian."""
+    return dry / kp > HELD_ERROR and (kd or 0.0) < viscous
 
 
 def is_short(size: float) -> bool:

@@ -147,7 +147,20 @@ def test_groups(fields: str, expected: list[str]) -> None:
         (
             "kp: 2.1, kd: 0.04, friction: {coulomb: 0.6}, action_scale: 0.25",
             "action_scale",
-            "is it turned from degrees into rad twice? Once it is 14.32.",
+            # Not from degrees: 0.25 / 0.0174533 = 14.32 rad is more than twice a whole turn, 12.57 rad.
+            "look for the point in the wrong place",
+        ),
+        # The friction holds it within 0.6 / 2.1 = 0.29 rad, and kd is below the viscous friction.
+        (
+            "kp: 2.1, kd: 0.04, friction: {coulomb: 0.6, viscous: 0.05}, action_scale: 0.25",
+            "kp",
+            "is it per degree? Per radian it is 120.3 N*m/rad, and kd 57.3 times as well",
+        ),
+        # Within 0.6 / 20 = 0.03 rad: the gains are sound, and 0.01 / 0.0174533 = 0.573.
+        (
+            "kp: 20, kd: 0.5, friction: {coulomb: 0.6, viscous: 0.6}, action_scale: 0.01",
+            "action_scale",
+            "is it turned from degrees into rad twice? Once it is 0.573.",
         ),
         # By 60 x 20 N*m / 0.1 rad = 12000 N*m/rad, and 0.6 x 20 / 0.001745 = 6875 N*m/rad.
         (
@@ -612,6 +625,40 @@ def test_figures_whose_side_nobody_states_are_not_judged() -> None:
         spec_of(f"legs: {{joints: [hip], motor: m, level: dc_motor, kp: 20, kd: 1}}, {REST}", motors=motors)
     )
     assert [item.code for item in every] == ["SPEC130"]
+
+
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        # 1 x 10 rad/s = 10 N*m, which a friction of 25 N*m holds; the motor has 20.
+        ("command: velocity, kd: 1, friction: {coulomb: 25}", ["FRC101"]),
+        # 0.01 x 10 rad/s = 0.1 N*m of 0.2, of which the motor takes no notice.
+        ("command: velocity, kd: 0.01, friction: {coulomb: 0.2}", ["SPEC192"]),
+    ],
+)
+def test_a_friction_that_no_drive_overcomes_says_nothing_of_gains(fields: str, expected: list[str]) -> None:
+    assert codes(of_group(fields)) == expected
+
+
+@pytest.mark.parametrize(
+    ("side", "viscous", "expected"),
+    [
+        ("motor", 0.02, []),
+        # 2080 rpm at the output are 218 rad/s, and 0.02 x 218 = 4.4 N*m of 3.2.
+        ("joint", 0.02, ["SPEC184"]),
+        # 14.5 rad/s behind the gear: 2 x 14.5 = 29 N*m of 48.
+        ("motor", 2.0, ["FRC106"]),
+    ],
+)
+def test_a_motor_of_the_wrong_side_says_nothing_of_friction(
+    side: str, viscous: float, expected: list[str]
+) -> None:
+    figures = "stall_torque: 13.4, peak_torque: 3.2, continuous_torque: 0.988, no_load_speed: 2080 rpm"
+    figures += ", gear_ratio: 15"
+    motors = f"{{m: {{side: {side}, {figures}}}}}"
+    group = f"command: velocity, kd: 4, effort_limit: continuous, friction: {{viscous: {viscous}}}"
+    legs = f"legs: {{joints: [hip], motor: m, level: dc_motor, {group}}}, {REST}"
+    assert codes(spec_of(legs, motors=motors)) == expected
 
 
 def test_two_inertias_are_one_message() -> None:

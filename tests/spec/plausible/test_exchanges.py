@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from actspec.diagnostics import Diagnostic
+from actspec.diagnostics import ActspecError, Diagnostic, Severity
 from actspec.resolution import resolve
 from actspec.robot.load import joints_of_text
 from actspec.spec.document import document_from_text
@@ -51,7 +51,11 @@ def said(
             sheet = f"side: joint, stall_torque: {stall}, peak_torque: {peak}, no_load_speed: {speed} rad/s"
             text = re.sub(f"  {name}: {{side: .*, gear", f"  {name}: {{{sheet}, gear", text)
     spec = validate(document_from_text(text, str(folder / "s.yaml")))
-    return [item for item in resolve(spec, joints_of_text(str(path))).diagnostics if item.code in BY_CODE]
+    try:
+        found = resolve(spec, joints_of_text(str(path))).diagnostics
+    except ActspecError as err:
+        found = err.diagnostics
+    return [item for item in found if item.code in BY_CODE]
 
 
 @pytest.mark.parametrize(
@@ -97,6 +101,45 @@ def test_one_message_of_two_that_are_ten_times_off(tmp_path: Path) -> None:
     assert (found.where, "exchanged" in (found.help or "")) == ("motors.abd.gear_ratio", True)
 
 
+def test_motors_exchanged_whose_peaks_are_above_their_limits(tmp_path: Path) -> None:
+    """450 and 32 N*m of 200 and 25, in each other's place 18 and 0.071 times: no other figure is offered."""
+    sound = {"gears": (100, 16), "peaks": (4.5, 2.0), "efforts": (200, 25)}
+    assert said(tmp_path, **sound, limit="180 N*m") == []
+    (found,) = said(tmp_path, **sound, limit="180 N*m", motors=("flex", "abd"))
+    assert (found.where, found.code) == ("actuators.leg.motor", "SPEC187")
+    assert (found.help or "").startswith("are motor of 'leg' and of 'hip' (")
+
+
+def test_a_limit_far_above_its_motor_is_judged_beside_the_file(tmp_path: Path) -> None:
+    """180 of 4.8 N*m, 37.5 times: nothing could be right, and whether it is the limit the file tells."""
+    sound = {"gears": (100, 16), "peaks": (4.5, 0.3), "efforts": (200, 4.8)}
+    (found,) = said(tmp_path, **sound, limit="180 N*m", motors=("flex", "abd"))
+    assert (found.where, found.severity) == ("actuators.leg.motor", Severity.ERROR)
+
+
+def test_two_motors_that_are_off_each_by_itself(tmp_path: Path) -> None:
+    """45 N*m of 450 and 320 of 32: in each other's place 0.71 and 1.4 of the file's, but 4.5 and 20 times the peak."""
+    found = said(tmp_path, gears=(100, 16), peaks=(0.45, 20.0), efforts=(450, 320 / 100))
+    assert len(found) == 2
+    assert not any("exchanged" in (item.help or "") for item in found)
+
+
+def test_one_motor_of_another_group(tmp_path: Path) -> None:
+    """32 N*m beside a limit of 180 N*m: the file has 200."""
+    found = said(
+        tmp_path,
+        gears=(100, 16),
+        peaks=(4.5, 2.0),
+        efforts=(200, 25),
+        motors=("flex", "flex"),
+        limit="180 N*m",
+    )
+    (help,) = [item.help for item in found if item.where == "actuators.hip.effort_limit"]
+    assert (
+        help == "the robot's file has about the same: is another motor meant, or has this one a wrong unit?"
+    )
+
+
 def test_the_end_of_a_line_above_the_peak_hides_no_exchange(tmp_path: Path) -> None:
     """150 and 250 N*m at standstill are 1.34 and 1.28 times the file's 112 and 195, which the peaks are."""
     assert said(tmp_path, at_output=True) == []
@@ -135,3 +178,50 @@ actuators:
         assert item.code == "SPEC187"
         assert "continuous_torque 113 N*m" in item.message or "continuous_torque 113" in item.message
         assert (item.help or "").startswith(f"are {exchanged} of ")
+
+
+@pytest.mark.parametrize(
+    ("torques", "effort", "help"),
+    [
+        # The file's 3.5 N*m: 350 N*cm, and 496 oz*in x 0.00706155 = 3.503.
+        (
+            (410, 350, 130),
+            3.5,
+            "are stall_torque, peak_torque, continuous_torque in N*cm? 410 N*cm is 4.1 N*m",
+        ),
+        (
+            (580, 496, 184),
+            3.5,
+            "are stall_torque, peak_torque, continuous_torque in oz*in? 580 oz*in is 4.096 N*m",
+        ),
+        (
+            (4100, 3500, 1300),
+            3.5,
+            "are stall_torque, peak_torque, continuous_torque in mN*m? 4100 mN*m is 4.1 N*m",
+        ),
+    ],
+)
+def test_all_torques_of_a_servo_in_a_sheet_s_unit(
+    tmp_path: Path, torques: tuple[int, int, int], effort: float, help: str
+) -> None:
+    path = tmp_path / "leg.urdf"
+    hip = JOINT.format(name="hip", parent="base", effort=effort, speed=4.8)
+    path.write_text(
+        f'<robot name="leg"><link name="base"/><link name="hip_"/>{hip}</robot>', encoding="utf-8"
+    )
+    stall, peak, continuous = torques
+    text = f"""actspec: 1
+robot: {{name: leg, model: leg.urdf}}
+motors:
+  servo: {{side: joint, stall_torque: {stall} N*m, no_load_speed: 46 rpm, peak_torque: {peak} N*m,
+    continuous_torque: {continuous} N*m, gear_ratio: 353.5, reflected_inertia: 0.012 kg*m^2}}
+actuators:
+  hip: {{joints: [hip], motor: servo, level: ideal_pd, kp: 18, kd: 0.6, effort_limit: peak}}
+"""
+    try:
+        spec = validate(document_from_text(text, str(tmp_path / "s.yaml")))
+        every = resolve(spec, joints_of_text(str(path))).diagnostics
+    except ActspecError as err:
+        every = err.diagnostics
+    (found,) = [item for item in every if item.code in BY_CODE]
+    assert (found.where, found.help) == ("motors.servo.stall_torque", help)

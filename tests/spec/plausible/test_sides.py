@@ -200,3 +200,32 @@ def test_a_linear_motor_is_held_to_its_constant(
 def test_what_is_said_of_a_linear_motor() -> None:
     ((_, _, message, _),) = told(LINEAR.replace("30 N/A", "300 N/A"), AXIS, "slide")
     assert message == "a force constant of 300 N/A gives 1800 N at peak_current 6 A, and peak_torque is 180 N"
+
+
+def test_what_the_actuator_gives_at_its_output_beside_the_line_of_its_winding() -> None:
+    """4.38 and 1.25 N*m at the rotor, as 0.125 N*m/A x 35 and 10 A are, times 100 x 0.75: 328 and 93.8 N*m."""
+    sheet = (
+        "side: motor, stall_torque: 30, no_load_speed: 3670 rpm, peak_torque: {}, continuous_torque: {}, "
+        "gear_ratio: 100, efficiency: 75 %, torque_constant: 0.125 N*m/A, nominal_current: 10 A, peak_current: 35 A, "
+        "nominal_voltage: 48 V, rotor_inertia: 340 g*cm^2"
+    )
+    gains = "kp: 900, kd: 60"
+    assert told(sheet.format(4.38, 1.25), gains) == []
+    ((_, where, _, help),) = told(sheet.format(328, 93.8), gains)
+    assert where == "motors.m.peak_torque"
+    assert help == (
+        "is it quoted at the gearbox output (peak_torque, continuous_torque)? At the rotor 328 N*m is 4.373 N*m"
+    )
+    # One of the two alone.
+    ((_, where, _, help),) = told(sheet.format(4.38, 93.8), gains)
+    assert (where, help) == (
+        "motors.m.continuous_torque",
+        "is it quoted at the gearbox output? At the rotor it is 1.251 N*m",
+    )
+
+
+@pytest.mark.parametrize(("share", "meant"), [("0.0085", "0.85"), ("0.085", "0.85"), ("0.03", "0.3")])
+def test_an_efficiency_with_its_point_in_the_wrong_place(share: str, meant: str) -> None:
+    """What is offered is none that would be told again."""
+    found = told(f"side: motor, peak_torque: 1, gear_ratio: 10, efficiency: {share}")
+    assert [help for code, _, _, help in found if code == "SPEC189"] == [f"did you mean {meant}?"]
