@@ -139,11 +139,8 @@ class Case:
 
         By programs of its folder, and of a URDF there by configurations of its robot that state the joint's limit.
         """
-        file = self._file(place.path)
-        if file is None:
-            return frozenset()
-        limit = file.in_folder and (place.path, joint) in self.once(_limited_elsewhere)
-        return (file.written | ({"urdf_effort"} if limit else set())) & _WRITTEN.get(file.kind, frozenset())
+        limit = self.is_met_at(place) and (place.path, joint) in self.once(_limited_elsewhere)
+        return self.once(_written).get(place.path, frozenset()) | ({"urdf_effort"} if limit else set())
 
     def _file(self, path: str) -> FileReading | None:
         return self.once(_files).get(path)
@@ -204,6 +201,16 @@ def _whose(case: Case) -> dict[Span, frozenset[int]]:
 def _files(case: Case) -> dict[str, FileReading]:
     """The files by their paths."""
     return {file.path: file for file in case.files}
+
+
+def _written(case: Case) -> dict[str, frozenset[str]]:
+    """Files and parts of models, with what programs write over of each; of a part, in every model that includes it."""
+    found: dict[str, frozenset[str]] = {}
+    for file in case.files:
+        own = file.written & _WRITTEN.get(file.kind, frozenset())
+        for path in {file.path, *(part.path for part in file.files)}:
+            found[path] = found.get(path, own) & own
+    return found
 
 
 def _met(case: Case) -> dict[str, bool]:

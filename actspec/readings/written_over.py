@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Collection, Mapping
 
 _WRITES: dict[str, re.Pattern[bytes]] = {
@@ -14,7 +15,7 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
         rb"""["']@?angle["'](?:\]\s*=|\s*[:,])\s*["']radian"""
         rb"""|\.compiler\.(?:angle\s*=\s*["']radian|degree\s*=\s*(?:False|0)\b)"""
     ),
-    "actuators": re.compile(rb"\.replace\((?:[^()]|\([^()]*\))*\bactuators\s*=\s*\w+\s*[,)]"),
+    "actuators": re.compile(rb"\.replace\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\bactuators\s*=\s*\w+\s*[,)]"),
 }
 """What a program writes over a file's figure when it has loaded it.
 
@@ -67,11 +68,17 @@ that were not the published ones, readers would have acted on 15 of 18 beside a 
 """
 
 
-_COMPILES = re.compile(rb"mujoco(?!_py\b|-py\b|py\b)|\bmj_|\bmjx|mjlab|dm_control|robosuite", re.IGNORECASE)
-"""Programs of MuJoCo. Isaac Gym, Bullet and Drake read an MJCF their own way, mujoco_py by a MuJoCo of its own."""
+_COMPILES = re.compile(rb"mujoco(?![_-]?py\b)|\bmj_|\bmjx|mjlab|dm_control|robosuite", re.IGNORECASE)
+_OF_OLD = re.compile(rb"\b(?:import|from)[ \t]+mujoco_py\b|\bmj_activate\(")
+"""Programs of MuJoCo. Isaac Gym, Bullet and Drake read an MJCF their own way, mujoco_py by a MuJoCo of its own.
+
+Source: MuJoCo's changelog, 2.1: no key is activated any more.
+"""
 
 _ATTACHES = re.compile(rb"\.attach(?:_body|_frame|_child)?\(")
-"""A program that puts models together before MuJoCo compiles them: what one names may be in another."""
+_ASSEMBLES = re.compile(rb"\bxml_path_completion\(")
+"""A program that puts models together before MuJoCo compiles them: what one names may be in another; and one of
+robosuite's kind, which takes the defaults out of every part (models/base.py)."""
 
 _SIMULATORS = (
     rb"isaac\w*|omni\.isaac|ignition|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|mani_?skill\w*|dartpy|webots"
@@ -100,6 +107,13 @@ _PLANS = re.compile(rb"^robot_cfg:[ \t]*\n(?:[ \t]*\n)*[ \t]+kinematics:", re.MU
 _TOOL = re.compile(rb"\b(?:argparse|ElementTree|minidom|lxml|bs4)\b")
 """Libraries of programs that take files apart, or whose files the user names."""
 
+_IMPORTS = re.compile(rb"^[ \t]*(?:import[ \t]+([^\n#;]+)|from[ \t]+([\w.]+)[ \t]+import)", re.MULTILINE)
+_NO_SIMULATORS = frozenset(
+    {"PIL", "bs4", "click", "coacd", "cv2", "lxml", "matplotlib", "noise", "numpy", "open3d", "pandas"}
+    | {"pymeshlab", "rich", "scipy", "tqdm", "trimesh", "xacro", "yaml"}
+)
+"""What such a program may import besides the standard library."""
+
 _FORCES = re.compile(rb"effort|torque|\btau\b", re.IGNORECASE)
 
 
@@ -120,8 +134,10 @@ def poses_alone(programs: Mapping[str, bytes]) -> frozenset[str]:
 
 
 def works_on_files(text: bytes) -> bool:
-    """Whether a program is a tool that takes a file apart or hands it on, and simulates nothing."""
-    return bool(_TOOL.search(text)) and not (_STEPS.search(text) or _LOADS.search(text))
+    """Whether a program is a tool that takes a file apart or hands it on, and imports nothing that simulates."""
+    modules = (name for plain, whole in _IMPORTS.findall(text) for name in (whole or plain).split(b","))
+    packages = {name.strip().partition(b".")[0].partition(b" ")[0].decode("latin-1") for name in modules}
+    return bool(_TOOL.search(text)) and packages <= _NO_SIMULATORS | sys.stdlib_module_names
 
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
@@ -138,8 +154,8 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
         found.add("urdf_effort")
     if not any(map(_LIMITS_BY_URDF.search, texts)):
         found.add("urdf_limit")
-    if loads and all(map(_ATTACHES.search, loads)):
+    if any(map(_ASSEMBLES.search, texts)) or (loads and all(map(_ATTACHES.search, loads))):
         found.add("compiled")
-    if not any(map(_COMPILES.search, texts)):
+    if not any(_COMPILES.search(text) and not _OF_OLD.search(text) for text in texts):
         found.add("compiled")
     return frozenset(found)

@@ -274,6 +274,7 @@ _SIDES = "".join(
     for side in SIDES
 )
 _LEGS = f'<robot name="legs"><link name="a"/>{_SIDES}</robot>'
+_DAMPED = _LEGS.format(left=3, right=3, speed=9).replace("</joint>", '<dynamics damping="0.5"/></joint>', 1)
 _LIMB = """<robot name="arm"><link name="a"/><link name="b"/><joint name="elbow" type="revolute"><parent link="a"/>
 <child link="b"/><limit lower="{lower}" upper="1" effort="2" velocity="3"/><dynamics damping="4"/></joint></robot>"""
 _LOADED = "import mujoco\ns = mujoco.MjSpec.from_file(FILE)\n"
@@ -296,6 +297,21 @@ _MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
         ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco\n", "AUD020", None),
         ("arm.xml", _MODEL.format(joint="ebow"), "import pybullet\n", "AUD020", None),
         ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco_py\n", "AUD020", None),
+        (
+            "arm.xml",
+            _MODEL.format(joint="ebow"),
+            "import mujoco_py\nmujoco_py.functions.mj_step()\n",
+            "AUD020",
+            None,
+        ),
+        # Robosuite takes the defaults out of the parts.
+        (
+            "arm.xml",
+            _MODEL.format(joint="ebow"),
+            "import robosuite\nxml_path_completion('a')\n",
+            "AUD020",
+            None,
+        ),
         # A joint of the robot that it is attached to.
         ("arm.xml", _MODEL.format(joint="ebow"), f"{_LOADED}s.attach(robot)\n", "AUD020", None),
         ("arm.xml", _MODEL.format(joint="ebow"), _LOADED, "AUD020", None),
@@ -326,13 +342,48 @@ def test_a_model_that_a_program_of_the_folder_names(
     Path("r/train.py").write_text(f"{program}FILE = 'other/leg.xml'\n")
     assert severity() == elsewhere
     Path("r/train.py").write_text(f"{program}FILE = 'r/{file}'\n")
-    others = "bullet" in program or "mujoco_py" in program or "attach" in program
+    others = any(word in program for word in ("bullet", "mujoco_py", "attach", "xml_path"))
     assert severity() == ("info" if others else "warning")
     Path("old").mkdir()
     Path("r").rename("old/r")
     Path("r").mkdir()
     Path("old").rename("r/old")
     assert severity() == elsewhere
+
+
+@pytest.mark.parametrize(("library", "severity"), [("mujoco", "warning"), ("mujoco_py", "info")])
+def test_a_part_that_mujoco_refuses(
+    library: str, severity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Programs speak of the scene that they name, and so of what it includes."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/part.xml").write_text(
+        '<mujoco><worldbody><body><joint name="j"/><geom size="0.1, 0.1"/></body></worldbody></mujoco>'
+    )
+    Path("r/scene.xml").write_text(
+        '<mujoco><include file="part.xml"/><actuator><motor joint="j"/></actuator></mujoco>'
+    )
+    Path("r/run.py").write_text(f"import {library}\nFILE = 'scene.xml'\n")
+    found = [item for item in audit(["r"], Settings()).findings if item.finding.code == "AUD020"]
+    assert [(item.finding.span.path, item.severity.value) for item in found] == [("r/part.xml", severity)]
+
+
+@pytest.mark.parametrize(
+    ("other", "severity"),
+    [(_LEGS.format(left=3, right=5, speed=9), "warning"), (_DAMPED, "info")],
+    ids=["limit", "damping"],
+)
+def test_sides_of_a_model_that_a_program_names(
+    other: str, severity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another damping is there by intent more often than a motor of another kind."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/legs.urdf").write_text(other)
+    Path("r/run.py").write_text("FILE = 'legs.urdf'\n")
+    found = [item for item in audit(["r"], Settings()).findings if item.finding.code == "SYM101"]
+    assert [item.severity.value for item in found] == [severity]
 
 
 @pytest.mark.parametrize(

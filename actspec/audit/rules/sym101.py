@@ -201,6 +201,8 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             severity=Severity.INFO if quiet else Severity.ERROR if dead else self.severity,
             confidence=Confidence.LOW if quiet else Confidence.HIGH if dead else self.confidence,
             fields=tuple(name for name, _, _ in differing),
+            # What holds a joint without a drive is there by intent more often than not.
+            noted_in_folders=not kinds and names <= {*_PASSIVE},
             about=" ".join(
                 (
                     *(f"{one} {its}" for one, its in kinds[:1]),
