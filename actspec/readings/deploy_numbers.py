@@ -57,9 +57,10 @@ def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], out: Collector)
     """
     odd = [(joint, node) for joint, node in values if number_of(node) is None and not _is_left_open(node)]
     figures = [one for one in odd if is_meant_for_one(one[1]) or is_empty(one[1])]
-    if len(values) - len(odd) + len(figures) < len(odd) - len(figures):
-        # Words and lists with a number among them are no gains by joint: Isaac Gym's `stiffness: {range: [0.5, 1.5],
-        # operation: scaling, schedule_steps: 3000}`.
+    drawn = any(is_of_another(joint) and "_" not in joint for joint, _ in values)
+    if drawn or len(values) - len(odd) + len(figures) < len(odd) - len(figures):
+        # What may be drawn, and words and lists with a number among them, are no gains by joint: `kp: {mode: rel,
+        # scale: 0.8, min: 1.0}`, Isaac Gym's `stiffness: {range: [0.5, 1.5], operation: scaling, schedule_steps: 3000}`.
         odd = figures
     for joint, node in odd:
         out.warning(

@@ -575,6 +575,8 @@ _TWICE = "its kp is one number, and joint_names is no list with each joint's nam
         ("kp: {hip: 25, knee: null, ankle: ~, toe: unknown, arm: {elbow: 3}}", {"hip": 25.0}, []),
         # Isaac Gym: what is drawn by which rule.
         ("kp: {range: [0.5, 1.5], operation: scaling, distribution: uniform, schedule_steps: 3}", {}, []),
+        # Two numbers and a word.
+        ("kp: {mode: rel, scale: 0.8, min: 1.0}", {"scale": 0.8, "min": 1.0}, []),
         ("joint_names: [hip]\nkp: 25\nkd: 1, 5", {"hip": 25.0}, [f"kd: it has 1, 5, {_TEXT}"]),
         (
             "joint_names: [hip]\nkp: [25]\nkd: [1]\ntorque_limit: 23.7 N*m",

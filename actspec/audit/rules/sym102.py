@@ -131,7 +131,8 @@ class TurnedSide(RuleOver[tuple[Sequence[_Pair], Sequence[ActuatorView]]]):
             "turns those one way turns this the other",
             odd.places.get("axis", odd.span),
             odd.name,
-            help="turn the axis round; where the robot's own motor is turned, a comment can say so",
+            help="the sides are equal or mirror each other, in front as behind: turn this axis round, or those of the "
+            "other side; where the robot's own motor is turned, a comment can say so",
             related=(others[0].places.get("axis", others[0].span),),
             about=f"axis {mine}",
         )
