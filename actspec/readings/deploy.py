@@ -64,10 +64,12 @@ from actspec.readings.deploy_numbers import (
     by_side,
     is_empty,
     is_meant_for_one,
+    is_per_joint,
     no_number,
 )
 from actspec.readings.deploy_orders import in_policy_order, with_orders
 from actspec.readings.deploy_steps import nearest, steps_of
+from actspec.readings.joint_names import matching
 from actspec.readings.leftover import Leftover
 from actspec.readings.motor_names import NAMELESS, called, names_wanted
 from actspec.readings.rl_sar import Base
@@ -291,7 +293,7 @@ class _Reader:
             self.keys = {**PER_JOINT, "kp": (own[0].kp,), "kd": (own[0].kd,)}
             return True
         # A block with the gains of standing up has limits and a default pose that are the policy's, too.
-        if any(_is_per_joint(block.get(key)) for key in (*GAIN_KEYS, *STANDING)):
+        if any(is_per_joint(block.get(key)) for key in (*GAIN_KEYS, *STANDING)):
             return True
         gains = [nearest((block,), PER_JOINT[field]) for field in ("kp", "kd")]
         single = all(found is not None and is_meant_for_one(found[1]) for found in gains)
@@ -569,8 +571,9 @@ class _Reader:
             if joints is None or key in joints:
                 found[key] = setting
             else:
-                # legged_gym's rule: a key is part of the joint's name.
-                own = {joint: setting for joint in joints if key in joint}
+                # A key is part of the joint's name, as legged_gym has it, or a pattern.
+                fit = (one for one in joints if key in one or matching(Framework.ISAACLAB, key, [one]))
+                own = dict.fromkeys(fit, setting)
                 found = {**own, **found}
                 odd.update({} if own else {key: setting})
         for key, setting in odd.items():
@@ -591,10 +594,3 @@ def _of_fewer(note: Diagnostic) -> Diagnostic:
     """What is said of a list of fewer values than the robot has joints: a policy may move some of them alone."""
     few = note.code == LENGTH and note.where in PER_JOINT["action_scale"]
     return replace(note, severity=Severity.INFO) if few else note
-
-
-def _is_per_joint(node: yaml.Node | None) -> bool:
-    """Whether a value can be gains of several joints: a single number (a velocity controller's Kp) cannot."""
-    if isinstance(node, yaml.SequenceNode):
-        return bool(node.value) and all(isinstance(item, yaml.ScalarNode) for item in node.value)
-    return isinstance(node, yaml.MappingNode) and bool(node.value)

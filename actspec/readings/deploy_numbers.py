@@ -47,6 +47,13 @@ def is_empty(node: yaml.Node) -> bool:
     return isinstance(node, yaml.ScalarNode) and node.tag == f"{_YAML}null" and node.value == ""
 
 
+def is_per_joint(node: yaml.Node | None) -> bool:
+    """Whether a value can be gains of several joints: a single number (a velocity controller's Kp) cannot."""
+    if isinstance(node, yaml.SequenceNode):
+        return bool(node.value) and all(isinstance(item, yaml.ScalarNode) for item in node.value)
+    return isinstance(node, yaml.MappingNode) and bool(node.value)
+
+
 def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], out: Collector) -> None:
     """Say which figures of a key are no numbers; `null` and `unknown` are nobody's figure, nor are words among words.
 
@@ -59,8 +66,8 @@ def no_number(key: str, values: Sequence[tuple[str, yaml.Node]], out: Collector)
     figures = [one for one in odd if is_meant_for_one(one[1]) or is_empty(one[1])]
     drawn = any(is_of_another(joint) and "_" not in joint for joint, _ in values)
     if drawn or len(values) - len(odd) + len(figures) < len(odd) - len(figures):
-        # What may be drawn, and words and lists with a number among them, are no gains by joint: `kp: {mode: rel,
-        # scale: 0.8, min: 1.0}`, Isaac Gym's `stiffness: {range: [0.5, 1.5], operation: scaling, schedule_steps: 3000}`.
+        # What may be drawn, and words with a number among them, are no gains by joint: `kp: {mode: rel, scale: 0.8}`,
+        # Isaac Gym's `stiffness: {range: [0.5, 1.5], operation: scaling, schedule_steps: 3000}`.
         odd = figures
     for joint, node in odd:
         out.warning(

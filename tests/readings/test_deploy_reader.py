@@ -820,3 +820,17 @@ def test_what_hydra_makes_is_no_joint(tmp_path: Path) -> None:
     kind, found, said = _read(tmp_path, tensor)
     assert (kind, said) == (FileKind.DEPLOY, [])
     assert found == {"hip": {"kp": 25.0, "kd": 0.5}, "knee": {"kp": 40.0, "kd": 2.0}}
+
+
+def test_patterns_in_a_mapping_beside_a_list_of_joints(tmp_path: Path) -> None:
+    """A key in full or in part, or an expression that matches all of the name; `.*_hip` is no slip of `left_hips`."""
+    path = tmp_path / "deploy.yaml"
+    path.write_text(
+        "joint_names: [left_hip, right_hip, left_knee]\nkp: {'.*_hip': 20, left_knee: 30}\nkd: {hip: 1, '.*knee': 2}\n"
+    )
+    reading = read_file(str(path))
+    config = reading.artifacts[0].config
+    assert config is not None
+    gains = {group.name: [group.settings[one].value for one in ("kp", "kd")] for group in config.groups}
+    assert gains == {"left_hip": [20.0, 1.0], "right_hip": [20.0, 1.0], "left_knee": [30.0, 2.0]}
+    assert not [item for item in reading.diagnostics if item.code.startswith("DEPLOY")]

@@ -18,7 +18,7 @@ from actspec.diagnostics import Span, listed, nearest, shortened
 from actspec.joints import LETTERS, respelt
 from actspec.patterns import match_names, recased
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.config import models_of
+from actspec.readings.config import IN_FIGURES, models_of
 from actspec.readings.dict_keys import PLAIN, POSE, dead_keys, may_match, meant_for, meets, selects_nothing
 from actspec.readings.joint_names import joint_names, matching
 
@@ -122,7 +122,8 @@ class PatternMatchesNothing(RuleOver[_Subject]):
         for name, setting in group.settings.items() if joints else ():
             keys = _keys(setting)
             missing = dead_keys(framework, keys, joints)
-            if not missing:
+            # What a class of somebody's own has beside makes what it likes of its keys.
+            if not missing or name not in IN_FIGURES:
                 continue
             fitting = len(keys) - len(missing) >= self.option(case, "share") * len(keys)
             free = [joint for joint in joints if not any(may_match(framework, key, joint) for key in keys)]
