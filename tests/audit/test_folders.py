@@ -445,7 +445,8 @@ def test_a_stand_in_for_no_limit_stays_a_note(tmp_path: Path, monkeypatch: pytes
         ("FILE = 'models/legs.usd'\n", "info"),
         ("open('models/legs.urdf', 'w').write(text)\n", "info"),
         ("open('models/legs.urdf', 'w').write(text)\nload('models/legs.urdf')\n", "warning"),
-        ("FILE = 'other/legs.urdf'\n", "warning"),
+        ("FILE = 'other/legs.urdf'\n", "info"),
+        ("FILE = 'legs.urdf'\n", "warning"),
         ("# FILE = 'models/legs.urdf'\nFILE = 'models/arm.urdf'\n", "info"),
     ],
 )
