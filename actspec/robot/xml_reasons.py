@@ -14,7 +14,7 @@ _TAG_SO_FAR = re.compile(rb"""<[^"'>]*(?:(?:"[^"]*"|'[^']*')[^"'>]*)*""")
 _REFERENCE = re.compile(rb"&\w*\Z")
 _AFTER_VALUE = re.compile(rb"[\s/>]")
 
-_POINTER = b"version https://git-lfs.github.com/"
+LFS_POINTER = b"version https://git-lfs.github.com/"
 """How a file begins that Git LFS keeps elsewhere."""
 
 
@@ -34,7 +34,7 @@ def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> 
     if text == expat.errors.XML_ERROR_INVALID_TOKEN:
         return _invalid_token(data, at)
     if text == expat.errors.XML_ERROR_SYNTAX:
-        if data.startswith(_POINTER):
+        if data.startswith(LFS_POINTER):
             return "this is a pointer of Git LFS, and not the file itself", "fetch it: `git lfs pull`"
         return "this is not XML", None
     if text == expat.errors.XML_ERROR_NO_ELEMENTS:
