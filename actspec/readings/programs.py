@@ -67,6 +67,8 @@ _MOST_NAME = 200
 _MOST_PROGRAM = 1024 * 1024
 """Chosen: bytes of a program that are looked through."""
 
+_NOT_THERE = re.compile(r"the include cannot be followed: there is no (?:file|folder) '([^']*)'")
+
 _OF_ANY_ROBOT = frozenset(
     (
         b"",
@@ -216,7 +218,7 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     run = own.run()
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
-        own.surely_run(),
+        frozenset(path for path in own.surely_run() if not _is_brought(members[path], texts.values())),
         written_over(tuple(texts.values())),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
@@ -434,6 +436,18 @@ def _closest(
             return paths
     beside = [path for path in paths if os.path.dirname(path) == os.path.dirname(by)]
     return beside or [path for path in paths if _own_folder(path) in words] or paths
+
+
+def _is_brought(reading: FileReading, texts: Collection[bytes]) -> bool:
+    """Whether a program may bring what a model includes and nobody finds: it speaks of it, or has the suite's files."""
+    missing = _NOT_THERE.search(reading.reason or "")
+    if missing is None:
+        return False
+    if missing[1] == "./common":
+        return any(b"dm_control.suite" in text for text in texts)
+    name = os.path.basename(missing[1])
+    wanted = re.compile(rb"(?<![\w.-])" + re.escape(os.fsencode(name)))
+    return "." in name and any(map(wanted.search, texts))
 
 
 def _may_be(path: str, folders: Sequence[bytes]) -> bool:

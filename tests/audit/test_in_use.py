@@ -93,3 +93,23 @@ def test_a_name_that_loads_a_model(name: str, text: str) -> None:
 def test_a_long_program(text: bytes) -> None:
     """Gone through once for each beginning, a line of a megabyte takes half an hour."""
     assert len(what_loads(".py", b"open(" + text * (1_000_000 // len(text)))) <= 1_000_005
+
+
+@pytest.mark.parametrize(
+    ("include", "program", "used"),
+    [
+        ("pole.xml", "", True),
+        ("pole.xml", "open('pole.xml', 'w').write(POLE)\n", False),
+        ("pole.xml", "ASSETS = {'parts/pole.xml': POLE}\n", False),
+        ("pole.xml", "open('maypole.xml', 'w').write(POLE)\n", True),
+        # Files of dm_control's suite, which it hands to MuJoCo itself.
+        ("./common/skybox.xml", "from dm_control.suite import common\n", False),
+        ("./common/skybox.xml", "common = 1\n", True),
+        ("./commons/skybox.xml", "from dm_control.suite import common\n", True),
+    ],
+)
+def test_an_include_that_a_program_brings(include: str, program: str, used: bool) -> None:
+    """Nobody finds it here, and the program may have it."""
+    Path("r/arm.xml").write_text(f'<mujoco><include file="{include}"/><worldbody/></mujoco>')
+    Path("r/run.py").write_text(program + LOADS)
+    assert in_use() == ({"arm"} if used else set())

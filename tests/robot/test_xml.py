@@ -840,6 +840,21 @@ def test_a_root_of_any_name_around_what_a_body_has(tmp_path: Path) -> None:
     assert mujoco.MjModel.from_xml_path(str(path)).nv == 6
 
 
+def test_a_root_of_any_name_around_actuators(tmp_path: Path) -> None:
+    """As that of motors, or <mujocoinclude> in other letters; a root with a motor that is none of MuJoCo's is no part."""
+    main = (
+        "<mujoco><worldbody><body><joint name='j'/><geom size='1'/></body></worldbody>"
+        "<actuator><include file='motors.xml'/></actuator></mujoco>"
+    )
+    motors = "<MujocoInclude><motor joint='j'/><damper joint='j' kv='1' ctrlrange='0 1'/></MujocoInclude>"
+    path = written(tmp_path, {"m/main.xml": main, "m/motors.xml": motors})
+    assert [element.tag for element in open_document(path).walk()][-2:] == ["motor", "damper"]
+    assert mujoco.MjModel.from_xml_path(str(path)).nu == 2
+    Path(path).with_name("motors.xml").write_text("<robot><motor/><link/></robot>")
+    with pytest.raises(RobotError, match="ROBOT008"):
+        open_document(path)
+
+
 def test_an_error_inside_an_include_has_its_own_place(tmp_path: Path) -> None:
     """Once the root shows that a file is an MJCF, its errors are given in full, at its own lines."""
     path = written(tmp_path, {"m/main.xml": including("b.xml"), "m/b.xml": "<mujoco>\n<a>\n</mujoco>"})
