@@ -841,7 +841,7 @@ def test_a_root_of_any_name_around_what_a_body_has(tmp_path: Path) -> None:
 
 
 def test_a_root_of_any_name_around_actuators(tmp_path: Path) -> None:
-    """As that of motors, or <mujocoinclude> in other letters; a root with a motor that is none of MuJoCo's is no part."""
+    """As that of motors, or <mujocoinclude> in other letters; one with more is no part."""
     main = (
         "<mujoco><worldbody><body><joint name='j'/><geom size='1'/></body></worldbody>"
         "<actuator><include file='motors.xml'/></actuator></mujoco>"
