@@ -39,7 +39,8 @@ _CLAUSES = rb"(?:(?:===?|~=|!=|[<>]=?|[\^~])%b%b%b,?%b){1,%d}" % (
     _MOST_CLAUSES,
 )
 _REQUIRED = re.compile(
-    rb"""(?:^[ \t]*(?:-[ \t]+)?|["'])(?P<name>(?:free-)?mujoco[-_.]py|mujoco)(?![\w.-])(?:\[[^\]\n]{0,99}\])?"""
+    rb"""(?:^[ \t]*(?:-[ \t]+)?|["'])(?P<name>(?:free-)?mujoco[-_.]py|mujoco|dm[-_]control)(?![\w.-])"""
+    rb"""(?:\[[^\]\n]{0,99}\])?"""
     rb"""%(blank)b(?:\(?(?P<clauses>%(clauses)b)|=%(blank)b(?P<conda>%(version)b)"""
     # Poetry has the version as the key's value.
     rb"""|=%(blank)b(?:\{[^}\n]{0,99}?\bversion%(blank)b=%(blank)b)?["'](?P<poetry>%(clauses)b|%(version)b)["']"""
@@ -49,7 +50,9 @@ _REQUIRED = re.compile(
     re.MULTILINE | re.IGNORECASE,
 )
 _CLAUSE = re.compile(r"(===?|~=|!=|[<>]=?|[\^~])\s*(\d+(?:\.\d+)*)")
-_IMPORT = re.compile(rb"^[ \t]*(?:import|from)[ \t]+(?P<name>mujoco(?:_py)?)\b", re.MULTILINE)
+_IMPORT = re.compile(
+    rb"^[ \t]*(?:import|from)[ \t]+(?P<name>mujoco(?:_py)?|gym\.envs\.mujoco)\b", re.MULTILINE
+)
 _BUILT_WITH = re.compile(
     rb"(?<![\w.-])(?P<name>mujoco(?:[-_]?(?P<version>\d{1,3}(?:\.\d{1,3}){1,2})|(?P<digits>\d{3})))(?!\w|\.\d)",
     re.IGNORECASE,
@@ -75,7 +78,9 @@ class Asked:
     def told(self) -> str:
         """`requirements.txt:3 asks for mujoco==2.3.7, which may take it`."""
         # Source: the releases of mujoco-py, 1.50 to 2.1.2.14; their build looks for MuJoCo 1.50, 2.0 and 2.1.0.
+        # Source: gym 0.26 is the first whose environments have MuJoCo's own bindings.
         whose = "whose MuJoCo, 2.1 or older," if _is_wrapper(self.text) else "which"
+        whose = "whose MuJoCo" if _is_suite(self.text) else whose
         return f"{self.place} {self.verb} {self.text}, {whose} may take it"
 
 
@@ -122,6 +127,8 @@ class Pins:
             said = self._in(folder)
             own = [one for one in said if not _is_wrapper(one.name)]
             versions = [one for one in own if one.clauses]
+            # dm_control comes with a MuJoCo of its day, unless another is asked for.
+            versions = [one for one in versions if not _is_suite(one.name)] or versions
             if versions:
                 old = (one for one in versions if _is_older(one.clauses, self.installed))
                 return next((one.asked for one in old), None)
@@ -172,8 +179,12 @@ def pins_here() -> Pins | None:
 
 
 def _is_wrapper(name: str) -> bool:
-    """Whether a package is mujoco_py, under one of its names, of whatever version."""
-    return re.match(r"(?:free-)?mujoco[-_.]py", name, re.IGNORECASE) is not None
+    """Whether a package is mujoco_py, under one of its names, of whatever version, or gym, which runs it."""
+    return re.match(r"(?:free-)?mujoco[-_.]py|gym\.", name, re.IGNORECASE) is not None
+
+
+def _is_suite(name: str) -> bool:
+    return re.match(r"dm[-_]control", name, re.IGNORECASE) is not None
 
 
 def _statements(folder: str, *, programs: bool = True) -> Iterator[_Said]:
@@ -192,7 +203,7 @@ def _statements(folder: str, *, programs: bool = True) -> Iterator[_Said]:
             data = b"" if os.path.islink(path) else read_regular(path, _MOST_BYTES).replace(b"\0", b"")
         except FAULTS:
             continue
-        if b"mujoco" not in data.lower():
+        if not re.search(rb"mujoco|dm[-_]control", data, re.IGNORECASE):
             continue
         text = _REMARK.sub(b"", data)
         kind = _REQUIRED if name in asking else _BUILT_WITH if name in building else _IMPORT
@@ -200,6 +211,9 @@ def _statements(folder: str, *, programs: bool = True) -> Iterator[_Said]:
             place, what = Span(path, place_of(text, found.start("name"))[0]), found["name"].decode("ascii")
             if kind is _REQUIRED:
                 clauses = _clauses(found)
+                if _is_suite(what) and all(one[1][0] in ">!" for one in _CLAUSE.finditer(clauses)):
+                    # No release of it in particular.
+                    continue
                 yield _Said(place, what, clauses, what + clauses, "asks for")
             elif kind is _BUILT_WITH:
                 # `210` is 2.1.0.

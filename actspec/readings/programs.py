@@ -12,6 +12,7 @@ from functools import cached_property
 from actspec.files import NotRegular, TooLarge, in_common, read_regular
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.gym_tasks import no_tasks
+from actspec.readings.loads import what_loads
 from actspec.readings.written_over import poses_alone, works_on_files, written_over
 
 _HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
@@ -30,7 +31,7 @@ _COMMENTS: dict[str, re.Pattern[bytes]] = {
 }
 """Endings of files that run or set up something, and what a comment looks like in them."""
 
-_NO_PROGRAMS = ("setup.py",)
+_NO_PROGRAMS = ("setup.py", "setup.cfg", "pyproject.toml")
 """They name what they install, all of it."""
 
 _EXPORTED = frozenset(("display.launch", "gazebo.launch"))
@@ -57,9 +58,6 @@ _FOUND = re.compile(rb"\$\(find(?:-pkg-share)?\s+([\w.-]+)\)")
 _LOOKED_FOR = re.compile(rb"""-i?name\s+(["'])[^"'\n]*\1""")
 """A pattern of the command `find`, which runs nothing."""
 
-_AS_TEXT = re.compile(rb"\b(?:open|parse)\((?:[^()\n]|\([^()\n]*\))*\)")
-"""A file that a program opens itself: to write it, or to change its text before a simulator has it."""
-
 _OWN = re.compile(rb"""\A\s*\{\s*"format"\s*:\s*"actspec-""")
 """How a baseline, lock or report of actspec begins: it names what was audited, and runs nothing."""
 
@@ -68,6 +66,8 @@ _MOST_NAME = 200
 
 _MOST_PROGRAM = 1024 * 1024
 """Chosen: bytes of a program that are looked through."""
+
+_NOT_THERE = re.compile(r"the include cannot be followed: there is no (?:file|folder) '([^']*)'")
 
 _OF_ANY_ROBOT = frozenset(
     (
@@ -218,7 +218,7 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     run = own.run()
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
-        own.surely_run(),
+        frozenset(path for path in own.surely_run() if not _is_brought(members[path], texts.values())),
         written_over(tuple(texts.values())),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
@@ -315,17 +315,21 @@ class _Models:
         """Those that a program writes out to be run, by a name that no other model there has.
 
         Not what is made of a USD or a xacro that one names, which may have been written before, nor what it opens as
-        text, or works on and does not simulate.
+        text, only speaks of, or works on and does not simulate, nor a model of elsewhere.
         """
         return self._with_parts(
             {
                 meant[0]
-                for program, names in self._named.items()
-                if program not in self.still | self._exported and not works_on_files(self.programs[program])
-                for name in self._loaded_by(program, names)
+                for program, text in self.programs.items()
+                # Of thousands of programs few name a model.
+                if self._named[program]
+                and program not in self.still | self._exported
+                and not works_on_files(text)
+                for name in _names(what_loads(os.path.splitext(program)[1].lower(), text))
                 if name.literal is not None
                 and name.ending in _ENDINGS
                 and len(meant := self._meant(name, program)) == 1
+                and _may_be(meant[0], name.folders)
             }
         )
 
@@ -333,11 +337,6 @@ class _Models:
     def _named(self) -> dict[str, tuple[_Name, ...]]:
         """What looks like the name of a model in each program."""
         return {program: tuple(_names(text)) for program, text in self.programs.items()}
-
-    def _loaded_by(self, program: str, names: Iterable[_Name]) -> Iterable[_Name]:
-        """Of the names in a program those that it does not open only as text."""
-        text = self.programs[program]
-        return _names(_AS_TEXT.sub(b"", text)) if _AS_TEXT.search(text) else names
 
     def _with_parts(self, named: Collection[str]) -> frozenset[str]:
         """Models with what they include: of a scene that is run these are, too."""
@@ -437,6 +436,24 @@ def _closest(
             return paths
     beside = [path for path in paths if os.path.dirname(path) == os.path.dirname(by)]
     return beside or [path for path in paths if _own_folder(path) in words] or paths
+
+
+def _is_brought(reading: FileReading, texts: Collection[bytes]) -> bool:
+    """Whether a program may bring what a model includes and nobody finds: it speaks of it, or has the suite's files."""
+    missing = _NOT_THERE.search(reading.reason or "")
+    if missing is None:
+        return False
+    if missing[1] == "./common":
+        return any(b"dm_control.suite" in text for text in texts)
+    name = os.path.basename(missing[1])
+    wanted = re.compile(rb"(?<![\w.-])" + re.escape(os.fsencode(name)))
+    return "." in name and any(map(wanted.search, texts))
+
+
+def _may_be(path: str, folders: Sequence[bytes]) -> bool:
+    """Whether a model is in a folder of its name, where one tells the robot: a menagerie's go2.xml is another one."""
+    own, telling = _folders(path), [name for name in folders if name.lower() not in _OF_ANY_ROBOT]
+    return not telling or in_common(own, folders) > 0 or any(name in own for name in telling)
 
 
 def _folders(path: str) -> list[bytes]:

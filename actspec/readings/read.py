@@ -134,11 +134,11 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
         view = _view(document, kind, refusal)
     except RobotError as err:
         for item in err.diagnostics:
-            if (value := placeholder(item.message, item.span, document)) is not None:
-                return _template(path, value, item.span)
             # xacro 2.1.1 computes without its namespace, too: measured. In a name it may be no more than that.
             if kind is FileKind.URDF and "${" in item.message:
                 return _xacro(path)
+            if (value := placeholder(item.message, item.span, document)) is not None:
+                return _template(path, value, item.span)
         return replace(unreadable(path, kind, err.diagnostics), files=document.files)
     value = None if view.refusal is None else placeholder(view.refusal, view.refused_at, document)
     if value is not None:

@@ -10,9 +10,11 @@ from actspec.readings.artifact import without_comments
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_tree import XmlDocument
 
-# `${pi}` is xacro's, and told as that.
-_PLACEHOLDER = re.compile(r"(?<!\$)\{[^{}]+\}|\b__\w+?__\b|@\w+@|%\(\w+\)|/\*\s*\w+\s*\*/")
-"""As `str.format`, Jinja, CMake, plain substitution and the snippets of editors have it."""
+_PLACEHOLDER = re.compile(
+    r"\{[^{}]+\}|\b__\w+?__\b|@\w+@|%\(\w+\)|%\w+%|%[sdf]\b|\$[a-zA-Z_]\w*|\$\(\w[^()]*\)|#\w+#|<\w+>"
+    r"|/\*\s*\w+\s*\*/"
+)
+"""As `str.format`, `string.Template`, Jinja, CMake, plain substitution and the snippets of editors have it."""
 _STATEMENT = re.compile(rb"\{\{[^{}<>]+\}\}|\{%[^{}]+%\}")
 """Of Jinja, which may leave no XML."""
 _REFUSED = re.compile(

@@ -69,7 +69,7 @@ that were not the published ones, readers would have acted on 15 of 18 beside a 
 
 
 _COMPILES = re.compile(rb"mujoco(?![_-]?py\b)|\bmj_|\bmjx|mjlab|dm_control|robosuite", re.IGNORECASE)
-_OF_OLD = re.compile(rb"\b(?:import|from)[ \t]+mujoco_py\b|\bmj_activate\(")
+_OF_OLD = re.compile(rb"\b(?:import|from)[ \t]+(?:mujoco_py|gym\.envs\.mujoco)\b|\bmj_activate\(")
 """Programs of MuJoCo. Isaac Gym, Bullet and Drake read an MJCF their own way, mujoco_py by a MuJoCo of its own.
 
 Source: MuJoCo's changelog, 2.1: no key is activated any more.

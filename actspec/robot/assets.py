@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import RobotError, listed, one_line
 from actspec.robot.view import ModelFile
+from actspec.robot.xml_reasons import LFS_POINTER
 from actspec.robot.xml_tree import Element, XmlDocument
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ _MSH = "model/vnd.mujoco.msh"
 STAND_IN = ".stand-in.obj"
 """Ending that the name of a mesh file which MuJoCo cannot read has in a spec, where an OBJ stands in for it."""
 
+_MOST_POINTER = 1024
+"""Bytes of a pointer of Git LFS. Source: its specification."""
 MOST_MESH_BYTES = 256 * 1024 * 1024
 """Chosen: a mesh file above this is not opened for the inertia."""
 
@@ -42,17 +45,20 @@ class MeshDependence:
         missing: Mesh files that they need and that are not there, by their names in the spec; those that MuJoCo
             cannot read never are. Empty: all are there.
         total: Whether the file scales all masses to a total, so that every body depends on them.
+        pointers: Whether one of those that are missing is kept by Git LFS, which has left a pointer in its place.
     """
 
     body: str
     bodies: tuple[mujoco.MjsBody, ...]
     missing: tuple[str, ...]
     total: bool
+    pointers: bool = False
 
     @property
     def reason(self) -> str:
         """Why the inertia is unknown where a mesh file is missing."""
-        why = ["that are not there"] * (len(self._unread) < len(self.missing))
+        away = "that are pointers of Git LFS" if self.pointers else "that are not there"
+        why = [away] * (len(self._unread) < len(self.missing))
         endings = sorted({os.path.splitext(name)[1] or "no ending" for name in self._unread})
         why += [f"that MuJoCo cannot read ({listed(map(one_line, endings))})"] * bool(endings)
         return f"the mass of {self.body} comes from mesh files {' or '.join(why)}"
@@ -64,6 +70,8 @@ class MeshDependence:
             return (
                 "state masses and inertias in the model, or name meshes in it that MuJoCo reads (.obj, .stl)"
             )
+        if self.pointers:
+            return "fetch the meshes: `git lfs pull`"
         return "put the meshes beside the model, or state masses and inertias in it"
 
     @property
@@ -85,7 +93,7 @@ def mesh_dependence(spec: mujoco.MjSpec) -> MeshDependence | None:
     if not meshes:
         return None
     bodies = []
-    missing: dict[str, None] = {}
+    missing: dict[str, str] = {}
     stack = [(body, False) for body in reversed(list(spec.worldbody.bodies))]
     while stack:
         body, moving = stack.pop()
@@ -107,14 +115,15 @@ def mesh_dependence(spec: mujoco.MjSpec) -> MeshDependence | None:
             if mesh is None or massless or not groups[0] <= geom.group <= groups[1]:
                 continue
             weighed = True
-            if not usable_file(mesh_path(spec, mesh)):
-                missing.setdefault(mesh.file)
+            if not usable_file(path := mesh_path(spec, mesh)):
+                missing.setdefault(mesh.file, path)
         if weighed:
             bodies.append(body)
     if not bodies:
         return None
+    pointers = any(map(_is_pointer, missing.values()))
     return MeshDependence(
-        _in_words(bodies[0]), tuple(bodies), tuple(missing), spec.compiler.settotalmass > 0.0
+        _in_words(bodies[0]), tuple(bodies), tuple(missing), spec.compiler.settotalmass > 0.0, pointers
     )
 
 
@@ -191,9 +200,21 @@ def decodes(name: str, content_type: str = "") -> bool:
 
 
 def usable_file(path: str) -> bool:
-    """Whether a path is a regular file (no device, no pipe) of a size that can be read."""
+    """Whether a path is a regular file (no device, no pipe) of a size that can be read, and no pointer of Git LFS."""
     try:
-        return os.path.isfile(path) and os.path.getsize(path) <= MOST_MESH_BYTES
+        readable = os.path.isfile(path) and os.path.getsize(path) <= MOST_MESH_BYTES
+    except (OSError, ValueError):
+        return False
+    return readable and not _is_pointer(path)
+
+
+def _is_pointer(path: str) -> bool:
+    """Whether Git LFS has the file: what is here has its checksum, and no mesh."""
+    try:
+        if not os.path.isfile(path) or os.path.getsize(path) > _MOST_POINTER:
+            return False
+        with open(path, "rb") as file:
+            return file.read(len(LFS_POINTER)) == LFS_POINTER
     except (OSError, ValueError):
         return False
 

@@ -19,7 +19,6 @@ from actspec.robot.compiled import reached_by_text
 from actspec.robot.mjcf_actuator_text import actuator_text, class_text, numbers
 from actspec.robot.mjcf_elements import JointElement, Written, read_elements
 from actspec.robot.read_mjcf import nan_fields, stated_attributes, stated_fields
-from actspec.robot.turned import report_turned
 from actspec.robot.view import NAMELESS, ActuatorView, JointView, ModelFormat, RobotView
 from actspec.robot.xml_tree import Element, XmlDocument, report_behind
 
@@ -54,8 +53,6 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
     out = Collector()
     report_behind(document, out)
     compiler, option = _settings(document, "compiler"), _settings(document, "option")
-    if _is_automatic(compiler):
-        report_turned(written, out)
     joints: list[JointView] = []
     dof = 0
     for place in written.joints:

@@ -344,7 +344,7 @@ def _judge_limit(
         if value is not None and value < 0:
             # SDF writes no limit so.
             report, way = (out.info, ", which is no limit in SDF") if value == -1.0 else (out.warning, "")
-            message = f"limit {what} must be >= 0 {unit}, got {format_number(value)}{way}; taken as no limit"
+            message = f"limit {what} must be >= 0 {unit}, got {format_number(value)}{way}; judged as no limit"
             report("ROBOT123", message, where=name, span=span)
 
 
@@ -394,7 +394,8 @@ def _range(
         free = (low, high) == (1.0, -1.0)
         report, way = (out.info, ", as Bullet's files free a joint") if free else (out.warning, "")
         message = (
-            f"limit lower {format_number(low)} is above upper {format_number(high)}{way}; taken as no limit"
+            f"limit lower {format_number(low)} is above upper {format_number(high)}{way}; "
+            "MuJoCo and Bullet take it as no limit"
         )
         report("ROBOT123", message, where=name, span=span)
     return (low, high) if low < high and (low > -math.inf or high < math.inf) else None

@@ -32,13 +32,15 @@ _OF_ACTUATOR = (
 
 Source: MuJoCo 3.2.7, 3.12.0 and 4.0.0, measured: without the switch it is off, with it the model is refused.
 """
+_OWN_CONTROL = frozenset(("adhesion", "damper", "muscle"))
+"""Actuators that refuse such a range of their control, or clamp it themselves; measured with MuJoCo 4.0.0."""
 
 
 def report_turned(written: Written, out: Collector) -> None:
     """Remark each range that is switched on by itself and is none, once where it is written.
 
     Args:
-        written: The MJCF; what it attaches is looked at where that is read itself.
+        written: An MJCF that MuJoCo takes; what it attaches is looked at where that is read itself.
         out: Takes ROBOT123.
     """
     found: dict[tuple[Span, str], tuple[list[str], str, str, str]] = {}
@@ -73,6 +75,9 @@ def _owners(written: Written) -> Iterator[tuple[str, Mapping[str, Element]]]:
     for actuator in written.actuators:
         owners = dict(written.defaults_of(actuator).attributes)
         owners.update(dict.fromkeys(actuator.values, actuator))
+        dynamics = owners["dyntype"].get("dyntype") if "dyntype" in owners else None
+        if _OWN_CONTROL.intersection((actuator.tag, dynamics)):
+            owners.pop("ctrlrange", None)
         # A range of the joint's own takes the place of this one.
         if "inheritrange" not in owners:
             yield actuator.get("name") or actuator.get("joint") or "", owners

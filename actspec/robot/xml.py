@@ -51,8 +51,12 @@ _ROOTS = frozenset(("mujoco", "mujocoinclude", *_SECTIONS.split()))
 that everything in it is of `_IN_ROOTS`."""
 _OTHERS = "deformable extension include option size statistic material mesh texture"
 _IN_BODIES = "attach camera composite flexcomp frame freejoint geom inertial joint light replicate site"
-_IN_ROOTS = frozenset(f"{_SECTIONS} {_OTHERS} {_IN_BODIES}".split())
-"""What an included file may begin with: it is put into the whole, its assets or a body."""
+_IN_SECTIONS = (
+    "adhesion connect cylinder damper dcmotor exclude fixed general intvelocity key motor muscle pair plugin position"
+    " spatial velocity weld"
+)
+_IN_ROOTS = frozenset(f"{_SECTIONS} {_OTHERS} {_IN_BODIES} {_IN_SECTIONS}".split())
+"""What an included file may begin with: it is put into the whole, its assets, a body or another section."""
 _MODELS = frozenset(("mujoco", "robot"))
 """Roots of an attached model."""
 

@@ -1,8 +1,8 @@
 """An MJCF or URDF as elements that know their bytes, as expat tells them.
 
 What expat refuses is refused, with the place and a way out, even where MuJoCo's parser takes it: a bare `&`, `<` in a
-value. What changes nothing in what a file says is read as MuJoCo reads it: `--` in a comment, no space between two
-attributes, white space before the declaration, elements or closing tags behind the root, and NUL bytes at the end.
+value. What changes nothing in what MuJoCo makes of a file is read as it reads it: `--` in a comment, no space between
+two attributes, white space before the declaration, elements or closing tags behind the root, and NUL bytes at the end.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from xml.parsers import expat
 from actspec import files
 from actspec.diagnostics import Collector, Diagnostic, Severity, Span
 from actspec.robot.view import ModelFile
+from actspec.robot.xml_reasons import READ_BY_MUJOCO, explain
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,6 +201,7 @@ class XmlDocument:
 
 
 _COMMENTS = re.compile(r"(?:\s|<!--.*?-->)*[\s\0]*", re.DOTALL)
+_CLOSING = re.compile(r"(?:\s|<!--.*?-->|</[^<>]*>)*[\s\0]*", re.DOTALL)
 
 
 def report_behind(document: XmlDocument, out: Collector) -> None:
@@ -210,8 +212,12 @@ def report_behind(document: XmlDocument, out: Collector) -> None:
             file = document.files[root.file]
             place = place_of(file.path, file.data, comments.end())
             # A closing tag too many is none of anybody's figures.
-            report = out.info if root.text.startswith("</", comments.end()) else out.warning
-            report("ROBOT009", "what follows the root element is not read", span=place, help="delete it")
+            closing = _CLOSING.match(root.text, comments.end())
+            alone = closing is not None and closing.end() == len(root.text)
+            report = out.info if alone else out.warning
+            message = "MuJoCo reads nothing of what follows the root element, and other readers of XML refuse the file"
+            help = f"delete it, or move </{root.tag}> behind it"
+            report("ROBOT009", message, span=place, help=help)
 
 
 MOST_DEPTH = 200
@@ -316,9 +322,7 @@ def may_define(*doctype: str | int | None) -> bool:
 
 NOT_XML = "ROBOT004"
 _BOM = b"\xef\xbb\xbf"
-_TAG_SO_FAR = re.compile(rb"""<[^"'>]*(?:(?:"[^"]*"|'[^']*')[^"'>]*)*""")
 _DECLARED = re.compile(rb"""<\?xml\b[^>]*?\bencoding\s*=\s*["']([A-Za-z][A-Za-z0-9._-]*)["']""")
-_LENIENT = " (MuJoCo reads it as it is, other readers of XML do not)"
 
 
 _DECLARATIONS = (b"<!DOCTYPE", b"<!ENTITY", b"<!ELEMENT", b"<!ATTLIST", b"<!NOTATION", b"<![")
@@ -392,14 +396,12 @@ def _as_mujoco_reads(data: bytes) -> _Lenient:
     return _Lenient(b"".join([*parts, data[last:]]), tuple(added))
 
 
-_CLOSING = re.compile(rb"(?:\s*</[\w:.-]+\s*>)+\s*")
-
-
 def _is_behind(rest: bytes) -> bool:
-    """Whether MuJoCo reads a file with this behind its root, and reads nothing of it: tags alone, no text between."""
+    """Whether MuJoCo reads a file with this behind its root, and reads nothing of it: tags alone, no text between.
+
+    It stops at a closing tag that nothing opens, whatever is behind that. Measured with 4.0.
+    """
     rest = rest.rstrip(b"\0 \t\r\n")  # It reads as far as the first NUL.
-    if _CLOSING.fullmatch(rest):
-        return True
     text: list[str] = []
     depth = 0
 
@@ -419,9 +421,11 @@ def _is_behind(rest: bytes) -> bool:
     parser.ProcessingInstructionHandler = lambda *_: text.append("<?")
     try:
         # A DOCTYPE is no XML inside an element, and nor are entities.
-        parser.Parse(b"<r>" + rest + b"</r>", True)
-    except expat.ExpatError:
-        return False
+        parser.Parse(b"<behind-the-root>" + rest + b"</behind-the-root>", True)
+    except expat.ExpatError as err:
+        mismatch = expat.errors.codes[expat.errors.XML_ERROR_TAG_MISMATCH]
+        if err.code != mismatch or depth != 1:
+            return False
     return not "".join(text).strip()
 
 
@@ -468,7 +472,7 @@ def check_encoding(path: str, data: bytes) -> None:
     body = data.removeprefix(_BOM)
     declared = _DECLARED.match(body)
     name = declared[1].decode("ascii") if declared is not None else "utf-8"
-    help += _LENIENT
+    help += READ_BY_MUJOCO
     if name.lower().replace("-", "").replace("_", "") == "utf8":
         try:
             data.decode("utf-8")
@@ -505,94 +509,6 @@ def legible(data: bytes) -> bytes:
     except UnicodeDecodeError:
         return _BEYOND.sub(b"?", data)
     return data
-
-
-_POINTER = b"version https://git-lfs.github.com/"
-"""How a file begins that Git LFS keeps elsewhere."""
-
-
-def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> tuple[str, str | None]:
-    """Put expat's reason in plain words.
-
-    Args:
-        code: expat's error code.
-        data: The file.
-        at: Offset of the error.
-        inside: Innermost open element: tag and line.
-
-    Returns: message and help.
-    """
-    element = f"<{inside[0]}> (line {inside[1]})" if inside is not None else ""
-    text = expat.errors.messages.get(code, "not well-formed XML")
-    if text == expat.errors.XML_ERROR_INVALID_TOKEN:
-        return _invalid_token(data, at)
-    if text == expat.errors.XML_ERROR_SYNTAX:
-        if data.startswith(_POINTER):
-            return "this is a pointer of Git LFS, and not the file itself", "fetch it: `git lfs pull`"
-        return "this is not XML", None
-    if text == expat.errors.XML_ERROR_NO_ELEMENTS:
-        if not element:
-            return "the file has no XML element", None
-        return f"the file ends before {element} is closed", f"write </{inside[0] if inside else ''}>"
-    if text == expat.errors.XML_ERROR_UNCLOSED_TOKEN:
-        return "the file ends inside a tag or comment that starts here", None
-    if text == expat.errors.XML_ERROR_UNCLOSED_CDATA_SECTION:
-        return "the file ends inside a CDATA section", "write ]]>"
-    if text == expat.errors.XML_ERROR_TAG_MISMATCH:
-        found = re.compile(rb"[^\s>]*").match(data, at)
-        name = found[0].decode("utf-8", "replace") if found else ""
-        return f"</{name}> stands where {element} is to be closed", None
-    if text == expat.errors.XML_ERROR_DUPLICATE_ATTRIBUTE:
-        found = re.compile(rb"[^\s=]*").match(data, at)
-        name = found[0].decode("utf-8", "replace") if found else ""
-        return f"attribute {name!r} appears twice", "delete one of the two; MuJoCo refuses it too"
-    if text == expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
-        lenient = _LENIENT if data[at : at + 1] == b"<" else ""
-        return "text or an element after the end of the root element", f"delete what follows{lenient}"
-    if text == expat.errors.XML_ERROR_UNDEFINED_ENTITY:
-        return (
-            "a reference to an entity that XML does not know",
-            f"write the character itself, or &#NUMBER;{_LENIENT}",
-        )
-    if text == expat.errors.XML_ERROR_BAD_CHAR_REF:
-        return "a reference to a character that XML does not allow", "delete it"
-    if text in (expat.errors.XML_ERROR_MISPLACED_XML_PI, expat.errors.XML_ERROR_XML_DECL):
-        # MuJoCo 4.0 skips white space before a declaration, as is done here, but refuses one behind a comment.
-        return (
-            "a malformed XML declaration, or one that is not the first thing in the file",
-            'begin the file with <?xml version="1.0"?>, or leave it out',
-        )
-    return f"not well-formed XML: {text}", None
-
-
-def _invalid_token(data: bytes, at: int) -> tuple[str, str | None]:
-    """Guess at what makes the byte at `at` impossible, from what stands round it."""
-    here, before = data[at : at + 1], data[at - 1 : at]
-    if here < b" " and here not in (b"\t", b"\n", b"\r"):
-        return f"a control character, 0x{here.hex() or '00'}", "delete it"
-    if data.rfind(b"<!--", 0, at) > data.rfind(b"-->", 0, at) and data[at - 2 : at] == b"--":
-        return "a comment that is never closed", "close it with '-->'"
-    if before == b"&":
-        return "a bare '&'", f"write &amp;{_LENIENT}"
-    if data[at - 1 : at + 1] == b"</":
-        return "a closing tag whose element is closed already", f"delete it{_LENIENT}"
-    if before == b"<":
-        return "a '<' that does not begin a tag", "write &lt;"
-    tag = data[max(data.rfind(b"<", 0, at), 0) : at]
-    so_far = _TAG_SO_FAR.match(tag)
-    rest = tag[so_far.end() :] if so_far is not None else b">"
-    if here == b"<" and rest[:1] in (b'"', b"'"):
-        return "'<' inside an attribute value", f"write &lt;, or add the missing quote before it{_LENIENT}"
-    if not rest and here == b"<":
-        return "a tag begins inside another tag", "close the tag before it with '>'"
-    if not rest and before in (b'"', b"'"):
-        return "no space between two attributes", f"put a space between them{_LENIENT}"
-    if not rest and tag.rstrip().endswith(b"="):
-        return "an attribute value without quotes", 'write name="value"'
-    if not rest and here != b"=" and re.search(rb"\s[^\s=\"'/]+\s*$", tag):
-        return "an attribute without a value", 'write name="value"'
-    character = data[at : at + 4].decode("utf-8", "ignore")[:1]
-    return f"not well-formed XML: {character!r} cannot stand here", None
 
 
 def place_of(path: str, data: bytes, at: int) -> Span:

@@ -297,6 +297,14 @@ _MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
         ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco\n", "AUD020", None),
         ("arm.xml", _MODEL.format(joint="ebow"), "import pybullet\n", "AUD020", None),
         ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco_py\n", "AUD020", None),
+        ("arm.xml", _MODEL.format(joint="ebow"), "from gym.envs.mujoco import mujoco_env\n", "AUD020", None),
+        (
+            "arm.xml",
+            _MODEL.format(joint="ebow"),
+            "from gymnasium.envs.mujoco import mujoco_env\n",
+            "AUD020",
+            None,
+        ),
         (
             "arm.xml",
             _MODEL.format(joint="ebow"),
@@ -342,7 +350,7 @@ def test_a_model_that_a_program_of_the_folder_names(
     Path("r/train.py").write_text(f"{program}FILE = 'other/leg.xml'\n")
     assert severity() == elsewhere
     Path("r/train.py").write_text(f"{program}FILE = 'r/{file}'\n")
-    others = any(word in program for word in ("bullet", "mujoco_py", "attach", "xml_path"))
+    others = any(word in program for word in ("bullet", "mujoco_py", "gym.envs", "attach", "xml_path"))
     assert severity() == ("info" if others else "warning")
     Path("old").mkdir()
     Path("r").rename("old/r")
@@ -445,7 +453,8 @@ def test_a_stand_in_for_no_limit_stays_a_note(tmp_path: Path, monkeypatch: pytes
         ("FILE = 'models/legs.usd'\n", "info"),
         ("open('models/legs.urdf', 'w').write(text)\n", "info"),
         ("open('models/legs.urdf', 'w').write(text)\nload('models/legs.urdf')\n", "warning"),
-        ("FILE = 'other/legs.urdf'\n", "warning"),
+        ("FILE = 'other/legs.urdf'\n", "info"),
+        ("FILE = 'legs.urdf'\n", "warning"),
         ("# FILE = 'models/legs.urdf'\nFILE = 'models/arm.urdf'\n", "info"),
     ],
 )

@@ -80,3 +80,21 @@ def test_no_number_comes_from_what_is_left(
         assert "damping ratio" not in message
         assert "Hz" not in message
         assert code != "VER101" or "cannot be computed here" in message
+
+
+def test_a_pointer_of_git_lfs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is a mesh that is not there; a file of another text is one that MuJoCo refuses."""
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(MODEL % GEOMS["mesh"])
+    bare = messages()
+    oid = "oid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393\n"
+    Path("shell.stl").write_text(f"version https://git-lfs.github.com/spec/v1\n{oid}size 12345\n")
+    assert messages() == bare
+    (artifact,) = audit(["arm.xml"], Settings()).case.artifacts
+    assert artifact.robot is not None
+    assert (
+        artifact.robot.inertia_reason is not None and "pointers of Git LFS" in artifact.robot.inertia_reason
+    )
+    Path("shell.stl").write_text(f"no version of Git LFS\n{oid}size 12345\n")
+    (artifact,) = audit(["arm.xml"], Settings()).case.artifacts
+    assert artifact.text_only is not None

@@ -347,3 +347,28 @@ def test_a_spec_whose_model_is_in_one() -> None:
         Severity.ERROR,
         "git submodule update --init menagerie",
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "severity"),
+    [
+        # Measured with MuJoCo 4.0: it reads the first three.
+        ("arm.xml", "'arm'", "'l&r'", Severity.INFO),
+        ("arm.xml", "'arm'", "'l<r'", Severity.INFO),
+        ("arm.xml", "'arm'", "'\xe9'", Severity.INFO),
+        ("arm.xml", "'arm'", "'arm", Severity.WARNING),
+        ("arm.xml", "/>", "></a>", Severity.WARNING),
+        ("arm.urdf", "'arm'", "'l&r'", Severity.WARNING),
+    ],
+)
+def test_what_mujoco_reads_all_the_same(name: str, old: str, new: str, severity: Severity) -> None:
+    """Of an MJCF that a program loads it is a note: nobody there is hindered. Whoever names it has an error."""
+    text = {
+        "arm.xml": "<mujoco model='arm'>\n<option/>\n<worldbody/></mujoco>",
+        "arm.urdf": "<robot name='arm'>\n<link name='a'/></robot>",
+    }[name]
+    Path("robots/leg.xml").unlink()
+    Path("robots", name).write_bytes(text.replace(old, new, 1).encode("latin-1"))
+    Path("robots/run.py").write_text(f"import mujoco\nmodel = load('{name}')\n")
+    assert [item[3] for item in found(audit(["robots"], Settings()))] == [severity]
+    assert [item[3] for item in found(audit([f"robots/{name}"], Settings()))] == [Severity.ERROR]

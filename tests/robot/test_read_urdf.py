@@ -205,9 +205,9 @@ def test_nonsense_limits_are_no_limits() -> None:
     (found,) = read(text).joints
     assert (found.range, found.effort_range, found.velocity_limit) == (None, None, None)
     assert [m.split(": ", 2)[2] for m in messages(text)] == [
-        "limit effort must be >= 0 N, got -5; taken as no limit",
-        "limit velocity must be >= 0 m/s, got -3; taken as no limit",
-        "limit lower 2 is above upper 1; taken as no limit",
+        "limit effort must be >= 0 N, got -5; judged as no limit",
+        "limit velocity must be >= 0 m/s, got -3; judged as no limit",
+        "limit lower 2 is above upper 1; MuJoCo and Bullet take it as no limit",
     ]
 
 
@@ -225,10 +225,10 @@ def test_a_limit_that_sdf_takes_for_none() -> None:
         (
             ("1", "-1.0"),
             Severity.INFO,
-            "1 is above upper -1, as Bullet's files free a joint; taken as no limit",
+            "1 is above upper -1, as Bullet's files free a joint; MuJoCo and Bullet take it as no limit",
         ),
-        (("2", "-2"), Severity.WARNING, "2 is above upper -2; taken as no limit"),
-        (("0", "-1"), Severity.WARNING, "0 is above upper -1; taken as no limit"),
+        (("2", "-2"), Severity.WARNING, "2 is above upper -2; MuJoCo and Bullet take it as no limit"),
+        (("0", "-1"), Severity.WARNING, "0 is above upper -1; MuJoCo and Bullet take it as no limit"),
     ],
 )
 def test_a_joint_that_bullet_leaves_free(ends: tuple[str, str], severity: Severity, told: str) -> None:

@@ -175,7 +175,7 @@ def test_walk_and_sections() -> None:
         ),
         pytest.param("<a>\n<b>", "2:4: ROBOT004: the file ends before <b> (line 2) is closed", id="open"),
         pytest.param(
-            "<a/>\n</b>c", "2:2: ROBOT004: a closing tag whose element is closed already", id="closed"
+            "<a/>\n</b", "2:2: ROBOT004: a closing tag whose element is closed already", id="closed"
         ),
         pytest.param(
             "<a/><a>",
@@ -183,7 +183,11 @@ def test_walk_and_sections() -> None:
             id="second root",
         ),
         pytest.param('<a x="a<b"/>', "1:8: ROBOT004: '<' inside an attribute value", id="less in value"),
-        pytest.param('<a><b c="\n>\n</a>', "3:1: ROBOT004: '<' inside an attribute value", id="no quote"),
+        pytest.param(
+            '<a><b c="\n>\n</a>',
+            "3:1: ROBOT004: '<' inside an attribute value that begins in line 1",
+            id="no quote",
+        ),
         pytest.param('<a x="1" <b/>', "1:10: ROBOT004: a tag begins inside another tag", id="tag in tag"),
         pytest.param('<a x="a & b"/>', "1:10: ROBOT004: a bare '&'", id="ampersand"),
         pytest.param("<a>1 < 2</a>", "1:7: ROBOT004: a '<' that does not begin a tag", id="bare less"),
@@ -305,6 +309,23 @@ def test_help_for_what_mujoco_reads(data: bytes | str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("row", "message", "help"),
+    [
+        ('<geom size=".1/>', "an attribute value that begins in line 3", "add the missing quote there"),
+        ("<geom size='.1\"/>", "an attribute value that begins in line 3", "add the missing quote there"),
+        ('<geom size=".1/><geom name="a"/>', "an attribute value that begins in line 3", "quote there"),
+        ('<geom name="a size=".1"/>', "no space between two attributes", "or add the missing quote before"),
+    ],
+)
+def test_a_missing_quote(row: str, message: str, help: str) -> None:
+    """MuJoCo refuses the file, too, and the place is where the quote has to stand."""
+    text = f"<mujoco>\n<worldbody>\n{row}\n</worldbody>\n</mujoco>"
+    with pytest.raises(ValueError, match="XML_ERROR_PARSING"):
+        mujoco.MjModel.from_xml_string(text)
+    assert message in refused(text) and help in refused(text) and "MuJoCo reads" not in refused(text)
+
+
+@pytest.mark.parametrize(
     ("before", "reads"),
     [
         ("C:\\a path ", True),
@@ -392,7 +413,10 @@ def test_a_tag_that_is_nothing(tag: str, joints: int) -> None:
         ("<a/><?a?>", False),
         ("<!DOCTYPE a [<!ENTITY b 'b'>]>", False),
         ("<a>&b;</a>", False),
-        ("</r><r>", False),
+        ("</r><r>", True),
+        ("\n<sensor/></mujoco>\n<actuator><", True),
+        ("\n</mujoco>\n<actuator/>", True),
+        ("\n</worldbody><!-- <joint/> --></mujoco>", True),
     ],
 )
 def test_what_is_behind_the_root(tail: str, read: bool) -> None:
@@ -408,9 +432,11 @@ def test_what_is_behind_the_root(tail: str, read: bool) -> None:
     report_behind(document, said)
     line = 2 if tail.startswith("\n") else 1
     behind = tail.removeprefix("<!-- a -->").lstrip()
-    column = text.rindex(behind) - text.rfind("\n", 0, text.rindex(behind))
+    at = text.index(behind, len(model))
+    column = at - text.rfind("\n", 0, at)
     place = Span("r.xml", line, column)
-    severity = Severity.INFO if behind.startswith("</") else Severity.WARNING
+    elements = behind.replace("<!-- <joint/> -->", "").replace("</", "")
+    severity = Severity.WARNING if "<" in elements else Severity.INFO
     assert [(item.code, item.span, item.severity) for item in said] == [("ROBOT009", place, severity)]
 
 
@@ -812,6 +838,21 @@ def test_a_root_of_any_name_around_what_a_body_has(tmp_path: Path) -> None:
     tags = ["mujoco", "worldbody", "body", "freejoint", "geom"]
     assert [element.tag for element in open_document(path).walk()] == tags
     assert mujoco.MjModel.from_xml_path(str(path)).nv == 6
+
+
+def test_a_root_of_any_name_around_actuators(tmp_path: Path) -> None:
+    """As that of motors, or <mujocoinclude> in other letters; one with more is no part."""
+    main = (
+        "<mujoco><worldbody><body><joint name='j'/><geom size='1'/></body></worldbody>"
+        "<actuator><include file='motors.xml'/></actuator></mujoco>"
+    )
+    motors = "<MujocoInclude><motor joint='j'/><damper joint='j' kv='1' ctrlrange='0 1'/></MujocoInclude>"
+    path = written(tmp_path, {"m/main.xml": main, "m/motors.xml": motors})
+    assert [element.tag for element in open_document(path).walk()][-2:] == ["motor", "damper"]
+    assert mujoco.MjModel.from_xml_path(str(path)).nu == 2
+    Path(path).with_name("motors.xml").write_text("<robot><motor/><link/></robot>")
+    with pytest.raises(RobotError, match="ROBOT008"):
+        open_document(path)
 
 
 def test_an_error_inside_an_include_has_its_own_place(tmp_path: Path) -> None:

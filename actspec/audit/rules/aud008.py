@@ -7,6 +7,7 @@ from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span, one_line
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.submodules import NOT_CHECKED_OUT
+from actspec.robot.xml_reasons import READ_BY_MUJOCO
 
 
 class Unreadable(Rule):
@@ -42,7 +43,7 @@ class Unreadable(Rule):
         ) -> Finding:
             severity = None
             # In a folder it may be no robot, or whole at its destination, but where a program there loads it.
-            run = file.is_named and not (named or lost or away)
+            run = file.is_named and not (named or lost or away or read)
             # The audit makes a note of it in a folder, and counts it as one that is an error in a folder of one's own.
             noted = not (named or lost or run)
             if instead is not None or (noted and not case.is_met_at(place)):
@@ -60,6 +61,9 @@ class Unreadable(Rule):
                 about=about,
             )
 
+        # Of an MJCF, by who is there to load it.
+        mjcf = any(b"<mujoco" in one.data for one in file.files[:1])
+        read = mjcf and all((item.help or "").endswith(READ_BY_MUJOCO) for item in reasons)
         # Of a file that somebody has in a folder, one reason is enough to pass over it or to look at it.
         said = [item.message for item in reasons]
         for item in reasons if named else reasons[:1]:

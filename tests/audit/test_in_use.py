@@ -1,0 +1,115 @@
+"""Which models of a folder its programs load: what is wrong in these is more than a note."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.read import read_files
+from actspec.readings.loads import what_loads
+
+MODEL = "<mujoco><worldbody><body><joint name='j'/><geom size='1'/></body></worldbody></mujoco>"
+LOADS = "import mujoco\nmodel = mujoco.MjModel.from_xml_path('arm.xml')\n"
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    for name in ("arm", "leg"):
+        Path(f"r/{name}.xml").write_text(MODEL)
+    Path("r/run.py").write_text(LOADS)
+
+
+def in_use() -> set[str]:
+    """Names of the models of the folder that a program loads."""
+    return {Path(file.path).stem for file in read_files(["r"]) if file.run}
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("files.json", '{"files": ["leg.xml", "arm.xml"]}'),
+        ("a.py", '"""Formerly leg.xml."""\n'),
+        ("a.py", "def f():\n    '''\n    load('leg.xml')\n    '''\n"),
+        ("a.py", "FILE = 'arm.xml'  # or 'leg.xml'\nload(FILE)\n"),
+        ("a.yaml", "model: arm.xml # or leg.xml\n"),
+        ("a.py", "print('written: leg.xml')\nlogger.info('leg.xml')\n"),
+        ("a.py", "parser.add_argument('--model', help='such as leg.xml')\n"),
+        ("a.py", "mujoco.mj_saveLastXML('leg.xml', model)\ntree.write('leg.xml')\n"),
+        ("a.py", "if os.path.exists('leg.xml'):\n    os.remove('leg.xml')\n"),
+        ("a.py", "OUT = 'leg.xml'\nwith open(OUT, 'w') as file:\n    file.write(text)\n"),
+        ("a.py", "LEG = HERE / 'leg.xml'\nmodel = from_xml_string(LEG.read_text())\n"),
+        ("a.py", "model = from_xml_string((HERE / 'leg.xml').read_text())\n"),
+        ("a.sh", "urdf2mjcf robot.urdf -o leg.xml\nxacro a.xacro > leg.xml\n"),
+        ("a.py", "FILE = '/opt/mujoco_menagerie/unitree_go2/leg.xml'\nload(FILE)\n"),
+        ("pyproject.toml", '[tool.setuptools.package-data]\nx = ["leg.xml"]\n'),
+    ],
+)
+def test_a_name_that_loads_nothing(name: str, text: str) -> None:
+    """It is shown, written, opened as text, or of a file of elsewhere."""
+    Path("r", name).write_text(text)
+    assert in_use() == {"arm"}
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.py", 'A = """\nmodel\n"""\nFILE = "leg.xml"\nB = """\n"""\nload(FILE)\n'),
+        ("a.py", "FILE = 'leg.xml'  # or cat.xml\nload(FILE)\n"),
+        ("a.py", "COLOR = '  #fff'\nFILE = 'leg.xml'\nload(FILE)\n"),
+        ("a.py", "FILE = 'leg.xml'\nprint(open(FILE).read())\nload(FILE)\n"),
+        ("a.py", "FILE = 'leg.xml'\n"),
+        ("a.yaml", "model: leg.xml\n"),
+        ("a.sh", "simulate leg.xml -o log.txt\n"),
+        ("a.py", "load('assets/leg.xml')\n"),
+        ("a.py", "load(os.path.join(ROOT, 'r', 'leg.xml'))\n"),
+    ],
+)
+def test_a_name_that_loads_a_model(name: str, text: str) -> None:
+    """Beside words that look like those that load none."""
+    Path("r", name).write_text(text)
+    assert in_use() == {"arm", "leg"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"open(",
+        b"print(a)",
+        b" #",
+        b'"',
+        b'"""',
+        b"'''\n",
+        b"x='",
+        b"help='",
+        b" -o",
+        b"OUT=1\n",
+        b"open((a)",
+        b" ",
+    ],
+)
+def test_a_long_program(text: bytes) -> None:
+    """Gone through once for each beginning, a line of a megabyte takes half an hour."""
+    assert len(what_loads(".py", b"open(" + text * (1_000_000 // len(text)))) <= 1_000_005
+
+
+@pytest.mark.parametrize(
+    ("include", "program", "used"),
+    [
+        ("pole.xml", "", True),
+        ("pole.xml", "open('pole.xml', 'w').write(POLE)\n", False),
+        ("pole.xml", "ASSETS = {'parts/pole.xml': POLE}\n", False),
+        ("pole.xml", "open('maypole.xml', 'w').write(POLE)\n", True),
+        # Files of dm_control's suite, which it hands to MuJoCo itself.
+        ("./common/skybox.xml", "from dm_control.suite import common\n", False),
+        ("./common/skybox.xml", "common = 1\n", True),
+        ("./commons/skybox.xml", "from dm_control.suite import common\n", True),
+    ],
+)
+def test_an_include_that_a_program_brings(include: str, program: str, used: bool) -> None:
+    """Nobody finds it here, and the program may have it."""
+    Path("r/arm.xml").write_text(f'<mujoco><include file="{include}"/><worldbody/></mujoco>')
+    Path("r/run.py").write_text(program + LOADS)
+    assert in_use() == ({"arm"} if used else set())
