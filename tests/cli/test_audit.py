@@ -187,7 +187,7 @@ def test_the_same_of_many_joints_is_said_once(capsys: pytest.CaptureFixture[str]
     joints = "".join(
         f'<joint name="j{child}" type="revolute"><parent link="a"/><child link="{child}"/>'
         f'<limit lower="-1" upper="1" effort="{effort}" velocity="{speed}"/></joint>\n'
-        for child, effort, speed in (("b", -1, 1), ("c", -1, 1), ("d", 5, -1), ("e", -1, 1))
+        for child, effort, speed in (("b", -2, 1), ("c", -2, 1), ("d", 5, -2), ("e", -2, 1))
     )
     Path("r.urdf").write_text(f'<robot name="r">{links}{joints}</robot>')
     run("audit", ".")
