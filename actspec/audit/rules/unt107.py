@@ -37,6 +37,7 @@ class GainsOfNoJoint(RuleOver[_Subject]):
     name = "gains-of-no-joint"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    written_over = frozenset({"actuators", "gains"})
     paired = True
     needs = "no configuration or MJCF with a kp among the files"
 
