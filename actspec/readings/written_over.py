@@ -6,6 +6,8 @@ import re
 import sys
 from collections.abc import Collection, Mapping
 
+from actspec.simulators.classes import ISAACLAB, MJLAB
+
 
 def _sets(fields: bytes) -> re.Pattern[bytes]:
     """A program that sets one of these of an actuator group that it has found in a configuration, or of every one.
@@ -34,13 +36,17 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     "efforts": _sets(rb"(?:actuator_|joint_)?effort_limit|saturation_effort"),
     "speeds": _sets(rb"(?:actuator_|joint_)?velocity_limit"),
     "armatures": _sets(rb"armature"),
+    "classes": re.compile(
+        rb"^class[ \t]+(?:" + "|".join(sorted({*ISAACLAB, *MJLAB})).encode() + rb")[ \t]*[(:]", re.MULTILINE
+    ),
 }
 """What a program writes over a file's figure when it has loaded it.
 
 Forks of legged_gym clip at limits of the configuration in place of the URDF's effort, or put them in its place for all
 joints (for one of them by number: a gripper's). What puts actuators that it made
 into any configuration of Isaac Lab has their limits from elsewhere. To an MJCF's tree or spec some
-give the angle that it lacks, as safety-gymnasium does.
+give the angle that it lacks, as safety-gymnasium does. A folder that has a framework's class
+in it has it as its owner changed it.
 """
 
 _LOADS = re.compile(

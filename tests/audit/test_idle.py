@@ -693,6 +693,21 @@ def test_a_class_without_a_figure_that_a_program_replaces() -> None:
 
 
 @pytest.mark.parametrize(
+    ("cls", "severity"), [("DCMotorCfg", "info"), ("MotorCfg", "error"), ("MyDCMotorCfg", "error")]
+)
+def test_a_framework_that_the_folder_has_in_it(cls: str, severity: str) -> None:
+    """Somebody's copy of Isaac Lab may have other fields: here `motor`."""
+    text = go1_config().replace("ImplicitActuatorCfg", "DCMotorCfg")
+    Path("r/go1.py").write_text(text.replace("effort_limit_sim=50.0", "motor=5"))
+    Path("r/isaaclab").mkdir()
+    Path("r/isaaclab/actuator_cfg.py").write_text(f"class {cls}(ActuatorBaseCfg):\n    motor: int = 0\n")
+    found = audit(["r"], Settings(select=("CFG103", "CFG104"))).findings
+    sure = {item.severity.value for item in found if item.finding.about != "effort_limit"}
+    assert {item.finding.code for item in found} == {"CFG103", "CFG104"}
+    assert sure == {severity}
+
+
+@pytest.mark.parametrize(
     ("group", "gains", "severity"),
     [
         ("legs", "stiffness=100.0, damping=5.0", Severity.WARNING),
