@@ -519,3 +519,29 @@ def test_gains_of_arms_in_isaac_lab(
         (item,) = audit(["r"], Settings(select=("UNT107",), as_named=as_named)).findings
         assert item.finding.help == help
         assert item.severity.value == ("warning" if as_named else severity)
+
+
+@pytest.mark.parametrize(("joint", "severity"), [("left_caster", "info"), ("ankle", "warning")])
+def test_a_joint_of_mjlab_that_its_name_says_has_no_drive(
+    joint: str, severity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three of four joints have a group."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/dog.xml").write_text(
+        '<mujoco model="dog"><worldbody>'
+        + "".join(f'<body><joint name="{n}"/><geom size=".1"/>' for n in ("hip", "thigh", "knee", joint))
+        + "</body></body></body></body></worldbody></mujoco>"
+    )
+    Path("r/dog_constants.py").write_text(
+        "import mujoco\nfrom mjlab.actuator import BuiltinPositionActuatorCfg\n"
+        "from mjlab.entity import EntityArticulationInfoCfg, EntityCfg\n"
+        "def get_spec():\n    return mujoco.MjSpec.from_file('dog.xml')\n"
+        "LEGS = BuiltinPositionActuatorCfg(target_names_expr=('hip', 'thigh', 'knee'), stiffness=20.0, damping=1.0)\n"
+        "DOG = EntityArticulationInfoCfg(actuators=(LEGS,))\n"
+        "def get_dog_cfg():\n    return EntityCfg(spec_fn=get_spec, articulation=DOG)\n"
+    )
+    for as_named in (False, True):
+        (item,) = audit(["r"], Settings(select=("CFG102",), as_named=as_named)).findings
+        assert item.finding.joint == joint
+        assert item.severity.value == ("warning" if as_named else severity)
