@@ -217,8 +217,8 @@ def _misspelt(case: Case, index: int, joint: str) -> tuple[str, str] | None:
 def _loose(robot: RobotView) -> set[str]:
     """Joints that no spring, equality or tendon of an MJCF holds, that are in no closed loop and are no bearings.
 
-    None where a tendon goes from site to site: it moves the joints between them. Nor is a joint loose whose range leaves
-    it no room.
+    None where a tendon goes from site to site: it moves the joints between them. Nor is a joint loose whose range
+    leaves it no room.
     """
     if any(b"<spatial" in file.data for file in robot.files):
         return set()
