@@ -693,6 +693,26 @@ def test_a_class_without_a_figure_that_a_program_replaces() -> None:
 
 
 @pytest.mark.parametrize(
+    ("cls", "speed", "severity"),
+    [
+        ("IdealPD", 60.0, "info"),
+        ("DelayedPD", 60.0, "info"),
+        ("Implicit", 60.0, "warning"),
+        # 57.3 times 28.
+        ("IdealPD", '{".*_[ht][a-z]+_joint": 28.0, ".*_calf_joint": 1604.3}', "warning"),
+    ],
+)
+def test_a_speed_that_an_ideal_pd_does_not_look_at(cls: str, speed: object, severity: str) -> None:
+    """The solver's bound beside it is to be beyond the motor's 30 rad/s."""
+    text = go1_config().replace("ImplicitActuator", f"{cls}Actuator")
+    Path("r/go1.py").write_text(
+        text.replace("effort_limit_sim=50.0", f"effort_limit=23.7, velocity_limit_sim={speed}")
+    )
+    found = audit(["r"], Settings(select=("KNW103",))).findings
+    assert {item.severity.value for item in found} == {severity}
+
+
+@pytest.mark.parametrize(
     ("cls", "severity"), [("DCMotorCfg", "info"), ("MotorCfg", "error"), ("MyDCMotorCfg", "error")]
 )
 def test_a_framework_that_the_folder_has_in_it(cls: str, severity: str) -> None:
