@@ -21,7 +21,7 @@ MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 _WRITTEN: dict[FileKind | None, frozenset[str]] = {
     FileKind.URDF: frozenset({"urdf_effort", "urdf_limit"}),
     FileKind.MJCF: frozenset({"angle", "integrator", "compiled"}),
-    FileKind.CFG: frozenset({"actuators"}),
+    FileKind.CFG: frozenset({"actuators", "gains", "efforts", "speeds", "armatures", "classes"}),
 }
 """What of a kind of file a program can write over."""
 

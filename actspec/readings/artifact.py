@@ -123,6 +123,11 @@ class ActuatorGroup:
     own: tuple[str, ...] = ()
 
     @property
+    def is_stock(self) -> bool:
+        """Whether its class, called as one of the framework's, can be that: it is none of somebody's own."""
+        return not (self.bases or self.own or self.unread)
+
+    @property
     def of_run(self) -> bool:
         """Whether a run wrote it of a class that is not the framework's: with all fields, and the class by its name."""
         return self.unread is not None and "class_type" in self.settings

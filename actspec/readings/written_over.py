@@ -6,6 +6,22 @@ import re
 import sys
 from collections.abc import Collection, Mapping
 
+from actspec.simulators.classes import ISAACLAB, MJLAB
+
+
+def _sets(fields: bytes) -> re.Pattern[bytes]:
+    """A program that sets one of these of an actuator group that it has found in a configuration, or of every one.
+
+    As a task does in its `__post_init__`; what stands at the begin of a line a module does to its own, which is read.
+    """
+    item = rb"\.(?:" + fields + rb")(?:_sim)?[ \t]*[-+*/]?=(?!=)"
+    return re.compile(
+        rb"^[ \t]+[\w.]+\.actuators\[[^\]\n]+\]" + item + rb"|^[ \t]+for[ \t]+(?:\w+[ \t]*,[ \t]*)?(\w+)"
+        rb"[ \t]+in[ \t]+[\w.]+\.actuators\.(?:values|items)\(\)[ \t]*:(?:[^\n]*\n){1,20}?[ \t]+\1" + item,
+        re.MULTILINE,
+    )
+
+
 _WRITES: dict[str, re.Pattern[bytes]] = {
     "urdf_effort": re.compile(
         rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""
@@ -16,13 +32,21 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
         rb"""|\.compiler\.(?:angle\s*=\s*["']radian|degree\s*=\s*(?:False|0)\b)"""
     ),
     "actuators": re.compile(rb"\.replace\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\bactuators\s*=\s*\w+\s*[,)]"),
+    "gains": _sets(rb"stiffness|damping"),
+    "efforts": _sets(rb"(?:actuator_|joint_)?effort_limit|saturation_effort"),
+    "speeds": _sets(rb"(?:actuator_|joint_)?velocity_limit"),
+    "armatures": _sets(rb"armature"),
+    "classes": re.compile(
+        rb"^class[ \t]+(?:" + "|".join(sorted({*ISAACLAB, *MJLAB})).encode() + rb")[ \t]*[(:]", re.MULTILINE
+    ),
 }
 """What a program writes over a file's figure when it has loaded it.
 
 Forks of legged_gym clip at limits of the configuration in place of the URDF's effort, or put them in its place for all
 joints (for one of them by number: a gripper's). What puts actuators that it made
 into any configuration of Isaac Lab has their limits from elsewhere. To an MJCF's tree or spec some
-give the angle that it lacks, as safety-gymnasium does.
+give the angle that it lacks, as safety-gymnasium does. A folder that has a framework's class
+in it has it as its owner changed it.
 """
 
 _LOADS = re.compile(

@@ -471,3 +471,86 @@ def test_a_name_that_a_program_writes_out(
     Path("r/train.py").write_text(program)
     found = audit(["r"], Settings(select=("SYM101",))).findings
     assert {item.severity.value for item in found} == {severity if copies == 1 else "info"}
+
+
+_POINT = "is the point in the wrong place?"
+_LINKS = "that inertia is the links' alone: has the motor an armature?"
+
+
+@pytest.mark.parametrize(
+    ("gains", "severity", "help"),
+    [
+        ("stiffness=1e7, damping=1e4", "info", None),
+        ("stiffness=4e6, damping=1e4", "warning", _POINT),
+        ("stiffness=400.0, damping=80.0", "info", _LINKS),
+        # 1.5 times 57.3; and of an armature that is stated.
+        (
+            "stiffness=400.0, damping=85.94",
+            "warning",
+            "is kd multiplied by 57.3? Without that it is 1.5 N*m*s/rad",
+        ),
+        (
+            "armature=5e-5, stiffness=400.0, damping=80.0",
+            "warning",
+            "is kd multiplied by 57.3? Without that it is 1.396 N*m*s/rad",
+        ),
+        # Per degree they are, whatever power of ten that is.
+        (
+            "stiffness=1e-4, damping=1e-6",
+            "warning",
+            "is it per degree? Per radian it is 0.00573 N*m/rad, and kd 57.3 times as well",
+        ),
+    ],
+)
+def test_gains_of_arms_in_isaac_lab(
+    gains: str, severity: str, help: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A joint is rigid by a power of ten, and 400 and 80 hold arms whose rotor nobody states.
+
+    80 / (2 sqrt(400 * 0.001)) is 63.2, above 60, and with 5e-5 kg*m^2 more 61.7; 85.94 make 67.9. sqrt(4e6 / 0.001) is
+    63246 rad/s, above 3000, and sqrt(1e-4 / 0.001) 0.32.
+    """
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/arm.urdf").write_text(
+        '<robot name="arm"><link name="base"/><link name="hand"><inertial><mass value="0.5"/>'
+        '<inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<joint name="wrist" type="revolute"><parent link="base"/><child link="hand"/><axis xyz="0 0 1"/>'
+        '<limit lower="-2" upper="2" effort="20" velocity="3"/></joint></robot>'
+    )
+    Path("r/arm.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        "import isaaclab.sim as sim_utils\n"
+        "ARM_CFG = ArticulationCfg(spawn=sim_utils.UrdfFileCfg(asset_path='arm.urdf'), actuators={'arm': "
+        f"ImplicitActuatorCfg(joint_names_expr=['wrist'], effort_limit_sim=20.0, {gains})}})\n"
+    )
+    for as_named in (False, True):
+        (item,) = audit(["r"], Settings(select=("UNT107",), as_named=as_named)).findings
+        assert item.finding.help == help
+        assert item.severity.value == ("warning" if as_named else severity)
+
+
+@pytest.mark.parametrize(("joint", "severity"), [("left_caster", "info"), ("ankle", "warning")])
+def test_a_joint_of_mjlab_that_its_name_says_has_no_drive(
+    joint: str, severity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three of four joints have a group."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/dog.xml").write_text(
+        '<mujoco model="dog"><worldbody>'
+        + "".join(f'<body><joint name="{n}"/><geom size=".1"/>' for n in ("hip", "thigh", "knee", joint))
+        + "</body></body></body></body></worldbody></mujoco>"
+    )
+    Path("r/dog_constants.py").write_text(
+        "import mujoco\nfrom mjlab.actuator import BuiltinPositionActuatorCfg\n"
+        "from mjlab.entity import EntityArticulationInfoCfg, EntityCfg\n"
+        "def get_spec():\n    return mujoco.MjSpec.from_file('dog.xml')\n"
+        "LEGS = BuiltinPositionActuatorCfg(target_names_expr=('hip', 'thigh', 'knee'), stiffness=20.0, damping=1.0)\n"
+        "DOG = EntityArticulationInfoCfg(actuators=(LEGS,))\n"
+        "def get_dog_cfg():\n    return EntityCfg(spec_fn=get_spec, articulation=DOG)\n"
+    )
+    for as_named in (False, True):
+        (item,) = audit(["r"], Settings(select=("CFG102",), as_named=as_named)).findings
+        assert item.finding.joint == joint
+        assert item.severity.value == ("warning" if as_named else severity)

@@ -631,6 +631,47 @@ def test_actuators_that_a_program_makes(program: str, severity: Severity) -> Non
     assert {item.severity for item in found} == {severity}
 
 
+@pytest.mark.parametrize(
+    ("lines", "noted"),
+    [
+        (['self.scene.robot.actuators["legs"].effort_limit = {".*": 23.7}'], {"KNW101"}),
+        (['self.robot.actuators["legs"].effort_limit_sim = 23.7'], {"KNW101"}),
+        (['robot.actuators["legs"].velocity_limit *= 0.5'], {"KNW103"}),
+        (["for leg in self.robot.actuators.values():", "    leg.damping = 0.5"], {"UNT107"}),
+        (
+            [
+                "for name, leg in self.robot.actuators.items():",
+                "    leg.armature = 0",
+                "    leg.stiffness = 20.0",
+            ],
+            {"KNW103", "UNT107"},
+        ),
+        # It reads them, or sets what they lean on of nothing.
+        (["for leg in self.robot.actuators.values():", "    low = leg.effort_limit == 1"], set()),
+        (["for leg in self.robot.actuators.values():", "    foot.damping = 1"], set()),
+        (['assert self.robot.actuators["legs"].effort_limit == 50.0'], set()),
+        (['self.robot.actuators["legs"].friction = 0.1'], set()),
+    ],
+)
+def test_a_figure_of_actuators_that_a_task_sets(lines: list[str], noted: set[str]) -> None:
+    """Isaac Lab's tasks set figures of the robot's groups in their `__post_init__`.
+
+    50 N*m is 1.41 times 35.55, 60 rad/s 2 times 30, and 5 N*m*s/rad beside 2 N*m/rad come back in 2.5 s.
+    """
+    text = go1_config().replace("effort_limit_sim=50.0", "effort_limit_sim=50.0, velocity_limit_sim=60.0")
+    Path("r/go1.py").write_text(
+        text.replace("stiffness=20.0", "stiffness=2.0").replace("damping=1.0", "damping=5.0")
+    )
+    body = "\n".join(f"        {line}" for line in lines)
+    Path("r/task.py").write_text(
+        f"from go1 import GO1_CFG\nclass Task:\n    robot = GO1_CFG\n    def __post_init__(self):\n{body}\n"
+    )
+    for code in ("KNW101", "KNW103", "UNT107"):
+        found = audit(["r"], Settings(select=(code,))).findings
+        severity = Severity.INFO if code in noted else Severity.WARNING
+        assert {item.severity for item in found} == {severity}
+
+
 def test_a_class_without_a_figure_that_a_program_replaces() -> None:
     """A DC motor that is never made needs no line."""
     text = go1_config().replace("ImplicitActuatorCfg", "DCMotorCfg")
@@ -645,6 +686,45 @@ def test_a_class_without_a_figure_that_a_program_replaces() -> None:
     assert severities() == {"error"}
     Path("r/run.py").write_text("from go1 import GO1_CFG\nuse(GO1_CFG.replace(actuators=MOTORS))\n")
     assert severities() == {"info"}
+    task = "from go1 import GO1_CFG\ndef task():\n    robot = GO1_CFG.copy()\n"
+    for line, severity in (("saturation_effort = 60.0", "info"), ("armature = 0.01", "error")):
+        Path("r/run.py").write_text(f"{task}    robot.actuators['legs'].{line}\n    return robot\n")
+        assert severities() == {severity}
+
+
+@pytest.mark.parametrize(
+    ("cls", "speed", "severity"),
+    [
+        ("IdealPD", 60.0, "info"),
+        ("DelayedPD", 60.0, "info"),
+        ("Implicit", 60.0, "warning"),
+        # 57.3 times 28.
+        ("IdealPD", '{".*_[ht][a-z]+_joint": 28.0, ".*_calf_joint": 1604.3}', "warning"),
+    ],
+)
+def test_a_speed_that_an_ideal_pd_does_not_look_at(cls: str, speed: object, severity: str) -> None:
+    """The solver's bound beside it is to be beyond the motor's 30 rad/s."""
+    text = go1_config().replace("ImplicitActuator", f"{cls}Actuator")
+    Path("r/go1.py").write_text(
+        text.replace("effort_limit_sim=50.0", f"effort_limit=23.7, velocity_limit_sim={speed}")
+    )
+    found = audit(["r"], Settings(select=("KNW103",))).findings
+    assert {item.severity.value for item in found} == {severity}
+
+
+@pytest.mark.parametrize(
+    ("cls", "severity"), [("DCMotorCfg", "info"), ("MotorCfg", "error"), ("MyDCMotorCfg", "error")]
+)
+def test_a_framework_that_the_folder_has_in_it(cls: str, severity: str) -> None:
+    """Somebody's copy of Isaac Lab may have other fields: here `motor`."""
+    text = go1_config().replace("ImplicitActuatorCfg", "DCMotorCfg")
+    Path("r/go1.py").write_text(text.replace("effort_limit_sim=50.0", "motor=5"))
+    Path("r/isaaclab").mkdir()
+    Path("r/isaaclab/actuator_cfg.py").write_text(f"class {cls}(ActuatorBaseCfg):\n    motor: int = 0\n")
+    found = audit(["r"], Settings(select=("CFG103", "CFG104"))).findings
+    sure = {item.severity.value for item in found if item.finding.about != "effort_limit"}
+    assert {item.finding.code for item in found} == {"CFG103", "CFG104"}
+    assert sure == {severity}
 
 
 @pytest.mark.parametrize(
@@ -754,6 +834,9 @@ def test_an_angle_that_a_program_sets(program: str, severity: str, compiler: str
         b"x.clip(",
         b"x.clip(x,",
         b"x.clip(x,-a.",
+        b" x.actuators[",
+        b" for x in x.actuators.values():",
+        b"\n for x in x.actuators.values():\n x",
     ],
 )
 def test_a_line_of_a_megabyte(text: bytes) -> None:

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import is_as_written, is_whole_robot, names_model, posed
+from actspec.audit.rules.joints import has_no_room, names_undriven
 from actspec.audit.rules.misnamed import is_misspelt, misnamed
 from actspec.audit.rules.ord101 import stated_order
 from actspec.audit.rules.sided import other_side
@@ -51,6 +52,7 @@ class JointNotCovered(RuleOver[_Subject]):
         index, config, models = subject
         own = config.framework is Framework.MJLAB
         uncovered: dict[tuple[str, str | None], list[_Place]] = {}
+        slowed: set[str] = set()
         for other, robot in models:
             called = {} if case.is_met_at(config.span) else _called(case, index, other)
             yield from (self._otherwise(config, *found) for found in called.values())
@@ -63,6 +65,8 @@ class JointNotCovered(RuleOver[_Subject]):
             for joint in robot.joints:
                 if joint.name not in missing:
                     continue
+                if joint.damping or joint.frictionloss:
+                    slowed.add(joint.name)
                 near = None if own or case.is_met_at(joint.span) else _misspelt(case, other, joint.name)
                 if near is not None:
                     yield self._otherwise(config, joint, *near)
@@ -72,7 +76,7 @@ class JointNotCovered(RuleOver[_Subject]):
                 place = basename(case.artifacts[by].path), spans
                 uncovered.setdefault((joint.name, meant.get(joint.name)), []).append(place)
         for (name, why), places in uncovered.items():
-            yield self._uncovered(config, name, why, places)
+            yield self._uncovered(config, name, why, places, "" if name in slowed else ": it swings freely")
 
     def _otherwise(self, config: RobotConfig, joint: JointView, name: str, path: str) -> Finding:
         """A joint that the model calls otherwise than the groups and another file of the robot do."""
@@ -87,7 +91,7 @@ class JointNotCovered(RuleOver[_Subject]):
         )
 
     def _uncovered(
-        self, config: RobotConfig, joint: str, why: str | None, places: Sequence[_Place]
+        self, config: RobotConfig, joint: str, why: str | None, places: Sequence[_Place], swings: str
     ) -> Finding:
         """A joint that no group selects, where models have it, and what tells that it is meant to be driven."""
         first: dict[Span, str] = {}
@@ -99,7 +103,7 @@ class JointNotCovered(RuleOver[_Subject]):
         own = config.framework is Framework.MJLAB
         return Finding(
             self.code,
-            f"this joint of {listed(files, 2)} is in no actuator group, and nothing else moves it: it swings freely"
+            f"this joint of {listed(files, 2)} is in no actuator group, and nothing else in the model moves it{swings}"
             if own
             else f"{listed(files, 2)} {drive} this joint, {why}, and no actuator group selects it: it swings freely"
             if why
@@ -110,6 +114,7 @@ class JointNotCovered(RuleOver[_Subject]):
             help="add it to a group",
             related=tuple(dict.fromkeys(span for _, spans in places for span in spans)),
             severity=None if own or why else Severity.INFO,
+            noted_in_folders=own and names_undriven(joint),
         )
 
 
@@ -210,14 +215,23 @@ def _misspelt(case: Case, index: int, joint: str) -> tuple[str, str] | None:
 
 
 def _loose(robot: RobotView) -> set[str]:
-    """Joints that no spring, equality or tendon of an MJCF holds, that are in no closed loop and are no bearings."""
+    """Joints that no spring, equality or tendon of an MJCF holds, that are in no closed loop and are no bearings.
+
+    None where a tendon goes from site to site: it moves the joints between them. Nor is a joint loose whose range
+    leaves it no room.
+    """
+    if any(b"<spatial" in file.data for file in robot.files):
+        return set()
     held = {
         found.decode("utf-8", "replace")
         for file in robot.files
         for found in re.findall(rb"""(?:joint[12]|<joint\s+joint)\s*=\s*["']([^"']+)""", file.data)
     }
     held |= _in_loops(robot) | _bearings(robot)
-    return {joint.name for joint in robot.scalar_joints if joint.name not in held and joint.stiffness == 0.0}
+    held |= {
+        joint.name for joint in robot.scalar_joints if joint.stiffness or has_no_room(joint.kind, joint.range)
+    }
+    return {joint.name for joint in robot.scalar_joints if joint.name not in held}
 
 
 def _bearings(robot: RobotView) -> set[str]:

@@ -16,6 +16,7 @@ class UnknownField(RuleInParts):
     name = "unknown-field-or-class"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    written_over = frozenset({"classes"})
     needs = NO_STOCK_CLASSES
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
@@ -57,7 +58,7 @@ class UnknownField(RuleInParts):
             spelt = {name.lower(): name for name in known}
             for group in config.groups:
                 right = spelt.get(group.cls.lower())
-                if right is not None and right != group.cls and not group.bases:
+                if right is not None and right != group.cls and group.is_stock:
                     yield Finding(
                         self.code,
                         f"{FRAMEWORKS[config.framework]} has no class {group.cls}",

@@ -35,7 +35,7 @@ class RequiredFieldMissing(RuleInParts):
     }
     severity = Severity.ERROR
     confidence = Confidence.HIGH
-    written_over = frozenset({"actuators"})
+    written_over = frozenset({"actuators", "gains", "efforts", "speeds", "classes"})
     needs = NO_STOCK_CLASSES
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:

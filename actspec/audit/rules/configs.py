@@ -109,7 +109,7 @@ def groups_of(case: Case, framework: Framework, classes: frozenset[str] | None =
         gaps = [note.span for note in config.notes if note.span is not None]
         alone = len(config.groups) == 1 and config.groups[0].name == config.name
         for group in config.groups:
-            if classes is None or (group.cls in classes and not group.own):
+            if classes is None or (group.cls in classes and group.is_stock):
                 own = tuple(row for row in rows if row.actuator == group.name and row.span == group.span)
                 after = next((start for start in starts if start > group.span), None)
                 complete = not alone and not any(
@@ -170,14 +170,14 @@ def stock_groups(case: Case) -> Iterator[tuple[int, RobotConfig, ActuatorGroup, 
             continue
         for group in config.groups:
             stock = CLASSES.get(config.framework, {}).get(group.cls)
-            if stock is not None and not group.bases and not group.own:
+            if stock is not None and group.is_stock:
                 yield index, config, group, stock
 
 
 def misspelt(framework: Framework, group: ActuatorGroup) -> dict[str, str | None]:
     """Fields of a group that its stock class does not have, each with the one that is meant, if one is near."""
     stock = CLASSES.get(framework, {}).get(group.cls)
-    if stock is None or group.bases or group.own:
+    if stock is None or not group.is_stock:
         return {}
     known = sorted(stock.fields)
     return {name: nearest(name, known) for name in group.settings if name not in stock.fields}

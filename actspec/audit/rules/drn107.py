@@ -37,7 +37,7 @@ class WrongGroupIndex(RuleOver[_Subject]):
             yield Finding(
                 self.code,
                 f"{function} takes the numbers of the joints that actuator_names selects for numbers of actuator "
-                "cfgs: another group is randomised, or none",
+                "cfgs: other joints are randomised, or an IndexError ends the run",
                 one.span,
                 help="leave actuator_names out, or give actuator_ids=[number of the cfg]",
                 about=about_range(one),

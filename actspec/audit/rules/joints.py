@@ -311,10 +311,12 @@ _HELD = 0.01
 
 def is_held(row: LedgerRow) -> bool:
     """Whether a hinge's range leaves it no room: its limits are of no consequence."""
-    if row.kind is not JointKind.HINGE or row.position_range is None:
-        return False
-    low, high = row.position_range
-    return 0.0 < high - low <= _HELD
+    return has_no_room(row.kind, row.position_range)
+
+
+def has_no_room(kind: JointKind | None, limits: tuple[float, float] | None) -> bool:
+    """The same of a joint's kind and range."""
+    return kind is JointKind.HINGE and limits is not None and 0.0 < limits[1] - limits[0] <= _HELD
 
 
 def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:

@@ -55,7 +55,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
     name = "limit-is-not-the-published-one"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
-    written_over = frozenset({"urdf_effort", "urdf_limit", "actuators"})
+    written_over = frozenset({"urdf_effort", "urdf_limit", "actuators", "efforts"})
     options: ClassVar[dict[str, float]] = {"times": 1.2, "least": 0.1}
     needs = "no robot among the files whose limits are published"
 

@@ -26,6 +26,9 @@ FIELDS = {
 }
 """Field of a range to the field of a row."""
 
+_OF_THE_MODEL = ("armature", "frictionloss", "joint_damping")
+"""Those of them that a joint of a model has."""
+
 
 def ranges(case: Case) -> Iterator[tuple[int, RobotConfig, RandomizedRange]]:
     """Every range of every configuration: artifact, configuration, range.
@@ -104,8 +107,17 @@ def nominal(case: Case, config: RobotConfig, row: LedgerRow, one: RandomizedRang
                 return group.number(group.written("friction"), row.joint)
         return None
     field = FIELDS.get(one.field)
-    value: float | None = getattr(row, field) if field is not None else None
+    if field is None or _is_set_on_the_spec(case.artifacts[row.artifact].config, row, field):
+        return None
+    value: float | None = getattr(row, field)
     return value
+
+
+def _is_set_on_the_spec(config: RobotConfig | None, row: LedgerRow, field: str) -> bool:
+    """Whether the function that loads mjlab's model sets a joint's figure there, and no actuator cfg after it."""
+    edit = field.removeprefix("joint_")
+    own = field in row.stated and row.place(field).path == row.file
+    return config is not None and edit in config.edited and field in _OF_THE_MODEL and not own
 
 
 def range_unit(config: RobotConfig, row: LedgerRow, one: RandomizedRange) -> str:

@@ -78,7 +78,23 @@ class NegativeFigure(RuleOver[_Subject]):
         row, field, value = subject
         if not value < 0.0:
             return
-        if field in _GAINS:
+        severity = None
+        kind = case.artifacts[row.artifact].kind
+        if (
+            kind is FileKind.DEPLOY
+            and row.kp is not None
+            and row.kd is not None
+            and max(row.kp, row.kd) < 0.0
+        ):
+            # Once for the joint, its limit too.
+            if field != "kp":
+                return
+            text = (
+                f"kp is {shown(row, 'kp', row.kp)} and kd {shown(row, 'kd', row.kd)}: both push the joint on"
+            )
+            help = "is the minus its motor's direction? Give angle and torque that sign, as gains have none"
+            severity = Severity.WARNING
+        elif field in _GAINS:
             if row.span in case.once(_springs):
                 return
             text = f"{field} is {shown(row, field, value)}: {_GAINS[field]}"
@@ -87,18 +103,21 @@ class NegativeFigure(RuleOver[_Subject]):
             # What a solver does with it, nobody has measured.
             effect = _WITHIN if row.control == "implicit" else _LIMITS[field]
             text = f"the {FIELDS[field].noun} is {shown(row, field, value)}, below 0: {effect}"
-            help = "write it without the minus: a limit holds in both directions"
+            without = (
+                "leave it out, if there is to be none" if value == -1.0 else "write it without the minus"
+            )
+            help = f"{without}: a limit holds in both directions"
         else:
             if "damping" in field and (row.artifact, row.joint) in case.once(_with_polynomial):
                 return
             noun = field.removesuffix("_setting").replace("_", " ")
             # Other simulators of a URDF may drop it.
-            where = "in MuJoCo " if case.artifacts[row.artifact].kind is FileKind.URDF else ""
+            where = "in MuJoCo " if kind is FileKind.URDF else ""
             text = f"the {noun} of {shown(row, field, value)} is negative: {where}{_PASSIVE[field]}"
             help = "write it without the minus, or leave it out"
         # A least-squares fit of dry and viscous friction together gives such a damping.
         outweighed = "damping" in field and (row.frictionloss or 0.0) >= -value * _FASTEST
-        severity = Severity.INFO if outweighed else None
+        severity = Severity.INFO if outweighed else severity
         yield Finding(
             self.code,
             text,

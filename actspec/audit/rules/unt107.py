@@ -37,6 +37,7 @@ class GainsOfNoJoint(RuleOver[_Subject]):
     name = "gains-of-no-joint"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    written_over = frozenset({"actuators", "gains"})
     paired = True
     needs = "no configuration or MJCF with a kp among the files"
 
@@ -50,7 +51,8 @@ class GainsOfNoJoint(RuleOver[_Subject]):
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Judge kp and kd by each other, by the effort limit and by the joint's inertia, as `validate` does."""
         from actspec.spec.plausible.gains import STIFF_RETURN, STIFF_SERVO_RETURN, Gains, gain_words
-        from actspec.spec.plausible.swing import damping_words, frequency_words
+        from actspec.spec.plausible.relations import DEGREE
+        from actspec.spec.plausible.swing import damping_words, frequency_words, is_short
 
         row, rows = subject
         kds = [each.kd for each in rows]
@@ -63,6 +65,8 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             return
         hinge = row.kind is not JointKind.SLIDE
         published = case.once(_known_joints).get((row.artifact, row.joint))
+        # A motor's line is of an angle as good as always; what a simulator's own servo drives may be a lift.
+        known = row.kind is not None or published is not None or row.control in _MOTORS
         driven = row.control in _MOTORS or (row.control == _EXPLICIT and published is not None)
         limit = self._limit(case, row, published if driven else None) if hinge else None
         stiff = 0.0 if is_power_of_ten(row.kp) else STIFF_SERVO_RETURN
@@ -78,13 +82,23 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             1.0 if driven else math.inf,
             # Of an armature that no torque turns UNT105 tells.
             armature=inertia or 0.0,
+            known=known,
         )
+        meant = False
         field, message, help = gain_words(gains, {}) or (None, "", None)
         if field is None and hinge and inertia and _swings_by_kp(row):
             if words := frequency_words(gains, inertia):
                 field, message, help = "kp", *words[:2]
+                # As simulators are told that a joint is rigid.
+                meant = not driven and is_power_of_ten(row.kp) and row.kp > inertia
+                help = None if meant else help
             elif damped := damping_words(gains, inertia, "the joint's damping"):
                 field, message, help = damped[:3]
+                # As 80 beside 400, by which arms are held.
+                kd = gains.kd or 0.0
+                as_typed = field == "kd" and not driven and is_short(kd) and not is_short(kd * DEGREE)
+                meant = as_typed and not row.armature and kd**2 > 4.0 * row.kp * inertia
+                help = "that inertia is the links' alone: has the motor an armature?" if meant else help
         if field is None:
             return
         if field == "viscous":
@@ -96,10 +110,11 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             row.place(field),
             row.joint,
             getattr(row, field),
-            unit(row, field),
+            unit(row, field) if known else "",
             help=help,
             related=_other(row, field),
             fields=(field,) if field in _PASSIVE else ("kp", "kd"),
+            noted_in_folders=meant,
         )
 
     def _limit(self, case: Case, row: LedgerRow, published: float | None) -> float | None:

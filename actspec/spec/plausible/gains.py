@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Path, Span, alternatives, dotted
-from actspec.fields import units_of
+from actspec.fields import Units, units_of
 from actspec.joints import JointKind
 from actspec.spec.plausible.relations import ALIKE, DEGREE, RARE, Relation, Repair, explained
 from actspec.spec.plausible.swing import is_short
@@ -81,6 +81,7 @@ RADIANS = 1.0
 rad."""
 LARGEST_OWN_ERROR = {JointKind.HINGE: math.pi, JointKind.SLIDE: 1.0}
 """Error that a kp is derived from [rad or m]. Chosen: no hinge is half a turn off, and mm are a thousand times more."""
+_NO_UNITS = Units("", "", "", "", "", "")
 _ANY = (0.0, math.inf)
 _WHOLE = (1.0, math.inf)
 """Of a figure as a part of its bound."""
@@ -101,6 +102,7 @@ class Gains:
         soft: Times `LARGEST_ERROR` from which on a kp is noticed.
         speed: That the motor lets the joint have [rad/s]; None: unknown.
         armature: [kg*m^2 or kg]; 0: unknown.
+        known: Whether the kind is known; else it is taken for a hinge, without units and without what degrees explain.
     """
 
     kp: float
@@ -113,16 +115,22 @@ class Gains:
     soft: float = 1.0
     speed: float | None = None
     armature: float = 0.0
+    known: bool = True
+
+    @property
+    def units(self) -> Units:
+        """Of what is said of it."""
+        return units_of(self.kind) if self.known else _NO_UNITS
 
     @property
     def shown_kp(self) -> str:
         """As one writes it."""
-        return format_quantity(self.kp, units_of(self.kind).stiffness, 4)
+        return format_quantity(self.kp, self.units.stiffness, 4)
 
     @property
     def shown_kd(self) -> str:
         """As one writes it."""
-        return format_quantity(self.kd, units_of(self.kind).velocity_gain, 4)
+        return format_quantity(self.kd, self.units.velocity_gain, 4)
 
 
 def gain_words(gains: Gains, places: Mapping[str, Span | None]) -> tuple[str, str, str | None] | None:
@@ -193,7 +201,7 @@ def _relations(gains: Gains) -> Iterator[Relation]:
             yield _relation(back, (LEAST_RETURN, math.inf), _ANY, hardly, "undamped by kd")
     if not gains.limit or gains.limit == math.inf:
         return
-    units = units_of(gains.kind)
+    units = gains.units
     error = gains.limit / gains.kp
     limit, shown = format_quantity(gains.limit, units.torque, 4), format_quantity(error, units.position, 3)
     largest = f"kp {gains.shown_kp} needs an error of {shown} for the effort limit of {limit}"
@@ -244,6 +252,8 @@ def _repairs(gains: Gains) -> Iterator[Repair]:
             both = _changed(gains, kp=1e3, kd=1e3)
             help = f"are kp and kd per mm? Per metre they are {both.shown_kp} and {both.shown_kd}"
             yield Repair(tuple(_relations(both)), (("kp",),), help)
+        return
+    if not gains.known:
         return
     slips = [
         ("kp", _changed(gains, kp=1.0 / DEGREE), "is kp per degree? Per radian it is {0.shown_kp}"),
