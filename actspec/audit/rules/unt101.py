@@ -30,6 +30,7 @@ class RangeInDegrees(RuleInParts):
     confidence = Confidence.HIGH
     noted_in_folders = True
     counts_where_run = True
+    written_over = frozenset({"range"})
     paired = True
     fix = Safety.UNSAFE
     needs = "no MJCF or URDF with a limited hinge among the files"
