@@ -387,6 +387,61 @@ def test_sides_of_a_model_that_a_program_names(
 
 
 @pytest.mark.parametrize(
+    ("limits", "program", "severity"),
+    [
+        ((3, 5), "", "warning"),
+        ((3, 0), "", "error"),
+        # The effort of a URDF is no drive's limit, of any joint.
+        ((3, 5), "tau = np.clip(tau, -9.0, 9.0)\n", "info"),
+        ((3, 0), "props['effort'].fill(9.0)\n", "info"),
+    ],
+)
+def test_efforts_of_two_sides_that_a_program_has_not(
+    limits: tuple[int, int],
+    program: str,
+    severity: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What is the same for all of them is what runs; whoever judges his own folder wants to know."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/legs.urdf").write_text(_LEGS.format(left=limits[0], right=limits[1], speed=9))
+    Path("r/run.py").write_text(f"FILE = 'legs.urdf'\n{program}")
+    for as_named, expected in ((False, severity), (True, "error" if 0 in limits else "warning")):
+        (found,) = audit(["r"], Settings(select=("SYM101",), as_named=as_named)).findings
+        assert found.severity.value == expected
+
+
+@pytest.mark.parametrize(
+    ("gains", "limit", "program", "severity"),
+    [
+        (40, 50, "m.actuator_gainprm[:, 0] = 80\n", "info"),
+        (40, 50, "kp = m.actuator_gainprm[0, 0]\n", "warning"),
+        # The limits stay.
+        (40, 30, "m.actuator_gainprm[:, 0] = 80\n", "warning"),
+    ],
+)
+def test_gains_of_two_sides_that_a_program_has_not(
+    gains: int, limit: int, program: str, severity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It writes the same for all of them."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    bodies = "".join(f'<body><geom size="0.1"/><joint name="{side}_knee"/></body>' for side in SIDES)
+    drives = (
+        '<position joint="left_knee" kp="100" forcerange="-50 50"/>'
+        f'<position joint="right_knee" kp="{gains}" forcerange="-{limit} {limit}"/>'
+    )
+    Path("r/legs.xml").write_text(
+        f"<mujoco><worldbody>{bodies}</worldbody><actuator>{drives}</actuator></mujoco>"
+    )
+    Path("r/run.py").write_text(f"import mujoco\nFILE = 'legs.xml'\n{program}")
+    (found,) = audit(["r"], Settings(select=("SYM101",))).findings
+    assert found.severity.value == severity
+
+
+@pytest.mark.parametrize(
     ("program", "severity"),
     [
         ("import mujoco\nFILE = 'arm.urdf'\n", "warning"),

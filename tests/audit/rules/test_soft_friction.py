@@ -51,7 +51,7 @@ def test_the_speed_is_that_of_mujoco(
 
 @pytest.mark.parametrize("own", ['solreffriction="0.2 1"', 'solimpfriction="0.5 0.9 0.01 0.5 2"'])
 def test_a_softness_of_the_model_s_own(own: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ten times softer it creeps ten times as fast: no speed is told, and that a real drive cannot move it is a note."""
+    """Ten times softer it creeps ten times as fast: no speed is told, and what a real drive cannot do is a note."""
     monkeypatch.chdir(tmp_path)
     text = FINGER.format(inertia=0.002, damping=0.05)
     Path("hand.xml").write_text(text.replace('name="finger"', f'name="finger" {own}', 1))
