@@ -21,6 +21,29 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
         rb"""["']@?angle["'](?:\]\s*=|\s*[:,])\s*["']radian"""
         rb"""|\.compiler\.(?:angle\s*=\s*["']radian|degree\s*=\s*(?:False|0)\b)"""
     ),
+    "actuators": re.compile(rb"\.replace\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\bactuators\s*=\s*\w+\s*[,)]"),
+}
+"""What a program writes over a file's figure when it has loaded it.
+
+Forks of legged_gym clip at limits of the configuration in place of the URDF's effort, or put them in its place for all
+joints (for one of them by number: a gripper's). What puts actuators that it made
+into any configuration of Isaac Lab has their limits from elsewhere. To an MJCF's tree or spec some
+give the angle that it lacks, as safety-gymnasium does.
+"""
+
+_LOADS = re.compile(
+    rb"\b(?:from_xml_(?:path|string)|load_model_from_(?:path|xml)|mj_loadXML|launch_from_path|MjSpec\.from_(?:file|string)"
+    rb"|mjcf\.from_(?:path|file))\("
+    rb"|\bMujocoEnv\b"
+)
+"""A program that loads an MJCF."""
+
+_WRITES_TO_MJCFS: dict[str, re.Pattern[bytes]] = {
+    "integrator": re.compile(
+        rb"""\bopt(?:ion)?\.integrator\s*=(?!=)[^\n]{0,120}(?:\b[23]\b|IMPLICIT)"""
+        rb"""|\bintegrator["'\]\\]{0,4}\s*[=,:]\s*["'\\]{1,3}implicit""",
+        re.IGNORECASE,
+    ),
     **{
         name: re.compile(
             rb"""(?:\bdof_%(field)b|(?:\bj(?:oint|nt)?\w{0,40}|\))\.%(field)b)%(put)b(?!%(scaled)b)"""
@@ -35,27 +58,12 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     ),
     "gains": re.compile(rb"\bactuator_(?:gain|bias)prm%b(?!%b)" % (_PUT, _SCALED)),
     "range": re.compile(rb"\b(?:jnt_range|jnt_limited|actuator_ctrlrange)" + _PUT),
-    "actuators": re.compile(rb"\.replace\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\bactuators\s*=\s*\w+\s*[,)]"),
 }
-"""What a program writes over a file's figure when it has loaded it.
+"""What a program writes over of a model that it or another has loaded.
 
-Forks of legged_gym clip at limits of the configuration in place of the URDF's effort, or put them in its place for all
-joints (for one of them by number: a gripper's). What puts actuators that it made
-into any configuration of Isaac Lab has their limits from elsewhere. To an MJCF's tree or spec some
-give the angle that it lacks, as safety-gymnasium does. Of joints some write damping and dry friction, to MuJoCo's
-arrays, a spec or Isaac Gym's properties; of the model the step, what moves with it, gains and ranges.
+The integrator is an implicit one (mjtIntegrator 2 and 3), to the model, or to an MJCF's tree, spec or text. Damping and
+dry friction go to MuJoCo's arrays, a spec or Isaac Gym's properties.
 """
-
-_LOADS = re.compile(
-    rb"\b(?:from_xml_(?:path|string)|load_model_from_(?:path|xml)|mj_loadXML|launch_from_path|MjSpec\.from_(?:file|string)"
-    rb"|mjcf\.from_(?:path|file))\("
-    rb"|\bMujocoEnv\b"
-)
-_IMPLICIT = re.compile(rb"\bopt(?:ion)?\.integrator\s*=(?!=)[^\n]*(?:\b[23]\b|IMPLICIT)")
-"""A program that loads an MJCF, and one that has MuJoCo integrate implicitly (mjtIntegrator 2 and 3)."""
-
-_WRITES_IMPLICIT = re.compile(rb"""\bintegrator["'\]\\]{0,4}\s*[=,:]\s*["'\\]{1,3}implicit""", re.IGNORECASE)
-"""One that writes it into an MJCF, its tree or its spec, or has an MJCF with it as text."""
 
 _RADIANS = re.compile(rb"""<compiler\b[^<>]*\bangle\s*=\s*\\?["']radian""")
 _INCLUDES = re.compile(rb"<include\s+file\s*=")
@@ -188,16 +196,19 @@ def works_on_files(text: bytes) -> bool:
 
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
-    """What programs write over, of `_WRITES`; the integrator, where each that steps an MJCF does; of URDFs efforts that
-    are no drive's limit; whether none compiles an MJCF as it stands, or steps it so; whether none takes joints as they
-    are (`dynamics`).
+    """What programs write over, of `_WRITES`; of `_WRITES_TO_MJCFS` what each that steps an MJCF does; of URDFs efforts
+    that are no drive's limit; whether none compiles an MJCF as it stands, or steps it so; whether none takes joints as
+    they are (`dynamics`).
     """
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
     loads = [text for text in texts if _LOADS.search(text)]
     # What only looks at a model steps nothing.
     steps = [text for text in loads if _STEPS.search(text)] or loads
-    if (steps and all(map(_IMPLICIT.search, steps))) or any(map(_WRITES_IMPLICIT.search, texts)):
-        found.add("integrator")
+    for name, form in _WRITES_TO_MJCFS.items():
+        # What loads a model itself writes to that one, and another program's is as it stands.
+        writers = [text for text in texts if form.search(text)]
+        if writers and (not all(map(_LOADS.search, writers)) or all(map(form.search, steps))):
+            found.add(name)
     if any(_RADIANS.search(text) and _INCLUDES.search(text) for text in texts):
         found.add("angle")
     if any(

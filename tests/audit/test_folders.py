@@ -393,7 +393,9 @@ def test_sides_of_a_model_that_a_program_names(
         ((3, 0), "", "error"),
         # The effort of a URDF is no drive's limit, of any joint.
         ((3, 5), "tau = np.clip(tau, -9.0, 9.0)\n", "info"),
-        ((3, 0), "props['effort'].fill(9.0)\n", "info"),
+        ((3, 5), "props['effort'].fill(9.0)\n", "info"),
+        # A dead joint is a slip, whoever has not felt it.
+        ((3, 0), "props['effort'].fill(9.0)\n", "error"),
     ],
 )
 def test_efforts_of_two_sides_that_a_program_has_not(

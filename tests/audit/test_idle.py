@@ -711,6 +711,9 @@ _STEPPED = "m = MjModel.from_xml_path('arm.xml')\nmujoco.mj_step(m, d)\n"
         # Step, gains and inertia; a draw about what was there, and what is only read, are no other ones.
         ([f"{_STEPPED}m.opt.timestep = 1e-4\n"], Severity.INFO),
         ([f"{_STEPPED}n = 0.02 / m.opt.timestep\nassert m.opt.timestep == 0.01\n"], Severity.ERROR),
+        # What another program does to its own model, and what a module does to the one that it is given.
+        ([f"{_STEPPED}m.opt.timestep = 1e-4\n", _STEPPED], Severity.ERROR),
+        ([_STEPPED, "model.opt.timestep = 1e-4\n"], Severity.INFO),
         ([f"{_STEPPED}m.actuator_gainprm[i, 0] = KP\n"], Severity.INFO),
         ([f"{_STEPPED}m.dof_armature[:] = 0.1\n"], Severity.INFO),
         ([f"{_STEPPED}m.dof_armature[:] = base * draw()\n"], Severity.ERROR),
@@ -830,6 +833,7 @@ def test_a_range_that_a_program_sets(program: str, severity: str) -> None:
         b"<compiler angle ",
         b'integrator"] ',
         b"import a ",
+        b"opt.integrator = ",
     ],
 )
 def test_a_line_of_a_megabyte(text: bytes) -> None:
