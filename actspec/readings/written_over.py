@@ -65,6 +65,16 @@ The integrator is an implicit one (mjtIntegrator 2 and 3), to the model, or to a
 dry friction go to MuJoCo's arrays, a spec or Isaac Gym's properties.
 """
 
+_SPEAKS_OF = {
+    "integrator": (b"integrator",),
+    "damping": (b"damping",),
+    "friction": (b"friction",),
+    "step": (b".timestep", b"dof_armature", b"body_mass", b"body_inertia"),
+    "gains": (b"prm",),
+    "range": (b"jnt_", b"actuator_ctrlrange"),
+}
+"""Words that a text has which matches: folders have hundreds of megabytes of others, to be passed over fast."""
+
 _RADIANS = re.compile(rb"""<compiler\b[^<>]*\bangle\s*=\s*\\?["']radian""")
 _INCLUDES = re.compile(rb"<include\s+file\s*=")
 """A program that has an MJCF of radians as text, and one that includes another in what it has."""
@@ -206,7 +216,8 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
     steps = [text for text in loads if _STEPS.search(text)] or loads
     for name, form in _WRITES_TO_MJCFS.items():
         # What loads a model itself writes to that one, and another program's is as it stands.
-        writers = [text for text in texts if form.search(text)]
+        words = _SPEAKS_OF[name]
+        writers = [text for text in texts if any(word in text for word in words) and form.search(text)]
         if writers and (not all(map(_LOADS.search, writers)) or all(map(form.search, steps))):
             found.add(name)
     if any(_RADIANS.search(text) and _INCLUDES.search(text) for text in texts):
