@@ -19,8 +19,10 @@ MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 """Files of a robot itself, to which the others give drives."""
 
 _WRITTEN: dict[FileKind | None, frozenset[str]] = {
-    FileKind.URDF: frozenset({"urdf_effort", "urdf_limit"}),
-    FileKind.MJCF: frozenset({"angle", "integrator", "compiled"}),
+    FileKind.URDF: frozenset({"urdf_effort", "urdf_limit", "dynamics", "damping", "friction"}),
+    FileKind.MJCF: frozenset(
+        {"angle", "integrator", "compiled", "dynamics", "damping", "friction", "step", "gains", "range"}
+    ),
     FileKind.CFG: frozenset({"actuators", "gains", "efforts", "speeds", "armatures", "classes"}),
 }
 """What of a kind of file a program can write over."""

@@ -484,7 +484,8 @@ class FileReading:
         written: Figures of models that programs of its folder write over when they have loaded one; `urdf_effort` where
             they ask no URDF for it, `urdf_limit` where none is of a trainer that takes a URDF's for the drive's,
             `compiled` where none is of MuJoCo or each attaches it, `integrator` where they set another, `angle` where
-            one sets radians, `drive` where they leave a configuration's gains to a simulator of their own.
+            one sets radians, `step` where step or inertia are theirs or another simulator's, `dynamics` where none is
+            of MuJoCo or Gazebo, `drive` where they leave a configuration's gains to a simulator of their own.
         idle: Configurations in a folder that no program there imports, where one imports others.
         record: Whether it is what a training wrote of itself: it says what was, and is not for editing.
         unread: Of a robot file that is not read where it is found in a folder, what it is: `xacro`, `template`.

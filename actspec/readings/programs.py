@@ -219,7 +219,7 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
         frozenset(path for path in own.surely_run() if not _is_brought(members[path], texts.values())),
-        written_over(tuple(texts.values())),
+        written_over([text for path, text in texts.items() if path not in own.exported]),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
 
@@ -293,7 +293,7 @@ class _Models:
         named: set[str] = set()
         others = False
         for program, names in self._named.items():
-            for name in names if program not in self._exported else ():
+            for name in names if program not in self.exported else ():
                 others = others or (name.ending.startswith(b"usd") and program.endswith(".py"))
                 meant = self._meant(name, program)
                 if program not in self.still:
@@ -303,7 +303,7 @@ class _Models:
         if not named and not others:
             named = {
                 path
-                for program in self._exported
+                for program in self.exported
                 for name in self._named[program]
                 for path in self._meant(name, program)
             }
@@ -323,7 +323,7 @@ class _Models:
                 for program, text in self.programs.items()
                 # Of thousands of programs few name a model.
                 if self._named[program]
-                and program not in self.still | self._exported
+                and program not in self.still | self.exported
                 and not works_on_files(text)
                 for name in _names(what_loads(os.path.splitext(program)[1].lower(), text))
                 if name.literal is not None
@@ -356,7 +356,7 @@ class _Models:
         return self.parts[path]
 
     @cached_property
-    def _exported(self) -> frozenset[str]:
+    def exported(self) -> frozenset[str]:
         """Launch files that an exporter wrote."""
         return frozenset(path for path in self.programs if self._is_exported(path))
 

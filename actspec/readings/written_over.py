@@ -22,6 +22,12 @@ def _sets(fields: bytes) -> re.Pattern[bytes]:
     )
 
 
+_PUT = rb"(?:\[[^=\n]{0,80}\])?\s*=(?!=)"
+"""After the name of an array or a mapping, that something is put there; no line is gone through twice."""
+
+_SCALED = rb"[^\n]{0,160}(?:[^\W\d]|\])[ \t]{0,8}\*"
+"""The rest of a line that multiplies a figure: a draw about what it was, as of domain randomisation."""
+
 _WRITES: dict[str, re.Pattern[bytes]] = {
     "urdf_effort": re.compile(
         rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""
@@ -50,11 +56,52 @@ in it has it as its owner changed it.
 """
 
 _LOADS = re.compile(
-    rb"\b(?:from_xml_(?:path|string)|load_model_from_(?:path|xml)|mj_loadXML|launch_from_path|MjSpec\.from_(?:file|string))\("
+    rb"\b(?:from_xml_(?:path|string)|load_model_from_(?:path|xml)|mj_loadXML|launch_from_path|MjSpec\.from_(?:file|string)"
+    rb"|mjcf\.from_(?:path|file))\("
     rb"|\bMujocoEnv\b"
 )
-_IMPLICIT = re.compile(rb"\bopt(?:ion)?\.integrator\s*=(?!=)[^\n]*(?:\b[23]\b|IMPLICIT)")
-"""A program that loads an MJCF, and one that has MuJoCo integrate implicitly (mjtIntegrator 2 and 3)."""
+"""A program that loads an MJCF."""
+
+_WRITES_TO_MJCFS: dict[str, re.Pattern[bytes]] = {
+    "integrator": re.compile(
+        rb"""\bopt(?:ion)?\.integrator\s*=(?!=)[^\n]{0,120}(?:\b[23]\b|IMPLICIT)"""
+        rb"""|\bintegrator["'\]\\]{0,4}\s*[=,:]\s*["'\\]{1,3}implicit""",
+        re.IGNORECASE,
+    ),
+    **{
+        name: re.compile(
+            rb"""(?:\bdof_%(field)b|(?:\bj(?:oint|nt)?\w{0,40}|\))\.%(field)b)%(put)b(?!%(scaled)b)"""
+            rb"""|\.set\(\s*["']%(field)b["']|props\w{0,20}\[["']%(name)b["']\](?:%(put)b|\.fill\()"""
+            % {b"name": name.encode(), b"field": field, b"put": _PUT, b"scaled": _SCALED}
+        )
+        for name, field in (("damping", b"damping"), ("friction", b"frictionloss"))
+    },
+    "step": re.compile(
+        rb"\bopt(?:ion)?\.timestep\s*=(?!=)|\b(?:dof_armature|body_mass|body_inertia)%(put)b(?!%(scaled)b)"
+        % {b"put": _PUT, b"scaled": _SCALED}
+    ),
+    "gains": re.compile(rb"\bactuator_(?:gain|bias)prm%b(?!%b)" % (_PUT, _SCALED)),
+    "range": re.compile(rb"\b(?:jnt_range|jnt_limited|actuator_ctrlrange)" + _PUT),
+}
+"""What a program writes over of a model that it or another has loaded.
+
+The integrator is an implicit one (mjtIntegrator 2 and 3), to the model, or to an MJCF's tree, spec or text. Damping and
+dry friction go to MuJoCo's arrays, a spec or Isaac Gym's properties.
+"""
+
+_SPEAKS_OF = {
+    "integrator": (b"integrator",),
+    "damping": (b"damping",),
+    "friction": (b"friction",),
+    "step": (b".timestep", b"dof_armature", b"body_mass", b"body_inertia"),
+    "gains": (b"prm",),
+    "range": (b"jnt_", b"actuator_ctrlrange"),
+}
+"""Words that a text has which matches: folders have hundreds of megabytes of others, to be passed over fast."""
+
+_RADIANS = re.compile(rb"""<compiler\b[^<>]*\bangle\s*=\s*\\?["']radian""")
+_INCLUDES = re.compile(rb"<include\s+file\s*=")
+"""A program that has an MJCF of radians as text, and one that includes another in what it has."""
 
 _CLIPPED = (
     rb"(?:ctrl|tau|torques?|effort)(?:(?!ctrl|tau|torque|effort)\w)*(?:\[[^\]\n]*\])?\s*=\s*\w+"
@@ -99,6 +146,24 @@ _OF_OLD = re.compile(rb"\b(?:import|from)[ \t]+(?:mujoco_py|gym\.envs\.mujoco)\b
 Source: MuJoCo's changelog, 2.1: no key is activated any more.
 """
 
+_MUJOCO = re.compile(
+    rb"""^[ \t"]*(?:import|from|using|use)[ \t][^\n]{0,80}mujoco|-m[ \t]+mujoco|\bmj_\w|\bmj(?:x|lab|Model)"""
+    rb"|dm_control|robosuite|mujoco_?(?:env|ros)",
+    re.IGNORECASE | re.MULTILINE,
+)
+_GAZEBO = re.compile(
+    rb"\bgazebo_ros\b|\bros_(?:gz|ign)_|\b(?:gz|ign)[ \t]+(?:sim|gazebo)\b|\bgz[_-]?(?:server|sim)\b"
+)
+"""Programs that simulate with MuJoCo, or with Gazebo: to these damping and friction are what the file says, beside a
+drive that the effort limits. `mujoco` alone is an MJCF's element too.
+
+Isaac Gym and Isaac Lab take a URDF's damping for the drive's, which is inside of the limit; Bullet takes neither its
+friction nor its effort.
+"""
+
+_OTHER_PHYSICS = re.compile(rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|genesis|pybullet|pydrake|brax)\b")
+"""Other simulators that read an MJCF."""
+
 _ATTACHES = re.compile(rb"\.attach(?:_body|_frame|_child)?\(")
 _ASSEMBLES = re.compile(rb"\bxml_path_completion\(")
 """A program that puts models together before MuJoCo compiles them: what one names may be in another; and one of
@@ -118,7 +183,7 @@ _COMPUTES = re.compile(rb"\b(?:" + _KINEMATICS + rb")\b")
 
 _STEPS = re.compile(
     rb"\b(?:mj_step\w*|mjx\w*|mujoco_warp|mjwarp|mjlab|mujoco_py|mujoco[-_]?env|do_simulation|dm_control|pipeline_step|robosuite"
-    rb"|physics\.step|sim(?:ulation|ulator)?\.step|pybullet\w*|stepSimulation|mujoco\.viewer\.launch\(|"
+    rb"|physics\.step|sim(?:ulation|ulator)?\.step|pybullet\w*|stepSimulation|mujoco\.viewer\.launch(?:_from_path)?\(|"
     + _SIMULATORS
     + rb")",
     re.IGNORECASE,
@@ -165,21 +230,38 @@ def works_on_files(text: bytes) -> bool:
 
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
-    """What programs write over, of `_WRITES`; the integrator, where each that loads an MJCF does; of URDFs efforts that
-    are no drive's limit; whether none compiles an MJCF as it stands.
+    """What programs write over, of `_WRITES`; of `_WRITES_TO_MJCFS` what each that steps an MJCF does; of URDFs efforts
+    that are no drive's limit; whether none compiles an MJCF as it stands, or steps it so; whether none takes joints as
+    they are (`dynamics`).
     """
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
     loads = [text for text in texts if _LOADS.search(text)]
-    if loads and all(map(_IMPLICIT.search, loads)):
-        found.add("integrator")
+    # What only looks at a model steps nothing.
+    steps = [text for text in loads if _STEPS.search(text)] or loads
+    for name, form in _WRITES_TO_MJCFS.items():
+        # What loads a model itself writes to that one, and another program's is as it stands.
+        words = _SPEAKS_OF[name]
+        writers = [text for text in texts if any(word in text for word in words) and form.search(text)]
+        if writers and (not all(map(_LOADS.search, writers)) or all(map(form.search, steps))):
+            found.add(name)
+    if any(_RADIANS.search(text) and _INCLUDES.search(text) for text in texts):
+        found.add("angle")
     if any(
         _CLIPS.search(text) or (_SAPIEN.search(text) and _FORCES_OF_DRIVES.search(text)) for text in texts
     ):
         found.add("urdf_effort")
     if not any(map(_LIMITS_BY_URDF.search, texts)):
         found.add("urdf_limit")
-    if any(map(_ASSEMBLES.search, texts)) or (loads and all(map(_ATTACHES.search, loads))):
-        found.add("compiled")
+    if any(map(_ASSEMBLES.search, texts)):
+        # Its base is in radians.
+        found |= {"angle", "compiled", "step"}
+    if loads and all(map(_ATTACHES.search, loads)):
+        found |= {"compiled", "step"}
+    if not any(map(_MUJOCO.search, texts)):
+        if any(map(_OTHER_PHYSICS.search, texts)):
+            found.add("step")
+        if not any(map(_GAZEBO.search, texts)):
+            found.add("dynamics")
     if not any(_COMPILES.search(text) and not _OF_OLD.search(text) for text in texts):
         found.add("compiled")
     return frozenset(found)

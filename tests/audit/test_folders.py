@@ -288,10 +288,10 @@ _MODEL = """<mujoco model="arm"><compiler autolimits="true"/><worldbody>
     ("file", "text", "program", "code", "elsewhere"),
     [
         # 2 N*m brake 4 N*m*s/rad at 0.5 rad/s, and the joint shall have 3.
-        ("arm.urdf", _LIMB.format(lower=-1), "import isaacgym\n", "DMP103", "info"),
+        ("arm.urdf", _LIMB.format(lower=-1), "import mujoco\n", "DMP103", "info"),
         ("arm.urdf", _LIMB.format(lower=2), "", "AUD022", None),
         ("arm.urdf", _LIMB.format(lower=-1)[:-9], "", "AUD008", "info"),
-        ("arm.xml", _MODEL.format(joint="elbow"), "", "FRC101", "info"),
+        ("arm.xml", _MODEL.format(joint="elbow"), "import mujoco\n", "FRC101", "info"),
         ("legs.urdf", _LEGS.format(left=3, right=5, speed=9), "", "SYM101", "info"),
         ("arm.xml", _MODEL.format(joint="elbow"), "", "UNT101", "info"),
         ("arm.xml", _MODEL.format(joint="ebow"), "import mujoco\n", "AUD020", None),
@@ -395,9 +395,66 @@ def test_sides_of_a_model_that_a_program_names(
 
 
 @pytest.mark.parametrize(
+    ("limits", "program", "severity"),
+    [
+        ((3, 5), "", "warning"),
+        ((3, 0), "", "error"),
+        # The effort of a URDF is no drive's limit, of any joint.
+        ((3, 5), "tau = np.clip(tau, -9.0, 9.0)\n", "info"),
+        ((3, 5), "props['effort'].fill(9.0)\n", "info"),
+        # A dead joint is a slip, whoever has not felt it.
+        ((3, 0), "props['effort'].fill(9.0)\n", "error"),
+    ],
+)
+def test_efforts_of_two_sides_that_a_program_has_not(
+    limits: tuple[int, int],
+    program: str,
+    severity: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What is the same for all of them is what runs; whoever judges his own folder wants to know."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/legs.urdf").write_text(_LEGS.format(left=limits[0], right=limits[1], speed=9))
+    Path("r/run.py").write_text(f"FILE = 'legs.urdf'\n{program}")
+    for as_named, expected in ((False, severity), (True, "error" if 0 in limits else "warning")):
+        (found,) = audit(["r"], Settings(select=("SYM101",), as_named=as_named)).findings
+        assert found.severity.value == expected
+
+
+@pytest.mark.parametrize(
+    ("gains", "limit", "program", "severity"),
+    [
+        (40, 50, "m.actuator_gainprm[:, 0] = 80\n", "info"),
+        (40, 50, "kp = m.actuator_gainprm[0, 0]\n", "warning"),
+        # The limits stay.
+        (40, 30, "m.actuator_gainprm[:, 0] = 80\n", "warning"),
+    ],
+)
+def test_gains_of_two_sides_that_a_program_has_not(
+    gains: int, limit: int, program: str, severity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It writes the same for all of them."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    bodies = "".join(f'<body><geom size="0.1"/><joint name="{side}_knee"/></body>' for side in SIDES)
+    drives = (
+        '<position joint="left_knee" kp="100" forcerange="-50 50"/>'
+        f'<position joint="right_knee" kp="{gains}" forcerange="-{limit} {limit}"/>'
+    )
+    Path("r/legs.xml").write_text(
+        f"<mujoco><worldbody>{bodies}</worldbody><actuator>{drives}</actuator></mujoco>"
+    )
+    Path("r/run.py").write_text(f"import mujoco\nFILE = 'legs.xml'\n{program}")
+    (found,) = audit(["r"], Settings(select=("SYM101",))).findings
+    assert found.severity.value == severity
+
+
+@pytest.mark.parametrize(
     ("program", "severity"),
     [
-        ("FILE = 'arm.urdf'\n", "warning"),
+        ("import mujoco\nFILE = 'arm.urdf'\n", "warning"),
         # Its text may be another one when a simulator has it.
         ("import mujoco\nload(open('arm.urdf').read().replace('MASS', '1'))\n", "info"),
         (
@@ -408,7 +465,7 @@ def test_sides_of_a_model_that_a_program_names(
         ("tree = ET.parse('arm.urdf')\n", "info"),
         # A tool that takes it apart, and one that simulates it.
         ("import argparse\nADD('--model', default='arm.urdf')\n", "info"),
-        ("import argparse, pybullet\nADD('--model', default='arm.urdf')\n", "warning"),
+        ("import argparse, mujoco\nADD('--model', default='arm.urdf')\n", "warning"),
         ("FILE = 'arm.urdf.xacro'\n", "info"),
     ],
 )
@@ -422,6 +479,79 @@ def test_a_model_that_a_program_takes_apart(
     Path("r/run.py").write_text(program)
     (found,) = [item for item in audit(["r"], Settings()).findings if item.finding.code == "DMP103"]
     assert found.severity.value == severity
+
+
+_ISAAC = "from isaacgym import gymapi\ngym.load_asset(sim, '.', '{file}')\n"
+_OF_MUJOCO = "import numpy, mujoco\nm = mujoco.MjModel.from_xml_path('{file}')\nmujoco.mj_step(m, d)\n"
+
+
+@pytest.mark.parametrize(
+    ("program", "damped", "rubbing"),
+    [
+        (_OF_MUJOCO, "warning", "warning"),
+        ('<launch><node pkg="gazebo_ros" args="-file $(find arm)/{file}"/></launch>', "warning", "warning"),
+        # Damping is the drive's there, Bullet's effort the caller's, and the rest moves nothing.
+        (_ISAAC, "info", "info"),
+        # It writes and reads MJCFs, and has no MuJoCo.
+        (f"{_ISAAC}root = ET.Element('mujoco')\n", "info", "info"),
+        ("import isaaclab\nUrdfFileCfg(asset_path='{file}')\n", "info", "info"),
+        ("import pybullet as p\np.loadURDF('{file}')\np.stepSimulation()\n", "info", "info"),
+        ("import genesis as gs\ngs.morphs.URDF(file='{file}')\n", "info", "info"),
+        ("import pinocchio\nr = BuildFromURDF('{file}')\ntau = r.nle(q, v)\n", "info", "info"),
+        (
+            '<launch><param textfile="$(find arm)/{file}"/><node pkg="rviz" type="rviz"/></launch>',
+            "info",
+            "info",
+        ),
+        # What it writes over; a draw about what was there is no other figure.
+        (f"{_OF_MUJOCO}m.dof_damping[:] = 0.5\n", "info", "warning"),
+        (f"{_OF_MUJOCO}m.dof_frictionloss[m.joint('elbow').dofadr[0]] = 0.1\n", "warning", "info"),
+        (f"{_OF_MUJOCO}for j in spec.joints:\n    j.damping = 0.5\n", "info", "warning"),
+        (f"{_OF_MUJOCO}joint.set('frictionloss', '0')\n", "warning", "info"),
+        (f"{_OF_MUJOCO}{_ISAAC}props['damping'].fill(1.0)\n", "info", "warning"),
+        (f"{_OF_MUJOCO}m.dof_damping[:] = base * draw()\nm.dof_frictionloss[:] *= 2\n", "warning", "warning"),
+        (
+            f"{_OF_MUJOCO}assert m.dof_damping[0] == 4\nprint(m.dof_frictionloss, end='')\n",
+            "warning",
+            "warning",
+        ),
+    ],
+)
+@pytest.mark.parametrize("file", ["arm.urdf", "arm.xml"])
+def test_damping_and_friction_by_what_simulates_them(
+    file: str, program: str, damped: str, rubbing: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever takes the file as it stands has 2 N*m that brake 30 N*m*s/rad at 0.067 rad/s, and 9 N*m of friction."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    urdf = _LIMB.format(lower=-1).replace('damping="4"', 'damping="30" friction="9"')
+    bodies = (
+        '<body><geom size="0.1"/><joint name="elbow" range="-60 60" {}/><body><geom size="0.1"/>'
+        '<joint name="wrist" range="-60 60" {}/></body></body>'
+    ).format('damping="30"', 'frictionloss="9"')
+    drives = "".join(f'<motor joint="{name}" forcerange="-2 2"/>' for name in ("elbow", "wrist"))
+    mjcf = f"<mujoco><worldbody>{bodies}</worldbody><actuator>{drives}</actuator></mujoco>"
+    Path("r", file).write_text(urdf if file == "arm.urdf" else mjcf)
+    Path("r", "run.launch" if program.startswith("<") else "run.py").write_text(
+        program.replace("{file}", file)
+    )
+    found = audit(["r"], Settings(select=("DMP103", "FRC101"))).findings
+    assert {item.finding.code: item.severity.value for item in found} == {"DMP103": damped, "FRC101": rubbing}
+    found = audit(["r"], Settings(select=("DMP103", "FRC101"), as_named=True)).findings
+    assert {item.severity.value for item in found} == {"warning"}
+
+
+@pytest.mark.parametrize(("speed", "cited"), [(3, "3 rad/s the"), (2.5, "2.5 rad/s (arm_b.urdf) the")])
+def test_a_speed_that_is_a_file_s_own(
+    speed: float, cited: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of files with one speed its own is told, and not the first's."""
+    monkeypatch.chdir(tmp_path)
+    own = _LIMB.format(lower=-1)
+    Path("arm_b.urdf").write_text(own.replace('velocity="3"', f'velocity="{speed}"').replace('"4"', '"0.1"'))
+    Path("arm_c.urdf").write_text(own)
+    (found,) = audit(["arm_b.urdf", "arm_c.urdf"], Settings(select=("DMP103",))).findings
+    assert found.finding.message.startswith(f"at the joint's {cited} damping of 4 ")
 
 
 def test_a_model_that_lacks_a_submodule_stays_a_note(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

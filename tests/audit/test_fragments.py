@@ -124,7 +124,7 @@ def test_what_stays() -> None:
 
 
 def test_a_scene_has_the_step_of_its_model() -> None:
-    """A model without options, which a scene runs with its own: what MuJoCo's defaults would do is a note."""
+    """A model that a scene runs with its options is judged in the scene, with options of its own too: both are one."""
     robot = """<mujoco>
   <compiler angle="radian"/>
   <worldbody>
@@ -141,9 +141,15 @@ def test_a_scene_has_the_step_of_its_model() -> None:
     Path("scene.xml").write_text(scene)
     both = ["scene.xml", "leg.xml"]
     alone = Settings(select=("STB101",))
-    assert [item.severity.value for item in audit(both, alone).findings] == ["info"]
-    Path("scene.xml").write_text(scene.replace('<option integrator="implicitfast"/>', ""))
-    assert {item.severity.value for item in audit(both, alone).findings} == {"error"}
+    options = '<option cone="elliptic"/><worldbody>'
+    for text in (robot, robot.replace("<worldbody>", options)):
+        Path("leg.xml").write_text(text)
+        Path("scene.xml").write_text(scene)
+        assert [item.severity.value for item in audit(both, alone).findings] == []
+        assert [item.severity.value for item in audit(["leg.xml"], alone).findings] == ["error"]
+        Path("scene.xml").write_text(scene.replace('<option integrator="implicitfast"/>', ""))
+        found = audit(both, alone).findings
+        assert [(item.finding.span.path, item.severity.value) for item in found] == [("leg.xml", "error")]
 
 
 def test_a_broken_model_keeps_its_word() -> None:

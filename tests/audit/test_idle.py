@@ -747,6 +747,9 @@ def test_joints_that_are_held_or_take_a_torque(group: str, gains: str, severity:
     assert {item.severity for item in found} == {severity}
 
 
+_STEPPED = "m = MjModel.from_xml_path('arm.xml')\nmujoco.mj_step(m, d)\n"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("programs", "severity"),
@@ -766,28 +769,71 @@ def test_joints_that_are_held_or_take_a_torque(group: str, gains: str, severity:
         (["m = MjModel.from_xml_path('arm.xml')\nm.opt.integrator = 1\n"], Severity.ERROR),
         (["m = MjModel.from_xml_path('arm.xml')\nassert m.opt.integrator == 2\n"], Severity.ERROR),
         (["m = MjModel.from_xml_path('arm.xml')\n# m.opt.integrator = 2\n"], Severity.ERROR),
-        # Another program takes the file as it is.
+        # Another program takes the file as it is, and one that steps nothing looks at it.
         (
             [
-                "m = MjModel.from_xml_path('arm.xml')\nm.opt.integrator = 2\n",
-                "MjModel.from_xml_path('arm.xml')\n",
+                "m = MjModel.from_xml_path('arm.xml')\nm.opt.integrator = 2\nmujoco.mj_step(m, d)\n",
+                "m = MjModel.from_xml_path('arm.xml')\nmujoco.mj_step(m, d)\n",
             ],
             Severity.ERROR,
         ),
+        (
+            [
+                "m = MjModel.from_xml_path('arm.xml')\nm.opt.integrator = 2\nmujoco.mj_step(m, d)\n",
+                "m = MjModel.from_xml_path('arm.xml')\nprint(m.njnt)\n",
+            ],
+            Severity.INFO,
+        ),
+        (["arm = mjcf.from_path('arm.xml')\narm.option.integrator = 'implicitfast'\n"], Severity.INFO),
+        (["ET.SubElement(root, 'option', {'integrator': 'implicitfast'})\n"], Severity.INFO),
+        (['XML = \'<option integrator="implicit"/><include file="arm.xml"/>\'\n'], Severity.INFO),
+        (["arm.option.integrator = 'RK4'\n"], Severity.ERROR),
+        # Step, gains and inertia; a draw about what was there, and what is only read, are no other ones.
+        ([f"{_STEPPED}m.opt.timestep = 1e-4\n"], Severity.INFO),
+        ([f"{_STEPPED}n = 0.02 / m.opt.timestep\nassert m.opt.timestep == 0.01\n"], Severity.ERROR),
+        # What another program does to its own model, and what a module does to the one that it is given.
+        ([f"{_STEPPED}m.opt.timestep = 1e-4\n", _STEPPED], Severity.ERROR),
+        ([_STEPPED, "model.opt.timestep = 1e-4\n"], Severity.INFO),
+        ([f"{_STEPPED}m.actuator_gainprm[i, 0] = KP\n"], Severity.INFO),
+        ([f"{_STEPPED}m.dof_armature[:] = 0.1\n"], Severity.INFO),
+        ([f"{_STEPPED}m.dof_armature[:] = base * draw()\n"], Severity.ERROR),
+        # What carries a tool, and what another simulator steps.
+        (["arm = MjSpec.from_file('arm.xml')\narm.attach(hand, site='tool')\n"], Severity.INFO),
     ],
 )
 def test_an_integrator_that_programs_write_over(programs: list[str], severity: Severity) -> None:
     """h kd/I = 0.01 x 5 / 0.02 = 2.5 under Euler, where 2 diverges."""
+    _write_leg_of_euler()
+    for number, program in enumerate(programs):
+        Path(f"arm/run_{number}.py").write_text(f"import mujoco\n{program}")
+    found = audit(["arm"], Settings(select=("STB101",))).findings
+    assert [item.severity for item in found] == [severity]
+
+
+@pytest.mark.parametrize(
+    ("program", "severity"),
+    [
+        ("from isaacgym import gymapi\n", Severity.INFO),
+        ("from brax.io import mjcf\n", Severity.INFO),
+        ("from isaacgym import gymapi\nimport mujoco\n", Severity.ERROR),
+        ("print('arm.xml')\n", Severity.ERROR),
+    ],
+)
+def test_an_mjcf_of_another_simulator(program: str, severity: Severity) -> None:
+    """MuJoCo's Euler never steps it; who has no program at all has MuJoCo's."""
+    _write_leg_of_euler()
+    Path("arm/run.py").write_text(f"{program}FILE = 'arm.xml'\n")
+    found = audit(["arm"], Settings(select=("STB101",))).findings
+    assert [item.severity for item in found] == [severity]
+
+
+def _write_leg_of_euler() -> None:
     Path("arm").mkdir()
     Path("arm/arm.xml").write_text(
         '<mujoco><option timestep="0.01"/><worldbody><body><joint name="knee" armature="0.01"/>'
         '<inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody>'
         '<actuator><position joint="knee" kp="100" kv="5"/></actuator></mujoco>'
     )
-    for number, program in enumerate(programs):
-        Path(f"arm/run_{number}.py").write_text(f"import mujoco\n{program}")
-    found = audit(["arm"], Settings(select=("STB101",))).findings
-    assert [item.severity for item in found] == [severity]
 
 
 @pytest.mark.parametrize(
@@ -798,6 +844,8 @@ def test_an_integrator_that_programs_write_over(programs: list[str], severity: S
         ("spec.compiler.degree = 0", "info"),
         ("spec.compiler.degree = 1", "warning"),
         ('# xml["compiler"] = {"@angle": "radian"}', "warning"),
+        ("""TEXT = '<compiler angle="radian"/><include file="arm.xml"/>'""", "info"),
+        ("MyArm(xml_path_completion('arm/arm.xml'))", "info"),
         # What it writes of its own is another file.
         ("""print('<compiler angle="radian"/>')""", "warning"),
         ("", "warning"),
@@ -825,6 +873,28 @@ def test_an_angle_that_a_program_sets(program: str, severity: str, compiler: str
 
 
 @pytest.mark.parametrize(
+    ("program", "severity"),
+    [
+        ("m.jnt_range[:] = LIMITS", "info"),
+        ("m.jnt_limited[:] = 0", "info"),
+        ("m.actuator_ctrlrange[:] = np.deg2rad(m.actuator_ctrlrange)", "info"),
+        ("low, high = m.jnt_range.T", "warning"),
+        ("assert m.actuator_ctrlrange[0, 1] == 90", "warning"),
+    ],
+)
+def test_a_range_that_a_program_sets(program: str, severity: str) -> None:
+    """90 is 57.3 times 1.5708, the joint's 90 degrees."""
+    Path("arm").mkdir()
+    Path("arm/arm.xml").write_text(
+        '<mujoco><compiler angle="degree"/><worldbody><body><geom size="0.1"/><joint name="a" range="-90 90"/></body>'
+        '</worldbody><actuator><position joint="a" kp="9" ctrlrange="-90 90"/></actuator></mujoco>'
+    )
+    Path("arm/load.py").write_text(f"import mujoco\nFILE = 'arm/arm.xml'\n{program}\n")
+    (found,) = audit(["arm"], Settings(select=("UNT101",))).findings
+    assert found.severity.value == severity
+
+
+@pytest.mark.parametrize(
     "text",
     [
         b"tau = np.clip(",
@@ -837,11 +907,21 @@ def test_an_angle_that_a_program_sets(program: str, severity: str, compiler: str
         b" x.actuators[",
         b" for x in x.actuators.values():",
         b"\n for x in x.actuators.values():\n x",
+        b"dof_damping[",
+        b"m.dof_damping = x * ",
+        b").damping[0] ",
+        b"j.damping",
+        b'props["damping"][',
+        b"actuator_gainprm[i][",
+        b"<compiler angle ",
+        b'integrator"] ',
+        b"import a ",
+        b"opt.integrator = ",
     ],
 )
 def test_a_line_of_a_megabyte(text: bytes) -> None:
     """Strangers' files have such lines; gone through once for each beginning on it, this takes half an hour."""
-    assert written_over((b"mujoco\n" + text * (1_000_000 // len(text)),)) == {"urdf_limit"}
+    assert written_over((b"import mujoco\n" + text * (1_000_000 // len(text)),)) == {"urdf_limit"}
 
 
 CONTROLLER = "PDJointPosControllerConfig(['pan', 'lift'], stiffness=1e3, damping=1e2, force_limit=100)\n"

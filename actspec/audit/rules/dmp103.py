@@ -33,6 +33,7 @@ class DampingOutsideClamp(RuleInParts):
     name = "damping-outside-the-clamp"
     noted_in_folders = True
     counts_where_run = True
+    written_over = frozenset({"dynamics", "damping", "urdf_effort"})
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
@@ -78,6 +79,8 @@ class DampingOutsideClamp(RuleInParts):
                 speeds[key] = min(told, key=lambda one: top_speed(one) or 0.0, default=None)
             fastest = speeds[key]
             speed = None if fastest is None else top_speed(fastest)
+            if speed is not None and top_speed(row) == speed:
+                fastest = row
             bound = limit.effort_limit or 0.0
             if is_undriven(case, row) or _brakes_by_intent(case, row):
                 yield ()

@@ -33,6 +33,7 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
     confidence = Confidence.HIGH
     noted_in_folders = True
     counts_where_run = True
+    written_over = frozenset({"dynamics", "friction", "urdf_effort"})
     paired = True
     needs = "no joint with dry friction and an effort limit among the files"
 
@@ -108,14 +109,16 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
         """How fast the full limit moves the joint in MuJoCo [rad/s or m/s], and whether friction brakes it most.
 
         Below its limit, friction is a constraint that brakes in proportion to speed and to the joint's inertia: a
-        light joint, or one with more damping than that, hardly feels it. Of one of unknown inertia nobody knows.
+        light joint, or one with more damping than that, hardly feels it. Of one of unknown inertia nobody knows, nor
+        where a model says itself how soft its friction is.
         """
         from actspec.simulate.reference import SOFT_RATE, SOFT_SHARE
 
         inertia, damping = row.inertia_free_min, row.joint_damping or 0.0
-        if case.artifacts[row.artifact].kind is not FileKind.MJCF:
+        artifact = case.artifacts[row.artifact]
+        if artifact.kind is not FileKind.MJCF:
             return 0.0, True
-        if inertia is None:
+        if inertia is None or artifact.states(b"solreffriction") or artifact.states(b"solimpfriction"):
             return 0.0, False
         brakes = inertia * SOFT_RATE * SOFT_SHARE / (1.0 - SOFT_SHARE)
         speed = limit / (brakes + damping) if brakes + damping > 0.0 else math.inf

@@ -43,7 +43,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
     confidence = Confidence.HIGH
     # Over nine blind samples 7 of 12 in strangers' folders were worth acting on, and two were false.
     noted_in_folders = True
-    written_over = frozenset({"integrator"})
+    written_over = frozenset({"integrator", "step", "gains"})
     needs = "no MJCF with drives on joints of known inertia among the files"
     options: ClassVar[dict[str, float]] = {"near": 1.0}
 
@@ -60,7 +60,8 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         """Find drives that the step is too long for."""
         rows, robot, least, joint = subject
         drive = _drive_of(robot, rows)
-        if drive is None:
+        if drive is None or rows[0].artifact in case.once(_parts_of_others):
+            # A part has step, integrator and load of what includes it, of which it is told at the same place.
             return
         if robot.integrator == "RK4":
             drive = StepDrive(drive.step, 0.0, drive.explicit, 0.0)
@@ -75,12 +76,9 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
                 # What it is coupled with moves with it, and the inertia is not that of the joint alone.
                 found = replace(found, severity=Severity.INFO, confidence=Confidence.LOW)
             if not artifact.states(b"<option") and (
-                artifact.is_part
-                or rows[0].artifact in case.once(_with_options_of_others)
-                or _is_a_mount(artifact)
-                or _is_a_gripper(robot)
+                artifact.is_part or _is_a_mount(artifact) or _is_a_gripper(robot)
             ):
-                # Step, integrator and what it carries are those of the model that includes or mounts it.
+                # Step, integrator and what it carries are those of the model that mounts it.
                 found = replace(found, severity=Severity.INFO, confidence=Confidence.LOW)
             elif bounded and _is_held(rows[0]):
                 found = replace(found, severity=Severity.INFO)
@@ -175,13 +173,13 @@ def _is_a_gripper(robot: RobotView) -> bool:
     return count <= _FEW and len(robot.joints) >= _LINKS * count
 
 
-def _with_options_of_others(case: Case) -> frozenset[int]:
-    """Models that another one includes, which has the step and the integrator."""
+def _parts_of_others(case: Case) -> frozenset[int]:
+    """Models that another one includes."""
     models = list(case.of_kind(FileKind.MJCF))
     included = {
         os.path.realpath(file.path)
         for _, artifact in models
-        if artifact.robot is not None and artifact.states(b"<option")
+        if artifact.robot is not None
         for file in artifact.robot.files
         if file.include
     }

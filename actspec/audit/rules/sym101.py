@@ -54,6 +54,9 @@ _PASSIVE = ("armature", "frictionloss", "joint_damping", "actuator_damping")
 _MOTOR = ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "armature")
 """What joints of one motor and gear have in common, however each is tuned and was identified."""
 
+_REPLACED = {"gains": ("kp", "kd"), "urdf_effort": ("effort_limit",)}
+"""What a program of a folder writes over, of all joints alike."""
+
 _COMPARED = attrgetter("control", *_DRIVE, *_PASSIVE)
 
 _PD = ("position", "implicit", "ideal_pd", "dc_motor")
@@ -190,7 +193,10 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             _is_chosen(case, left[0], right[0], names)
             or _is_meant(case, left[0], right[0], differing, relative)
         )
-        quiet = identified or unfelt or empty or meant
+        machines = not dead and left[0].artifact in case.once(_of_two_machines)
+        quiet = identified or unfelt or empty or meant or machines
+        over = case.written(odd.place(field), odd.joint)
+        replaced = {name for figure, own in _REPLACED.items() if figure in over for name in own}
         return Finding(
             self.code,
             f"left and right differ: {', '.join(texts)}",
@@ -202,7 +208,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             confidence=Confidence.LOW if quiet else Confidence.HIGH if dead else self.confidence,
             fields=tuple(name for name, _, _ in differing),
             # What holds a joint without a drive is there by intent more often than not.
-            noted_in_folders=not kinds and names <= {*_PASSIVE},
+            noted_in_folders=not (kinds or dead) and names <= {*_PASSIVE, *replaced},
             about=" ".join(
                 (
                     *(f"{one} {its}" for one, its in kinds[:1]),
@@ -217,7 +223,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             return None
         return Finding(
             self.code,
-            f"no actuator drives it, and {one_line(other.joint)} on the other side has one: it swings freely",
+            f"no actuator drives it, and {one_line(other.joint)} on the other side has one",
             odd.span,
             odd.joint,
             help="give it the actuator of the other side",
@@ -479,9 +485,18 @@ def _mirrored(left: _Rows, right: _Rows) -> list[tuple[Sequence[LedgerRow], Sequ
     found = []
     for name, rows in left.items():
         other = next((text for text in mirrors(name) if text in right), None)
-        if other is not None and not _are_axes(name, other, left):
+        if (
+            other is not None
+            and _is_of_one_kind(rows[0], right[other][0])
+            and not _are_axes(name, other, left)
+        ):
             found.append((rows, right[other]))
     return found
+
+
+def _is_of_one_kind(one: LedgerRow, other: LedgerRow) -> bool:
+    """Whether both slide or both turn; a configuration does not say."""
+    return one.kind is other.kind or one.kind is None or other.kind is None
 
 
 def _are_axes(one: str, other: str, names: Iterable[str]) -> bool:
@@ -529,6 +544,7 @@ def _forgotten(case: Case) -> frozenset[tuple[int, str]]:
             and whole[index] >= _SIDED
             and joint in undriven.get(index, ())
             and not (view.stiffness or GRIPS.search(joint) or names_undriven(joint))
+            and not any(map(is_held, case.joints[index, joint]))
         ):
             found.add((index, joint))
     return frozenset(found)
@@ -556,4 +572,20 @@ def _identified(case: Case) -> frozenset[int]:
         differ.setdefault(left[0].artifact, []).append(unlike)
     return frozenset(
         index for index, found in differ.items() if len(found) >= _SEVERAL and 2 * sum(found) >= len(found)
+    )
+
+
+def _of_two_machines(case: Case) -> frozenset[int]:
+    """Artifacts in which the motors of most pairs differ: two arms of two makers on one bench.
+
+    Limits ten times apart, and those of 0, are slips of whole hands too.
+    """
+    unlike: dict[int, list[bool]] = {}
+    for left, right in case.once(pairs):
+        one, other = left[0].effort_limit, right[0].effort_limit
+        if one is not None and other is not None:
+            differ = not math.isclose(one, other, rel_tol=_DERIVED) and not _is_absurd(one, other)
+            unlike.setdefault(left[0].artifact, []).append(differ)
+    return frozenset(
+        index for index, found in unlike.items() if len(found) >= _SEVERAL and 2 * sum(found) > len(found)
     )

@@ -30,6 +30,7 @@ class RangeInDegrees(RuleInParts):
     confidence = Confidence.HIGH
     noted_in_folders = True
     counts_where_run = True
+    written_over = frozenset({"range"})
     paired = True
     fix = Safety.UNSAFE
     needs = "no MJCF or URDF with a limited hinge among the files"
@@ -455,7 +456,24 @@ def read_as_degrees(case: Case) -> frozenset[int]:
         for index, artifact in case.of_kind(FileKind.MJCF)
         if not artifact.states(b"radian")
         and len(hinges := _moving(_limited_hinges(artifact))) >= _SEVERAL
+        and not _are_degrees_by_servos(case, index)
         and _are_locked([joint.range or (0.0, 0.0) for joint in hinges])
+    )
+
+
+def _are_degrees_by_servos(case: Case, index: int) -> bool:
+    """Whether each servo's own control range, in radians always, is its joint's range as that is read: a fine stage."""
+    servos = [
+        (row.command_range, row.position_range)
+        for rows in case.joints_by_artifact.get(index, {}).values()
+        for row in rows
+        if row.control == "position" and row.kind is JointKind.HINGE
+        if row.command_range is not None and row.position_range is not None
+    ]
+    return (
+        bool(servos)
+        and not case.artifacts[index].states(b"inheritrange")
+        and all(_is_near(command, joint, joint[1] - joint[0]) for command, joint in servos)
     )
 
 
@@ -527,9 +545,12 @@ def _is_no_range(ends: tuple[float, float] | None) -> bool:
 def is_degrees_of(command: tuple[float, float], joint: tuple[float, float]) -> bool:
     """Whether a range is another one in degrees; ends of 0 agree in both."""
     span = (joint[1] - joint[0]) * DEGREES
-    return span > 0.0 and all(
-        abs(c - DEGREES * j) <= 0.02 * span for c, j in zip(command, joint, strict=True)
-    )
+    return _is_near(command, (joint[0] * DEGREES, joint[1] * DEGREES), span)
+
+
+def _is_near(one: tuple[float, float], other: tuple[float, float], span: float) -> bool:
+    """Whether two ranges are one, as files round them."""
+    return span > 0.0 and all(abs(a - b) <= 0.02 * span for a, b in zip(one, other, strict=True))
 
 
 def _range_fixes(case: Case) -> dict[Span, Fix]:

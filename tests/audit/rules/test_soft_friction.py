@@ -49,6 +49,17 @@ def test_the_speed_is_that_of_mujoco(
     assert float(said[1]) == pytest.approx(float(data.qvel[0]), rel=0.05)
 
 
+@pytest.mark.parametrize("own", ['solreffriction="0.2 1"', 'solimpfriction="0.5 0.9 0.01 0.5 2"'])
+def test_a_softness_of_the_model_s_own(own: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten times softer it creeps ten times as fast: no speed is told, and what a real drive cannot do is a note."""
+    monkeypatch.chdir(tmp_path)
+    text = FINGER.format(inertia=0.002, damping=0.05)
+    Path("hand.xml").write_text(text.replace('name="finger"', f'name="finger" {own}', 1))
+    (found,) = audit(["hand.xml"], Settings(select=("FRC101",))).findings
+    assert found.finding.message.endswith(": a real drive cannot move the joint")
+    assert found.severity is Severity.INFO
+
+
 def test_a_part_of_which_its_includer_tells_the_inertia(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
