@@ -489,7 +489,7 @@ _OF_MUJOCO = "import numpy, mujoco\nm = mujoco.MjModel.from_xml_path('{file}')\n
     ("program", "damped", "rubbing"),
     [
         (_OF_MUJOCO, "warning", "warning"),
-        ('<launch><node pkg="gazebo_ros" args="-file $(find arm)/{file}"/></launch>', "warning", "warning"),
+        ('<launch><node pkg="gazebo_ros" args="-file $(find r)/{file}"/></launch>', "warning", "warning"),
         # Damping is the drive's there, Bullet's effort the caller's, and the rest moves nothing.
         (_ISAAC, "info", "info"),
         # It writes and reads MJCFs, and has no MuJoCo.
@@ -499,7 +499,7 @@ _OF_MUJOCO = "import numpy, mujoco\nm = mujoco.MjModel.from_xml_path('{file}')\n
         ("import genesis as gs\ngs.morphs.URDF(file='{file}')\n", "info", "info"),
         ("import pinocchio\nr = BuildFromURDF('{file}')\ntau = r.nle(q, v)\n", "info", "info"),
         (
-            '<launch><param textfile="$(find arm)/{file}"/><node pkg="rviz" type="rviz"/></launch>',
+            '<launch><param textfile="$(find r)/{file}"/><node pkg="rviz" type="rviz"/></launch>',
             "info",
             "info",
         ),
