@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from actspec.simulators.classes import ISAACLAB, MJLAB
 
@@ -90,14 +90,22 @@ dry friction go to MuJoCo's arrays, a spec or Isaac Gym's properties.
 """
 
 _SPEAKS_OF = {
+    "urdf_effort": (b"effort", b"torque_limits"),
+    "angle": (b"radian", b".compiler."),
+    **dict.fromkeys(("actuators", "efforts", "speeds", "armatures"), (b"actuators",)),
+    "classes": (b"Cfg",),
     "integrator": (b"integrator",),
     "damping": (b"damping",),
     "friction": (b"friction",),
     "step": (b".timestep", b"dof_armature", b"body_mass", b"body_inertia"),
-    "gains": (b"prm",),
+    "gains": (b"prm", b"actuators"),
     "range": (b"jnt_", b"actuator_ctrlrange"),
 }
-"""Words that a text has which matches: folders have hundreds of megabytes of others, to be passed over fast."""
+"""Words that a text has which matches one of these forms: folders have hundreds of megabytes of others, to be passed
+over fast."""
+
+_SPEAKS_OF_MUJOCO = (b"mj", b"mujoco", b"dm_control", b"robosuite")
+"""Likewise of programs of MuJoCo, in small letters."""
 
 _RADIANS = re.compile(rb"""<compiler\b[^<>]*\bangle\s*=\s*\\?["']radian""")
 _INCLUDES = re.compile(rb"<include\s+file\s*=")
@@ -234,15 +242,19 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
     that are no drive's limit; whether none compiles an MJCF as it stands, or steps it so; whether none takes joints as
     they are (`dynamics`).
     """
-    found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
+
+    def writers(name: str, form: re.Pattern[bytes]) -> Iterator[bytes]:
+        words = _SPEAKS_OF[name]
+        return (text for text in texts if any(word in text for word in words) and form.search(text))
+
+    found = {name for name, form in _WRITES.items() if any(writers(name, form))}
     loads = [text for text in texts if _LOADS.search(text)]
     # What only looks at a model steps nothing.
     steps = [text for text in loads if _STEPS.search(text)] or loads
     for name, form in _WRITES_TO_MJCFS.items():
         # What loads a model itself writes to that one, and another program's is as it stands.
-        words = _SPEAKS_OF[name]
-        writers = [text for text in texts if any(word in text for word in words) and form.search(text)]
-        if writers and (not all(map(_LOADS.search, writers)) or all(map(form.search, steps))):
+        writing = [*writers(name, form)]
+        if writing and (not all(map(_LOADS.search, writing)) or all(map(form.search, steps))):
             found.add(name)
     if any(_RADIANS.search(text) and _INCLUDES.search(text) for text in texts):
         found.add("angle")
@@ -257,11 +269,13 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
         found |= {"angle", "compiled", "step"}
     if loads and all(map(_ATTACHES.search, loads)):
         found |= {"compiled", "step"}
-    if not any(map(_MUJOCO.search, texts)):
+    lowered = ((text, text.lower()) for text in texts)
+    of_mujoco = [text for text, low in lowered if any(word in low for word in _SPEAKS_OF_MUJOCO)]
+    if not any(map(_MUJOCO.search, of_mujoco)):
         if any(map(_OTHER_PHYSICS.search, texts)):
             found.add("step")
         if not any(map(_GAZEBO.search, texts)):
             found.add("dynamics")
-    if not any(_COMPILES.search(text) and not _OF_OLD.search(text) for text in texts):
+    if not any(_COMPILES.search(text) and not _OF_OLD.search(text) for text in of_mujoco):
         found.add("compiled")
     return frozenset(found)
