@@ -212,18 +212,22 @@ def test_motion_without_a_velocity_is_the_position_s(log: Log) -> None:
 
 
 @pytest.mark.slow
-def test_a_torque_of_another_scale_is_refused_before_the_fit(tmp_path: Path) -> None:
+def test_a_torque_of_another_scale_is_refused_before_the_fit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """0.4 of it; the speed that is read is filtered, which makes up to a fifth less of the scale."""
+    monkeypatch.setattr("actspec.sysid.fit.roll", None)  # nothing is fitted
     log = logged(gravity=True)
     hip = log.joints["hip"]
     assert hip.torque is not None
-    with pytest.raises(LogError, match=r"the torque is 1\.[89]\d* .* times what the model's masses need"):
-        fitted(tmp_path, replace(log, joints={"hip": replace(hip, torque=2.0 * hip.torque)}))
+    with pytest.raises(LogError, match=r"the torque is 0\.3[2-9]\d* .* times what the model's masses need"):
+        fitted(tmp_path, replace(log, joints={"hip": replace(hip, torque=0.4 * hip.torque)}))
 
 
 @pytest.mark.slow
 def test_a_command_that_the_drive_did_not_get_has_no_figures(tmp_path: Path) -> None:
     """What moved the joint went to 0.6 rad, the log has it cut off at a third."""
-    log = logged(gravity=True)
+    log = logged(gravity=True, rows=500)
     hip = log.joints["hip"]
     cut = replace(hip, command=np.clip(hip.command, -0.2, 0.2))
     with pytest.raises(LogError, match=r"no figures make the model move as the log does"):
