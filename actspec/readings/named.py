@@ -295,7 +295,7 @@ def _idle(
     each = [idle(members, programs_in(folder, exclude)) for folder, members in inside.items()]
     return Idle(
         frozenset().union(*(one.models for one in each)),
-        frozenset().union(*(one.run for one in each)),
+        {path: nothing for one in each for path, nothing in one.run.items()},
         frozenset().union(*(one.written for one in each)),
         {path: names for one in each for path, names in one.configs.items()},
     )
@@ -346,7 +346,7 @@ def _chosen(
                     put_aside=bool(ASIDE.search(os.path.relpath(file.path, file.folder))),
                     unnamed=file.path in idle_there.models,
                     run=file.path in idle_there.run,
-                    written=idle_there.written,
+                    written=idle_there.written | idle_there.run.get(file.path, frozenset()),
                     idle=idle_there.configs.get(file.path, frozenset()),
                 )
             )

@@ -12,7 +12,8 @@ from actspec.files import FAULTS, folders_in, in_repository, place_of, read_regu
 from actspec.simulators import Release, release
 
 _REQUIREMENTS = re.compile(
-    r"[\w.-]*requirements[\w.-]*\.(?:txt|in)|setup\.(?:py|cfg)|pyproject\.toml|environment[\w.-]*\.ya?ml",
+    r"[\w.-]*requirements[\w.-]*\.(?:txt|in)|setup\.(?:py|cfg)|pyproject\.toml"
+    r"|[\w.-]*(?:conda|env(?:ironment)?)[\w.-]*\.ya?ml",
     re.IGNORECASE,
 )
 """Files in which a project says what it needs."""
@@ -123,6 +124,14 @@ class Pins:
         """
         itself = False
         folders = list(in_repository(path))
+        repository = os.path.lexists(os.path.join(folders[-1], ".git"))
+        if (
+            named is not None
+            and not repository
+            and os.path.abspath(named) not in map(os.path.abspath, folders)
+        ):
+            # A model may lie deeper in it than one looks up.
+            folders.append(named)
         for folder in folders:
             said = self._in(folder)
             own = [one for one in said if not _is_wrapper(one.name)]
@@ -136,11 +145,11 @@ class Pins:
             wrapper = next((one for one in said if _is_wrapper(one.name)), None)
             if wrapper is not None and not itself:
                 return wrapper.asked
-        if not os.path.lexists(os.path.join(folders[-1], ".git")):
+        if not repository:
             # What is beside them up there is somebody's other projects.
-            whole = [os.path.abspath(one) for one in folders]
+            paths = [os.path.abspath(one) for one in folders]
             root = "" if named is None else os.path.abspath(named)
-            folders = folders[: whole.index(root) + 1] if root in whole else []
+            folders = folders[: paths.index(root) + 1] if root in paths else []
         for folder in folders[1:]:
             if beside := self._beside(folder):
                 all_old = all(_is_older(one.clauses, self.installed) for one in beside)

@@ -13,7 +13,7 @@ from actspec.files import NotRegular, TooLarge, in_common, read_regular
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.gym_tasks import no_tasks
 from actspec.readings.loads import what_loads
-from actspec.readings.written_over import poses_alone, works_on_files, written_over
+from actspec.readings.written_over import nothing_to, poses_alone, works_on_files, written_over
 
 _HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
 _SLASHES = re.compile(rb"/\*.*?\*/|(?<![:\w\"'])//[^\n]*", re.DOTALL)
@@ -131,13 +131,14 @@ class Idle:
     Attributes:
         models: Paths of models that no program names, nor a model that one names, where programs name others; a program
             that only asks where the links are counts for nothing.
-        run: Paths of the models that they write out, and of those that these name.
+        run: Paths of the models that they write out, and of those that these name; each with what is nothing to the
+            simulators of the programs that name it.
         written: Figures of models that programs write over.
         configs: Path to the configurations that stand there alone, where a program imports others.
     """
 
     models: frozenset[str] = frozenset()
-    run: frozenset[str] = frozenset()
+    run: Mapping[str, frozenset[str]] = field(default_factory=dict)
     written: frozenset[str] = frozenset()
     configs: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
@@ -218,7 +219,11 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     run = own.run()
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
-        frozenset(path for path in own.surely_run() if not _is_brought(members[path], texts.values())),
+        {
+            path: nothing_to([texts[program] for program in programs], texts.values())
+            for path, programs in own.surely_run().items()
+            if not _is_brought(members[path], texts.values())
+        },
         written_over([text for path, text in texts.items() if path not in own.exported]),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
@@ -311,27 +316,30 @@ class _Models:
                 return None
         return self._with_parts(named)
 
-    def surely_run(self) -> frozenset[str]:
-        """Those that a program writes out to be run, by a name that no other model there has.
+    def surely_run(self) -> dict[str, frozenset[str]]:
+        """Those that a program writes out to be run, by a name that no other model there has, with these programs.
 
         Not what is made of a USD or a xacro that one names, which may have been written before, nor what it opens as
         text, only speaks of, or works on and does not simulate, nor a model of elsewhere.
         """
-        return self._with_parts(
-            {
-                meant[0]
-                for program, text in self.programs.items()
-                # Of thousands of programs few name a model.
-                if self._named[program]
-                and program not in self.still | self.exported
-                and not works_on_files(text)
-                for name in _names(what_loads(os.path.splitext(program)[1].lower(), text))
-                if name.literal is not None
-                and name.ending in _ENDINGS
-                and len(meant := self._meant(name, program)) == 1
-                and _may_be(meant[0], name.folders)
-            }
-        )
+        by: dict[str, set[str]] = {}
+        for program, text in self.programs.items():
+            # Of thousands of programs few name a model.
+            if not self._named[program] or program in self.still | self.exported or works_on_files(text):
+                continue
+            for name in _names(what_loads(os.path.splitext(program)[1].lower(), text)):
+                if (
+                    name.literal is not None
+                    and name.ending in _ENDINGS
+                    and len(meant := self._meant(name, program)) == 1
+                    and _may_be(meant[0], name.folders)
+                ):
+                    by.setdefault(meant[0], set()).add(program)
+        found: dict[str, frozenset[str]] = {}
+        for path, programs in by.items():
+            for part in self._with_parts([path]):
+                found[part] = found.get(part, frozenset()) | programs
+        return found
 
     @cached_property
     def _named(self) -> dict[str, tuple[_Name, ...]]:

@@ -147,9 +147,14 @@ that were not the published ones, readers would have acted on 15 of 18 beside a 
 """
 
 
-_COMPILES = re.compile(rb"mujoco(?![_-]?py\b)|\bmj_|\bmjx|mjlab|dm_control|robosuite", re.IGNORECASE)
+_OF_TODAY = re.compile(
+    rb"\bimport[ \t][^\n]{0,80}(?<![.\w])mujoco\b|\bfrom[ \t]+mujoco[ \t.]|\bmujoco\.(?:Mj|mj_|mjx|viewer|Renderer)"
+    rb"|\bMjSpec\b|\bmj_loadXML\(|mujoco/mujoco\.h|\busing[ \t]+MuJoCo\b|-m[ \t]+mujoco\b|\bgymnasium\.envs\.mujoco\b"
+    rb"|\b(?:mjx|mjlab|dm_control|robosuite|mujoco_(?:playground|ros|warp))"
+)
 _OF_OLD = re.compile(rb"\b(?:import|from)[ \t]+(?:mujoco_py|gym\.envs\.mujoco)\b|\bmj_activate\(")
-"""Programs of MuJoCo. Isaac Gym, Bullet and Drake read an MJCF their own way, mujoco_py by a MuJoCo of its own.
+"""Programs of MuJoCo's own bindings, or of what is built on them, and of mujoco_py, which has a MuJoCo of its own; the
+word `mujoco` is in an MJCF's text and in the paths of both. Isaac Gym, Bullet and Drake read an MJCF their own way.
 
 Source: MuJoCo's changelog, 2.1: no key is activated any more.
 """
@@ -237,6 +242,27 @@ def works_on_files(text: bytes) -> bool:
     return bool(_TOOL.search(text)) and packages <= _NO_SIMULATORS | sys.stdlib_module_names
 
 
+def _compiles(text: bytes) -> bool:
+    """Whether a program hands models to the MuJoCo of today."""
+    return bool(_OF_TODAY.search(text)) and not _OF_OLD.search(text)
+
+
+def nothing_to(loaders: Collection[bytes], texts: Collection[bytes]) -> frozenset[str]:
+    """What of a model is nothing to the simulators that load it, as `written_over` calls it.
+
+    Args:
+        loaders: The programs that name it.
+        texts: All programs of its folder: a program that says nothing of a simulator has one of them.
+    """
+    compiled = [text for text in loaders if _compiles(text)]
+    old = [text for text in loaders if _OF_OLD.search(text)]
+    other = [text for text in loaders if text not in compiled + old and _OTHER_PHYSICS.search(text)]
+    if compiled or not (old or other or any(map(_OF_OLD.search, texts))):
+        return frozenset()
+    alone = other and not old and not any(_MUJOCO.search(text) or _GAZEBO.search(text) for text in loaders)
+    return frozenset({"compiled", "step", "dynamics"} if alone else {"compiled"})
+
+
 def written_over(texts: Collection[bytes]) -> frozenset[str]:
     """What programs write over, of `_WRITES`; of `_WRITES_TO_MJCFS` what each that steps an MJCF does; of URDFs efforts
     that are no drive's limit; whether none compiles an MJCF as it stands, or steps it so; whether none takes joints as
@@ -276,6 +302,6 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
             found.add("step")
         if not any(map(_GAZEBO.search, texts)):
             found.add("dynamics")
-    if not any(_COMPILES.search(text) and not _OF_OLD.search(text) for text in of_mujoco):
+    if not any(map(_compiles, of_mujoco)):
         found.add("compiled")
     return frozenset(found)

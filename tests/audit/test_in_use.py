@@ -113,3 +113,34 @@ def test_an_include_that_a_program_brings(include: str, program: str, used: bool
     Path("r/arm.xml").write_text(f'<mujoco><include file="{include}"/><worldbody/></mujoco>')
     Path("r/run.py").write_text(program + LOADS)
     assert in_use() == ({"arm"} if used else set())
+
+
+@pytest.mark.parametrize(
+    ("program", "nothing"),
+    [
+        ("import mujoco\nload('leg.xml')\n", set()),
+        ("from mujoco import viewer\nload('leg.xml')\n", set()),
+        ("from gymnasium.envs.mujoco import MujocoEnv\nload('leg.xml')\n", set()),
+        ("load('leg.xml')\n", set()),
+        ("from mujoco_py import load_model_from_path\nload_model_from_path('leg.xml')\n", {"compiled"}),
+        ("import mujoco_py, mujoco\nload('leg.xml')\n", {"compiled"}),
+        ("import isaacgym\ngym.load_asset(sim, 'leg.xml')\n", {"compiled", "step", "dynamics"}),
+        ("import pybullet\nload('leg.xml')  # as in mujoco\n", {"compiled", "step", "dynamics"}),
+        ("import pybullet\nrun('leg.xml', 'gazebo_ros')\n", {"compiled"}),
+        ("import pybullet, mujoco\nload('leg.xml')\n", set()),
+    ],
+)
+def test_whose_simulator_loads_a_model(program: str, nothing: set[str]) -> None:
+    """By the programs that name it: the one that loads the arm is of MuJoCo."""
+    Path("r/leg.py").write_text(program)
+    of = {"compiled", "step", "dynamics"}
+    written = {Path(file.path).stem: file.written & of for file in read_files(["r"])}
+    assert written == {"arm": frozenset(), "leg": nothing}
+
+
+def test_a_program_that_names_no_simulator_has_one_of_the_folder() -> None:
+    """MuJoCo's or mujoco_py's, where the folder has both."""
+    Path("r/leg.py").write_text("env = Environment('leg.xml')\n")
+    Path("r/environment.py").write_text("import mujoco_py\n")
+    written = {Path(file.path).stem: "compiled" in file.written for file in read_files(["r"])}
+    assert written == {"arm": False, "leg": True}

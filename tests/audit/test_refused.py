@@ -230,6 +230,39 @@ def test_a_slip_that_no_release_takes(attribute: str, level: str) -> None:
 
 @pytest.mark.usefixtures("_old_model")
 @pytest.mark.parametrize(
+    ("body", "level"),
+    [
+        # MuJoCo 2.2.0 reads all but the last, measured with its library.
+        ('<body pos="0,0,0"><joint name="j"/><geom size="0.1"/></body>', "info"),
+        ('<body quat="1 0 0 0" euler="0 0 1"><joint name="j"/><geom size="0.1"/></body>', "info"),
+        ('<body quat="0 0 0 0"><joint name="j"/><geom size="0.1"/></body>', "info"),
+        ('<body><joint name="j" class="leg"/><geom size="0.1"/></body>', "warning"),
+    ],
+)
+def test_what_an_older_release_reads(body: str, level: str) -> None:
+    """Beside a class that is not there, which no release takes."""
+    Path("requirements.txt").write_text("mujoco_py\n")
+    Path("robots/leg.xml").write_text(
+        f"<mujoco><compiler angle='radian'/><worldbody>{body}</worldbody>"
+        "<actuator><motor joint='j' ctrlrange='-20 20'/></actuator></mujoco>"
+    )
+    assert refused(Settings(select=("AUD020",)))[0] == level
+
+
+@pytest.mark.usefixtures("_old_model")
+def test_a_default_at_the_top() -> None:
+    """A second one of another name than main: MuJoCo 3.1.6 takes it, measured with its library."""
+    Path("requirements.txt").write_text("mujoco==3.1.6\n")
+    Path("robots/leg.xml").write_text(
+        "<mujoco><compiler angle='radian'/><default class='leg'/><default class='arm'/><worldbody><body>"
+        "<joint name='j'/><geom size='0.1'/></body></worldbody></mujoco>"
+    )
+    level, message = refused(Settings(select=("AUD020",)))
+    assert (level, "top-level default class 'main' cannot be renamed" in message) == ("info", True)
+
+
+@pytest.mark.usefixtures("_old_model")
+@pytest.mark.parametrize(
     ("plugin", "level"), [("mujoco.elasticity.cable", "info"), ("mujoco.elastic.cable", "warning")]
 )
 def test_a_plugin_that_an_older_release_has(plugin: str, level: str) -> None:

@@ -45,6 +45,12 @@ def older(path: str = "assets/hand/leg.xml", installed: tuple[int, ...] = (4, 0,
         ("environment.yml", "dependencies:\n  - pip:\n    - mujoco==3.2.3\n", ":3 asks for mujoco==3.2.3, which"),
         ("environment.yaml", "  - mujoco=2.1.5=py38\n", ":1 asks for mujoco==2.1.5, which"),
         (
+            "conda_environment.yaml",
+            "- pip:\n  - free-mujoco-py==2.1.6\n",
+            ":2 asks for free-mujoco-py==2.1.6, whose MuJoCo, 2.1 or older,",
+        ),
+        ("conda.yml", "- mujoco=3.2\n", ":1 asks for mujoco==3.2, which"),
+        (
             "CMakeLists.txt",
             "project(leg)\ninclude_directories(/home/ada/.mujoco/mujoco-2.3.1/include/)",
             ":2 builds with mujoco-2.3.1, which",
@@ -169,6 +175,8 @@ def test_how_far_it_looks(tmp_path: Path) -> None:
     assert len(deep.split("/")) == MOST_ABOVE
     assert older(f"{deep}/leg.xml") is not None
     assert older(f"{deep}/i/leg.xml") is None
+    assert Pins((4, 0, 0)).older(f"{deep}/i/leg.xml", ".") is not None
+    assert Pins((4, 0, 0)).older(f"{deep}/i/leg.xml", "a") is None
     Path("requirements.txt").rename("other.txt")
     Path("requirements.txt").symlink_to("other.txt")
     assert older() is None

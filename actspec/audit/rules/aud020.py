@@ -15,11 +15,13 @@ from actspec.simulators import text_of
 _BY_RELEASE = re.compile(
     r"unrecognized (?:attribute: '(\w+)'|element)|no longer supported|orientation specifier"
     r"|plugin mujoco\.elasticity\.\w+ not found|for mesh geoms, inertia should be specified"
+    r"|at most one of '|bad format in attribute|zero quaternion|top-level default class|flex"
 )
 """Reasons of MuJoCo that another release may not have; what no joint is, none has.
 
-Source: the wheels' plugin folders: 4.0.0 has no libelasticity (cable, shell, solid) any more; 3.2.6 takes shellinertia
-of a geom with a mesh, measured.
+Source: the wheels' plugin folders: 4.0.0 has no libelasticity (cable, shell, solid) any more. Measured: 3.2.6 takes
+shellinertia of a geom with a mesh; 2.2.0 reads `pos="0,0,0"`, two orientations and a quaternion of zeros, 2.3.7 the
+last of these, and 3.1.6 a default of another name than main at the top.
 """
 
 _SHORT = 3
