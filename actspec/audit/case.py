@@ -23,7 +23,9 @@ _WRITTEN: dict[FileKind | None, frozenset[str]] = {
     FileKind.MJCF: frozenset(
         {"angle", "integrator", "compiled", "dynamics", "damping", "friction", "step", "gains", "range"}
     ),
-    FileKind.CFG: frozenset({"actuators", "gains", "efforts", "speeds", "armatures", "classes"}),
+    FileKind.CFG: frozenset(
+        {"actuators", "gains", "efforts", "speeds", "armatures", "lags", "positions", "classes"}
+    ),
 }
 """What of a kind of file a program can write over."""
 

@@ -16,6 +16,7 @@ _CALLS = re.compile(
     rb"(?:\b(?:open|parse|print|exists|is_?file|remove|unlink|save\w*|mj_save\w+|write\w*)|\blog(?:ger|ging)?\.\w+)\("
     + _INSIDE
     + rb"|[\"'][^\"'\n]*[\"']\s?\)?\.(?:read_text|write_text|open|exists|is_file|unlink)\("
+    rb"|\badd_argument\(\s*[\"'](?!-)[^\"'\n]*[\"']"
     rb"|\bhelp\s?=\s?f?[\"'][^\"'\n]*[\"']|\s(?:-o|--out(?:put)?|>)[ =][ \t]*[^\s\"']+"
 )
 """Names that a program opens itself, to write the file or to change its text before a simulator has it, and such as it

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,6 +11,7 @@ from functools import cached_property
 from actspec.files import NotRegular, TooLarge, in_common, read_regular
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.gym_tasks import no_tasks
+from actspec.readings.idle_configs import configs_in, folders_of, idle_configs, stem_of
 from actspec.readings.loads import what_loads
 from actspec.readings.written_over import nothing_to, poses_alone, works_on_files, written_over
 
@@ -69,6 +69,11 @@ _MOST_PROGRAM = 1024 * 1024
 
 _NOT_THERE = re.compile(r"the include cannot be followed: there is no (?:file|folder) '([^']*)'")
 
+_BRINGS = re.compile(
+    rb"\bfrom_xml_(?:string|path)\((?:[^()]|\([^()]*\))*\bassets\b|[\"'][ \t]*<include[ \t]+file=\\?[\"'][^\"'\n]*[{%]"
+)
+_ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz", ".7z", ".rar")
+
 _OF_ANY_ROBOT = frozenset(
     (
         b"",
@@ -96,32 +101,6 @@ ASIDE = re.compile(
     re.IGNORECASE,
 )
 """Words by which files and folders say that nobody runs them on a robot, or steps them at all."""
-
-
-_IMPORTED = re.compile(
-    rb"^([ \t]*from[ \t]+[.\w]+[ \t]+import)[ \t]+(?:\((?![^)]*\bas\b)[^)*]*\)|(?!.*\bas\b)[^*(\n]+)",
-    re.MULTILINE,
-)
-"""Names that a program imports; those that it calls by another name count as used."""
-
-_WORD = re.compile(rb"\w+")
-
-_HANDED_ON = re.compile(
-    rb"^[ \t]*from[ \t]+[.\w]+[ \t]+import[ \t]+(?:\([^)*]*\)|[^*(\n]+)|__all__\s*\+?=\s*[\[(][^\])]*[\])]",
-    re.MULTILINE,
-)
-"""What a package's `__init__.py` hands on to who imports it, which is no use of it."""
-
-_MADE_UP = re.compile(
-    rb"(?:^|(?<=:\n)[ \t]+)\w+(?=(?:\.\w+|\[[^\]\n]*\])+[ \t]*=(?!=)|(?:\.\w+){2,}\()"
-    rb"|\bin[ \t]+\w+(?=\.actuators\b)",
-    re.MULTILINE,
-)
-"""The name of what a module sets a part of, or goes through the drives of to make a table of action scales.
-
-Neither is a use of it: CFG.actuators["legs"] = ..., if there: CFG.spawn.replace_asset(...), for drive in
-CFG.actuators.values(): ...
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,13 +181,13 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
         # What cannot be read has no kind.
         if reading.kind in (FileKind.MJCF, FileKind.URDF) or (reading.kind is None and not reading.readable)
     }
-    configs = {path: names for path, reading in members.items() if (names := _configs(reading))}
+    configs = {path: names for path, reading in members.items() if (names := configs_in(reading))}
     if not models and not configs:
         return Idle()
     kinds = {path: reading.kind for path, reading in members.items()}
     texts = dict(_texts(path for path in programs if kinds.get(path) not in (FileKind.MJCF, FileKind.URDF)))
     others = any(True for path, text in texts.items() if path not in configs for _ in _names(text))
-    alone = _idle_configs(configs, texts, others)
+    alone = idle_configs(configs, texts, others)
     for path, names in no_tasks(members, texts).items():
         alone[path] = alone.get(path, frozenset()) | names
     # A configuration that nobody runs runs no model.
@@ -291,7 +270,7 @@ class _Models:
         self.by_stem: dict[bytes, list[str]] = {}
         self.parts: dict[str, frozenset[str]] = {}
         for path in sorted(paths):
-            self.by_stem.setdefault(_stem(path), []).append(path)
+            self.by_stem.setdefault(stem_of(path), []).append(path)
 
     def run(self) -> frozenset[str] | None:
         """Those that may be named to be run; None where no program names a model or a USD."""
@@ -404,10 +383,10 @@ class _Models:
 
     def _may_be_globbed(self, path: str, by: str) -> bool:
         """Whether a glob of which no folder is written may be of a model's: one that its program names, or its own."""
-        if _stem(path) in self.words or os.path.dirname(path) == os.path.dirname(by):
+        if stem_of(path) in self.words or os.path.dirname(path) == os.path.dirname(by):
             return True
         named = self._word.findall(self.programs.get(by, b""))
-        return any(folder in named for folder in _folders(path))
+        return any(folder in named for folder in folders_of(path))
 
     def _made_of(self, name: _Name) -> list[str]:
         """URDFs beside a xacro: they were made of it."""
@@ -421,22 +400,23 @@ class _Models:
     @cached_property
     def _word(self) -> re.Pattern[bytes]:
         """The names of models and of their folders."""
-        known = {*self.by_stem, *(name for path in self.paths for name in _folders(path))} - {b""}
+        known = {*self.by_stem, *(name for path in self.paths for name in folders_of(path))} - {b""}
         return re.compile(
             rb"(?<!\w)(?:" + b"|".join(map(re.escape, sorted(known, key=len, reverse=True))) + rb")(?!\w)"
         )
 
     @cached_property
     def words(self) -> frozenset[bytes]:
-        """Of the names of models and of their folders, those of which programs speak."""
-        return frozenset(word for text in self.programs.values() for word in self._word.findall(text))
+        """Of the names of models and of their folders, those of which programs speak that may run one."""
+        texts = (text for program, text in self.programs.items() if program not in self.still)
+        return frozenset(word for text in texts for word in self._word.findall(text))
 
 
 def _closest(
     paths: Sequence[str], folders: Sequence[bytes], by: str, words: Collection[bytes]
 ) -> Sequence[str]:
     """Of models with one name those that are meant: by the folders that stand before it, else by where it is used."""
-    agree = {path: in_common(_folders(path), folders) for path in paths}
+    agree = {path: in_common(folders_of(path), folders) for path in paths}
     most = max(agree.values())
     if most:
         paths = [path for path in paths if agree[path] == most]
@@ -447,10 +427,18 @@ def _closest(
 
 
 def _is_brought(reading: FileReading, texts: Collection[bytes]) -> bool:
-    """Whether a program may bring what a model includes and nobody finds: it speaks of it, or has the suite's files."""
+    """Whether a program may bring what a model includes and nobody finds: it speaks of it, or has the suite's files.
+
+    Or it hands files to MuJoCo beside the model, or writes what includes them.
+    """
     missing = _NOT_THERE.search(reading.reason or "")
     if missing is None:
         return False
+    if any(map(_BRINGS.search, texts)) or any(
+        os.path.exists(os.path.join(os.path.dirname(reading.path), missing[1] + ending))
+        for ending in _ARCHIVES
+    ):
+        return True
     if missing[1] == "./common":
         return any(b"dm_control.suite" in text for text in texts)
     name = os.path.basename(missing[1])
@@ -460,130 +448,13 @@ def _is_brought(reading: FileReading, texts: Collection[bytes]) -> bool:
 
 def _may_be(path: str, folders: Sequence[bytes]) -> bool:
     """Whether a model is in a folder of its name, where one tells the robot: a menagerie's go2.xml is another one."""
-    own, telling = _folders(path), [name for name in folders if name.lower() not in _OF_ANY_ROBOT]
+    own, telling = folders_of(path), [name for name in folders if name.lower() not in _OF_ANY_ROBOT]
     return not telling or in_common(own, folders) > 0 or any(name in own for name in telling)
-
-
-def _folders(path: str) -> list[bytes]:
-    """The closest first."""
-    return os.fsencode(os.path.dirname(path)).split(os.sep.encode())[::-1]
 
 
 def _own_folder(path: str) -> bytes:
     """The closest folder that may tell the robot."""
-    return next((name for name in _folders(path) if name.lower() not in _OF_ANY_ROBOT), b"")
-
-
-def _stem(path: str) -> bytes:
-    return os.fsencode(os.path.splitext(os.path.basename(path))[0])
-
-
-def _configs(reading: FileReading) -> frozenset[bytes]:
-    """Constants and classes of a Python file that set up a robot."""
-    if reading.kind is not FileKind.CFG:
-        return frozenset()
-    names = (artifact.config.name for artifact in reading.artifacts if artifact.config is not None)
-    return frozenset(name.encode() for name in names if name.isidentifier())
-
-
-def _idle_configs(
-    configs: Mapping[str, frozenset[bytes]], programs: Mapping[str, bytes], others: bool
-) -> dict[str, frozenset[bytes]]:
-    """Path to what nobody imports; `others`: whether a program that is no configuration names a model."""
-    if not configs:
-        return {}
-    every = frozenset().union(*configs.values()) | {_stem(path) for path in configs}
-    # Whole words, each name that is not part of a longer one.
-    twins = {_stem(path) for path in configs if _folders(path)[0] == _stem(path)}
-    words = [rb"(?<![\w])" + re.escape(name) for name in sorted(every - twins)]
-    # Of a module that is called as its package a name in an import is mostly the package's.
-    words += [
-        b"(?<=" + before + b")" + re.escape(name)
-        for name in sorted(twins)
-        for before in (re.escape(name) + rb"\.", rb"from \.", b"import ")
-    ]
-    pattern = re.compile(b"(?:" + b"|".join(words) + rb")(?![\w])")
-    counts = {
-        path: Counter(
-            pattern.findall(
-                _HANDED_ON.sub(b"", text)
-                if os.path.basename(path) == "__init__.py"
-                else _used_imports(_MADE_UP.sub(b"", text) if path in configs else text, pattern)
-            )
-        )
-        for path, text in programs.items()
-    }
-    used: dict[bytes, set[str]] = {}
-    for path, count in counts.items():
-        for name, times in count.items():
-            # Where it is written twice, the second is its use.
-            if times > 1 or name not in configs.get(path, ()):
-                used.setdefault(name, set()).add(path)
-    elsewhere = {
-        path: {name for name in names if used.get(name, set()) - {path}} for path, names in configs.items()
-    }
-    result = {path: configs[path] for path in _copied_aside(configs, programs)}
-    for path, names in configs.items():
-        if path in result:
-            continue
-        alone = {name for name in names - elsewhere[path] if path not in used.get(name, ())}
-        if not elsewhere[path] and (
-            len(alone) < len(names)
-            or not (others or any(elsewhere.values()))
-            or used.get(_stem(path), set()) - {path}
-            or b"__main__" in programs.get(path, b"")
-        ):
-            continue
-        if alone:
-            result[path] = frozenset(alone)
-    return result
-
-
-def _used_imports(text: bytes, wanted: re.Pattern[bytes]) -> bytes:
-    """A program without the names that it imports, and without what it imports to use none of them.
-
-    The module stays of what is used: `from robots.leg import`. As it is, where it imports nothing that is wanted: of
-    thousands of programs few do.
-    """
-    if not any(wanted.search(statement[0]) for statement in _IMPORTED.finditer(text)):
-        return text
-    others = frozenset(_WORD.findall(_IMPORTED.sub(b"", text)))
-
-    def kept(statement: re.Match[bytes]) -> bytes:
-        names = _WORD.findall(statement[0][len(statement[1]) :])
-        return statement[1] if others.intersection(names) else b""
-
-    return _IMPORTED.sub(kept, text)
-
-
-def _copied_aside(configs: Collection[str], programs: Mapping[str, bytes]) -> Iterator[str]:
-    """Configurations of one file name, of a folder that nothing outside it names, where another's is imported from.
-
-    `from dogs.robots.dog import DOG_CFG` beside `dogs/robots_before/dog.py`: the names inside are the same.
-    """
-    by_module: dict[bytes, list[str]] = {}
-    for path in configs:
-        by_module.setdefault(_stem(path), []).append(path)
-    for module, paths in by_module.items():
-        folders = {path: _folders(path)[0] for path in paths}
-        if len(paths) == 1 or len({*folders.values(), b""}) <= len(paths):
-            continue
-        named = {
-            path: _outside(path, programs, rb"(?<!\w)" + re.escape(folders[path]) + rb"(?!\w)")
-            for path in paths
-        }
-        imported = {
-            path: _outside(path, programs, re.escape(folders[path]) + rb"\." + re.escape(module) + rb"(?!\w)")
-            for path in paths
-        }
-        if any(imported.values()):
-            yield from (path for path in paths if not named[path])
-
-
-def _outside(path: str, programs: Mapping[str, bytes], pattern: bytes) -> bool:
-    """Whether a program has a text that is in no folder of a file's own."""
-    own, wanted = os.path.join(os.path.dirname(path), ""), re.compile(pattern)
-    return any(wanted.search(text) for program, text in programs.items() if not program.startswith(own))
+    return next((name for name in folders_of(path) if name.lower() not in _OF_ANY_ROBOT), b"")
 
 
 def _read(path: str) -> bytes:

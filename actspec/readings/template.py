@@ -11,12 +11,12 @@ from actspec.robot.view import ModelFile
 from actspec.robot.xml_tree import XmlDocument
 
 _PLACEHOLDER = re.compile(
-    r"\{[^{}]+\}|\b__\w+?__\b|@\w+@|%\(\w+\)|%\w+%|%[sdf]\b|\$[a-zA-Z_]\w*|\$\(\w[^()]*\)|#\w+#|<\w+>"
+    r"\{[^{}]+\}|\b__\w+?__\b|@[a-zA-Z_]\w*|@\([^()]+\)|%\(\w+\)|%\w+%|%[sdf]\b|\$[a-zA-Z_]\w*|\$\(\w[^()]*\)|#\w+#|<\w+>"
     r"|/\*\s*\w+\s*\*/"
 )
-"""As `str.format`, `string.Template`, Jinja, CMake, plain substitution and the snippets of editors have it."""
-_STATEMENT = re.compile(rb"\{\{[^{}<>]+\}\}|\{%[^{}]+%\}")
-"""Of Jinja, which may leave no XML."""
+"""As `str.format`, `string.Template`, Jinja, EmPy, CMake, plain substitution and the snippets of editors have it."""
+_STATEMENT = re.compile(rb"\{\{[^{}<>]+\}\}|\{%[^{}]+%\}|^[ \t]*@(?:\[(?:for|if)\b|\{)[^\n]*", re.MULTILINE)
+"""Of Jinja or EmPy, which may leave no XML."""
 _REFUSED = re.compile(
     r"(?:format in attribute|keyword:|must be a number, got|no (?:file|folder)|^type) '([^']*)'"
 )
@@ -46,7 +46,7 @@ def placeholder(reason: str, at: Span | None, document: XmlDocument | None = Non
 
 
 def statement(file: ModelFile) -> tuple[str, Span] | None:
-    """The first statement or expression of Jinja in a file that is no XML, and its place; None: there is none."""
+    """The first statement of Jinja or EmPy in a file that is no XML, and its place; None: there is none."""
     found = _STATEMENT.search(without_comments(file.data))
     if found is None:
         return None

@@ -42,6 +42,10 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     "efforts": _sets(rb"(?:actuator_|joint_)?effort_limit|saturation_effort"),
     "speeds": _sets(rb"(?:actuator_|joint_)?velocity_limit"),
     "armatures": _sets(rb"armature"),
+    "positions": re.compile(
+        rb"\bset_(?:joint|dof)_velocity_targets?(?:_tensor)?\b|\bJointVelocityActionCfg\("
+    ),
+    "lags": re.compile(rb"\bsync_actuator_delays\b|\.set_lags\("),
     "classes": re.compile(
         rb"^class[ \t]+(?:" + "|".join(sorted({*ISAACLAB, *MJLAB})).encode() + rb")[ \t]*[(:]", re.MULTILINE
     ),
@@ -51,8 +55,8 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
 Forks of legged_gym clip at limits of the configuration in place of the URDF's effort, or put them in its place for all
 joints (for one of them by number: a gripper's). What puts actuators that it made
 into any configuration of Isaac Lab has their limits from elsewhere. To an MJCF's tree or spec some
-give the angle that it lacks, as safety-gymnasium does. A folder that has a framework's class
-in it has it as its owner changed it.
+give the angle that it lacks, as safety-gymnasium does. Joints get a speed to follow in place of a position; lags are
+set by an event of mjlab at a reset. A folder that has a framework's class in it has it as its owner changed it.
 """
 
 _LOADS = re.compile(
@@ -93,6 +97,8 @@ _SPEAKS_OF = {
     "urdf_effort": (b"effort", b"torque_limits"),
     "angle": (b"radian", b".compiler."),
     **dict.fromkeys(("actuators", "efforts", "speeds", "armatures"), (b"actuators",)),
+    "positions": (b"elocity",),
+    "lags": (b"sync_actuator_delays", b"set_lags"),
     "classes": (b"Cfg",),
     "integrator": (b"integrator",),
     "damping": (b"damping",),

@@ -99,7 +99,10 @@ class GainsOfNoJoint(RuleOver[_Subject]):
                 as_typed = field == "kd" and not driven and is_short(kd) and not is_short(kd * DEGREE)
                 meant = as_typed and not row.armature and kd**2 > 4.0 * row.kp * inertia
                 help = "that inertia is the links' alone: has the motor an armature?" if meant else help
-        if field is None:
+        if field is None or (
+            gains.kp < (gains.kd or 0.0) and "positions" in case.written(row.span, row.joint)
+        ):
+            # As little kp beside much kd is a servo of the speed, where a program commands speeds.
             return
         if field == "viscous":
             # The larger of the two places of it.
