@@ -660,6 +660,41 @@ def test_gains_of_arms_in_isaac_lab(
         assert item.severity.value == ("warning" if as_named else severity)
 
 
+_LEG = (
+    "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+    "LEG_CFG = ArticulationCfg(actuators={'leg': ImplicitActuatorCfg(joint_names_expr=['left_j'], stiffness=1.0, "
+    "damping=100.0, effort_limit_sim=20.0)})\n"
+)
+_HAND = (
+    "from mjlab.actuator import IdealPdActuatorCfg\nfrom mjlab.entity import EntityArticulationInfoCfg\n"
+    "HAND = EntityArticulationInfoCfg(actuators=(IdealPdActuatorCfg(target_names_expr=('.*',), stiffness=60.0, "
+    "damping=1.5, effort_limit=45.0, delay_min_lag=1, delay_max_lag=3, delay_hold_prob=1.0),))\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("code", "config", "task", "told"),
+    [
+        ("UNT107", _LEG, "robot.set_joint_position_target(target)\n", True),
+        ("UNT107", _LEG, "robot.set_joint_velocity_target(target)\n", False),
+        ("UNT107", _LEG, "go = robot.set_joint_velocity_target\n", False),
+        ("UNT107", _LEG, "wheels = mdp.JointVelocityActionCfg(asset_name='robot')\n", False),
+        ("DLY103", _HAND, "run(HAND)\n", True),
+        ("DLY103", _HAND, "event = EventTermCfg(func=mdp.sync_actuator_delays, mode='reset')\n", False),
+        ("DLY103", _HAND, "drive.set_lags(lags, env_ids)\n", False),
+    ],
+)
+def test_what_a_task_commands(
+    code: str, config: str, task: str, told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Speeds, for which kp is small on purpose, and lags."""
+    monkeypatch.chdir(tmp_path)
+    Path("r").mkdir()
+    Path("r/robot.py").write_text(config)
+    Path("r/task.py").write_text(f"from robot import LEG_CFG, HAND\n{task}use(LEG_CFG, HAND)\n")
+    assert [item.finding.code for item in audit(["r"], Settings(select=(code,))).findings] == [code] * told
+
+
 @pytest.mark.parametrize(("joint", "severity"), [("left_caster", "info"), ("ankle", "warning")])
 def test_a_joint_of_mjlab_that_its_name_says_has_no_drive(
     joint: str, severity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -362,6 +362,30 @@ def test_a_copy_of_a_folder_of_configurations(task: str, aside: Severity) -> Non
     assert said == {"r/robots/dog.py": Severity.WARNING, "r/robots_early/dog.py": aside}
 
 
+@pytest.mark.parametrize(
+    ("package", "task", "aside"),
+    [
+        (("r/r/robots",), "from r.robots.dog import DOG_CFG\nrun(DOG_CFG)\n", Severity.INFO),
+        (("r/r/robots", "r/robots"), "from r.robots.dog import DOG_CFG\nrun(DOG_CFG)\n", Severity.WARNING),
+        ((), "from r.robots.dog import DOG_CFG\nrun(DOG_CFG)\n", Severity.WARNING),
+        # It may be the one beside it.
+        (("r/r/robots",), "from dog import DOG_CFG\nrun(DOG_CFG)\n", Severity.WARNING),
+        (("r/r/robots",), "from .dog import DOG_CFG\nrun(DOG_CFG)\n", Severity.WARNING),
+    ],
+)
+def test_a_copy_outside_of_the_package(package: tuple[str, ...], task: str, aside: Severity) -> None:
+    """`r/robots/` beside the package's `r/r/robots/`: what has no `__init__.py` is no part of one."""
+    for folder in ("r/robots", "r/r/robots"):
+        Path(folder).mkdir(parents=True)
+        Path(folder, "dog.py").write_text(one_config("DOG_CFG"))
+    for folder in package:
+        Path(folder, "__init__.py").touch()
+    Path("r/r/task.py").write_text(task)
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    said = {item.finding.span.path: item.severity for item in found if item.finding.span.path.endswith(".py")}
+    assert said == {"r/r/robots/dog.py": Severity.WARNING, "r/robots/dog.py": aside}
+
+
 @pytest.mark.parametrize("named", ["r", "./r", "r/", "./r/../r", "."])
 def test_however_the_folder_is_named(named: str) -> None:
     """What programs name and import is found in it."""

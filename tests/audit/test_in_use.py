@@ -37,6 +37,7 @@ def in_use() -> set[str]:
         ("a.yaml", "model: arm.xml # or leg.xml\n"),
         ("a.py", "print('written: leg.xml')\nlogger.info('leg.xml')\n"),
         ("a.py", "parser.add_argument('--model', help='such as leg.xml')\n"),
+        ("a.py", "parser.add_argument(\n    'leg.xml',\n    required=True)\n"),
         ("a.py", "mujoco.mj_saveLastXML('leg.xml', model)\ntree.write('leg.xml')\n"),
         ("a.py", "if os.path.exists('leg.xml'):\n    os.remove('leg.xml')\n"),
         ("a.py", "OUT = 'leg.xml'\nwith open(OUT, 'w') as file:\n    file.write(text)\n"),
@@ -61,6 +62,7 @@ def test_a_name_that_loads_nothing(name: str, text: str) -> None:
         ("a.py", "COLOR = '  #fff'\nFILE = 'leg.xml'\nload(FILE)\n"),
         ("a.py", "FILE = 'leg.xml'\nprint(open(FILE).read())\nload(FILE)\n"),
         ("a.py", "FILE = 'leg.xml'\n"),
+        ("a.py", "parser.add_argument('--model', default='leg.xml')\n"),
         ("a.yaml", "model: leg.xml\n"),
         ("a.sh", "simulate leg.xml -o log.txt\n"),
         ("a.py", "load('assets/leg.xml')\n"),
@@ -102,6 +104,11 @@ def test_a_long_program(text: bytes) -> None:
         ("pole.xml", "open('pole.xml', 'w').write(POLE)\n", False),
         ("pole.xml", "ASSETS = {'parts/pole.xml': POLE}\n", False),
         ("pole.xml", "open('maypole.xml', 'w').write(POLE)\n", True),
+        # With files that it hands over beside the model, or with the include itself; a plain one is read as it stands.
+        ("pole.xml", "mujoco.MjModel.from_xml_string(text, assets=read(ROOT))\n", False),
+        ("pole.xml", "mujoco.MjModel.from_xml_path(path(model), {})\n", True),
+        ("pole.xml", 'lines.append("  <include file=\\"made_{}.xml\\"/>".format(os.getpid()))\n', False),
+        ("pole.xml", 'lines.append("<include file=\\"other.xml\\"/>")\n', True),
         # Files of dm_control's suite, which it hands to MuJoCo itself.
         ("./common/skybox.xml", "from dm_control.suite import common\n", False),
         ("./common/skybox.xml", "common = 1\n", True),
@@ -112,6 +119,17 @@ def test_an_include_that_a_program_brings(include: str, program: str, used: bool
     """Nobody finds it here, and the program may have it."""
     Path("r/arm.xml").write_text(f'<mujoco><include file="{include}"/><worldbody/></mujoco>')
     Path("r/run.py").write_text(program + LOADS)
+    assert in_use() == ({"arm"} if used else set())
+
+
+@pytest.mark.parametrize(
+    ("archive", "used"), [("plate.zip", False), ("plate.tar.gz", False), ("plates.zip", True)]
+)
+def test_an_include_that_lies_in_an_archive(archive: str, used: bool) -> None:
+    """`unzip plate.zip` is a step of the set-up."""
+    Path("r/arm.xml").write_text('<mujoco><include file="parts/plate/plate.xml"/><worldbody/></mujoco>')
+    Path("r/parts").mkdir()
+    Path("r/parts", archive).touch()
     assert in_use() == ({"arm"} if used else set())
 
 

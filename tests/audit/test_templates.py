@@ -49,6 +49,11 @@ JOINT = """<robot name="r"><link name="a"/><link name="b"/>
         ("a.xml", LEG.replace('"1"', '"${DAMPING}"'), 'damping="${DAMPING}"', 3),
         ("a.xml", LEG.replace('"1"', '"$(arg damping)"'), 'damping="$(arg damping)"', 3),
         ("a.xml", LEG.replace('"1"', '"%s"'), 'damping="%s"', 3),
+        # EmPy
+        ("a.em.xml", LEG.replace('"0 0 1"', '"@x @y 1"'), 'pos="@x @y 1"', 2),
+        ("a.em.xml", LEG.replace('"1"', '"@(2 * d)"'), 'damping="@(2 * d)"', 3),
+        ("a.xml", LEG.replace("</body>", "@[for i in range(9)]@\n</body> <"), "'@[for i in range(9)]@'", 4),
+        ("a.xml", "<!-- leg -->\n@{\nd = 1\n}@\n" + LEG, "'@{'", 2),
         ("a.xml", LEG.replace('"1"', '"#DAMPING#"'), 'damping="#DAMPING#"', 3),
         ("a.xml", LEG.replace('"1"', '"&lt;DAMPING&gt;"'), 'damping="<DAMPING>"', 3),
         ("a.urdf", JOINT.replace('"9"', '"$EFFORT"'), "'$EFFORT'", 3),
