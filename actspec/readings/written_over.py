@@ -266,7 +266,7 @@ def nothing_to(loaders: Collection[bytes], texts: Collection[bytes]) -> frozense
     if compiled or not (old or other or any(map(_OF_OLD.search, texts))):
         return frozenset()
     alone = other and not old and not any(_MUJOCO.search(text) or _GAZEBO.search(text) for text in loaders)
-    return frozenset({"compiled", "step", "dynamics"} if alone else {"compiled"})
+    return frozenset({"compiled", "step", "dynamics", "gains"} if alone else {"compiled"})
 
 
 def written_over(texts: Collection[bytes]) -> frozenset[str]:

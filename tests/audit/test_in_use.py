@@ -142,8 +142,8 @@ def test_an_include_that_lies_in_an_archive(archive: str, used: bool) -> None:
         ("load('leg.xml')\n", set()),
         ("from mujoco_py import load_model_from_path\nload_model_from_path('leg.xml')\n", {"compiled"}),
         ("import mujoco_py, mujoco\nload('leg.xml')\n", {"compiled"}),
-        ("import isaacgym\ngym.load_asset(sim, 'leg.xml')\n", {"compiled", "step", "dynamics"}),
-        ("import pybullet\nload('leg.xml')  # as in mujoco\n", {"compiled", "step", "dynamics"}),
+        ("import isaacgym\ngym.load_asset(sim, 'leg.xml')\n", {"compiled", "step", "dynamics", "gains"}),
+        ("import pybullet\nload('leg.xml')  # as in mujoco\n", {"compiled", "step", "dynamics", "gains"}),
         ("import pybullet\nrun('leg.xml', 'gazebo_ros')\n", {"compiled"}),
         ("import pybullet, mujoco\nload('leg.xml')\n", set()),
     ],
@@ -151,7 +151,7 @@ def test_an_include_that_lies_in_an_archive(archive: str, used: bool) -> None:
 def test_whose_simulator_loads_a_model(program: str, nothing: set[str]) -> None:
     """By the programs that name it: the one that loads the arm is of MuJoCo."""
     Path("r/leg.py").write_text(program)
-    of = {"compiled", "step", "dynamics"}
+    of = {"compiled", "step", "dynamics", "gains"}
     written = {Path(file.path).stem: file.written & of for file in read_files(["r"])}
     assert written == {"arm": frozenset(), "leg": nothing}
 
