@@ -13,7 +13,13 @@ from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.gym_tasks import no_tasks
 from actspec.readings.idle_configs import configs_in, folders_of, idle_configs, stem_of
 from actspec.readings.loads import what_loads
-from actspec.readings.written_over import nothing_to, poses_alone, works_on_files, written_over
+from actspec.readings.written_over import (
+    has_mujoco_of_old,
+    nothing_to,
+    poses_alone,
+    works_on_files,
+    written_over,
+)
 
 _HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
 _SLASHES = re.compile(rb"/\*.*?\*/|(?<![:\w\"'])//[^\n]*", re.DOTALL)
@@ -196,10 +202,11 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     }
     own = _Models(models, running)
     run = own.run()
+    old = has_mujoco_of_old(texts.values())
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
         {
-            path: nothing_to([texts[program] for program in programs], texts.values())
+            path: nothing_to((texts[program] for program in programs), old)
             for path, programs in own.surely_run().items()
             if not _is_brought(members[path], texts.values())
         },

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from actspec.simulators.classes import ISAACLAB, MJLAB
 
@@ -110,8 +110,9 @@ _SPEAKS_OF = {
 """Words that a text has which matches one of these forms: folders have hundreds of megabytes of others, to be passed
 over fast."""
 
+_OLD = (b"mujoco_py", b"gym.envs.mujoco", b"mj_activate")
 _SPEAKS_OF_MUJOCO = (b"mj", b"mujoco", b"dm_control", b"robosuite")
-"""Likewise of programs of MuJoCo, in small letters."""
+"""Likewise of programs of an old MuJoCo, and of any in small letters."""
 
 _RADIANS = re.compile(rb"""<compiler\b[^<>]*\bangle\s*=\s*\\?["']radian""")
 _INCLUDES = re.compile(rb"<include\s+file\s*=")
@@ -165,16 +166,11 @@ word `mujoco` is in an MJCF's text and in the paths of both. Isaac Gym, Bullet a
 Source: MuJoCo's changelog, 2.1: no key is activated any more.
 """
 
-_MUJOCO = re.compile(
-    rb"""^[ \t"]*(?:import|from|using|use)[ \t][^\n]{0,80}mujoco|-m[ \t]+mujoco|\bmj_\w|\bmj(?:x|lab|Model)"""
-    rb"|dm_control|robosuite|mujoco_?(?:env|ros)",
-    re.IGNORECASE | re.MULTILINE,
-)
 _GAZEBO = re.compile(
     rb"\bgazebo_ros\b|\bros_(?:gz|ign)_|\b(?:gz|ign)[ \t]+(?:sim|gazebo)\b|\bgz[_-]?(?:server|sim)\b"
 )
-"""Programs that simulate with MuJoCo, or with Gazebo: to these damping and friction are what the file says, beside a
-drive that the effort limits. `mujoco` alone is an MJCF's element too.
+"""Programs that simulate with Gazebo: to it, as to MuJoCo, damping and friction are what the file says, beside a drive
+that the effort limits.
 
 Isaac Gym and Isaac Lab take a URDF's damping for the drive's, which is inside of the limit; Bullet takes neither its
 friction nor its effort.
@@ -253,19 +249,26 @@ def _compiles(text: bytes) -> bool:
     return bool(_OF_TODAY.search(text)) and not _OF_OLD.search(text)
 
 
-def nothing_to(loaders: Collection[bytes], texts: Collection[bytes]) -> frozenset[str]:
+def _is_of_mujoco(text: bytes) -> bool:
+    return bool(_OF_TODAY.search(text) or _OF_OLD.search(text))
+
+
+def has_mujoco_of_old(texts: Iterable[bytes]) -> bool:
+    """Whether one of some programs is of mujoco_py or another MuJoCo before 2.1.2."""
+    return any(_OF_OLD.search(text) for text in texts if any(word in text for word in _OLD))
+
+
+def nothing_to(loaders: Iterable[bytes], old: bool) -> frozenset[str]:
     """What of a model is nothing to the simulators that load it, as `written_over` calls it.
 
     Args:
         loaders: The programs that name it.
-        texts: All programs of its folder: a program that says nothing of a simulator has one of them.
+        old: `has_mujoco_of_old` of its folder: a program that says nothing of a simulator may have that one.
     """
-    compiled = [text for text in loaders if _compiles(text)]
-    old = [text for text in loaders if _OF_OLD.search(text)]
-    other = [text for text in loaders if text not in compiled + old and _OTHER_PHYSICS.search(text)]
-    if compiled or not (old or other or any(map(_OF_OLD.search, texts))):
+    texts = [text for text in loaders if _OTHER_PHYSICS.search(text) or _is_of_mujoco(text)]
+    if any(map(_compiles, texts)) or not (texts or old):
         return frozenset()
-    alone = other and not old and not any(_MUJOCO.search(text) or _GAZEBO.search(text) for text in loaders)
+    alone = texts and not any(_is_of_mujoco(text) or _GAZEBO.search(text) for text in texts)
     return frozenset({"compiled", "step", "dynamics", "gains"} if alone else {"compiled"})
 
 
@@ -303,7 +306,7 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
         found |= {"compiled", "step"}
     lowered = ((text, text.lower()) for text in texts)
     of_mujoco = [text for text, low in lowered if any(word in low for word in _SPEAKS_OF_MUJOCO)]
-    if not any(map(_MUJOCO.search, of_mujoco)):
+    if not any(map(_is_of_mujoco, of_mujoco)):
         if any(map(_OTHER_PHYSICS.search, texts)):
             found.add("step")
         if not any(map(_GAZEBO.search, texts)):
