@@ -267,6 +267,10 @@ def _row(node: yaml.Node, own: Mapping[str, yaml.Node], first: int) -> yaml.Node
     return yaml.SequenceNode(node.tag, [own[number] for number in numbers], node.start_mark, node.end_mark)
 
 
+_INTERVAL = re.compile(r"_(?:bounds?|ranges?|limits?|intervals?|min|max|low|high)$", re.IGNORECASE)
+"""The end of a key of gains between which somebody looks for them."""
+
+
 def own_gains(
     block: Mapping[str, yaml.Node],
     names: Collection[frozenset[str]],
@@ -282,7 +286,7 @@ def own_gains(
     keys: dict[str, dict[str, str]] = {}
     for key in block:
         found = gain_of(key)
-        if found is not None:
+        if found is not None and not _INTERVAL.search(key):
             keys.setdefault(found[1], {}).setdefault(found[0], key)
     gains = []
     for name, own in keys.items():

@@ -725,6 +725,12 @@ def test_a_list_of_names_for_another_order_gives_none(tmp_path: Path) -> None:
             "it has gains as kp_walk, kp_stand, and does not say which the joints run: write those as kp and kd",
             1,
         ),
+        # Between which somebody looks for them.
+        (
+            "joint_names: [hip, knee]\nkp_rl: [1, 2]\nkd_rl: [1, 2]\nkp_bounds: [1, 9]\nkd_bounds: [0, 1]\n",
+            "'kp_rl' is no key that is read: write kp",
+            1,
+        ),
         (
             "kp_rl: [1, 2, 3, 4, 5, 6, 7]\nkd_rl: [1, 2, 3, 4, 5, 6, 7]\n",
             "'kp_rl' is no key that is read: write kp",

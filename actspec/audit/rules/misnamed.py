@@ -233,12 +233,13 @@ def _are_near_by_word(one: str, other: str) -> bool:
 
 def is_misspelt(one: str, other: str) -> bool:
     """Whether two names differ by a letter inside a word. Sides, axes and numbers tell joints from each other, and are
-    shorter than the four letters of a word here, or differ in the first one.
+    shorter than the four letters of a word here, or differ in the first one; an axis may end a word (`slidex`).
     """
     if are_two_parts(one, other) or not is_slip(one, [other]):
         return False
     mine, its = other_word(one, other) or ("", "")
-    return max(len(mine), len(its)) >= 4 and mine[0] == its[0]
+    of_axes = mine.rstrip("xyzXYZ") == its.rstrip("xyzXYZ")
+    return max(len(mine), len(its)) >= 4 and mine[0] == its[0] and not of_axes
 
 
 def are_two_parts(one: str, other: str) -> bool:

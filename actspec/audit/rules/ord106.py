@@ -10,16 +10,13 @@ from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.axes import are_parallel
-from actspec.audit.rules.joints import finite, is_exporters, is_nobodys, own_figure
 from actspec.audit.rules.misnamed import is_misspelt, is_swapped, misnamed, selects
 from actspec.audit.rules.sided import other_side
 from actspec.diagnostics import Span, listed, shortened
-from actspec.fields import FIELDS
 from actspec.joints import JointKind, other_word
 from actspec.readings.artifact import Artifact, Robot
 from actspec.readings.called import stem_of, telling
 from actspec.readings.joint_names import joint_names, renaming
-from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import JointView
 
 _FEW = 2
@@ -57,9 +54,9 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
                 if (departing, joint.name) in told:
                     continue
                 beside = one if departing == other else other
-                cost = _cost(case, robot, departing, beside, [(joint, meant)])
+                wrong = _is_wrong(case, robot, [(joint, meant)])
                 at = joint.span, joint.name, meant.name
-                found.setdefault(at, {})[case.artifacts[beside].path] = _There(meant.span, cost)
+                found.setdefault(at, {})[case.artifacts[beside].path] = _There(meant.span, wrong)
         words = {key: other_word(key[1], key[2]) for key in found}
         many = Counter((key[0].path, pair) for key, pair in words.items() if pair is not None)
         yield from _limbs_told(case, robot)
@@ -74,16 +71,15 @@ class JointCalledOtherwise(RuleOver[tuple[int, Robot]]):
             else:
                 message = f"this joint is called {shortened(name)} in {files}"
                 help = f"call it {shortened(name)} here, or {shortened(called)} there"
-            cost = _costs(others)
             yield Finding(
                 self.code,
-                f"{message}, and nothing of it is compared with it there{cost or ''}",
+                f"{message}, and nothing of it is compared with it there",
                 place,
                 called,
                 help=help,
                 related=_places_of(others),
                 about=f"{called} {name}",
-                severity=Severity.INFO if cost is None else None,
+                severity=_severity(others),
             )
 
 
@@ -93,61 +89,36 @@ class _There:
 
     Attributes:
         place: Where it is.
-        cost: As `_cost` has it.
+        wrong: As `_is_wrong` has it.
     """
 
     place: Span
-    cost: str | None
+    wrong: bool
 
 
-def _costs(others: Mapping[str, _There]) -> str | None:
-    """Of several files the first with a figure that differs."""
-    costs = [there.cost for there in others.values() if there.cost is not None]
-    return next(filter(None, costs), "") if costs else None
+def _severity(others: Mapping[str, _There]) -> Severity | None:
+    """That of the rule where one of several files shows that a name is wrong."""
+    return None if any(there.wrong for there in others.values()) else Severity.INFO
 
 
 def _places_of(others: Mapping[str, _There]) -> tuple[Span, ...]:
     return tuple(dict.fromkeys(there.place for there in others.values()))
 
 
-_COMPARED = ("effort_limit", "velocity_limit", "armature")
-"""What is wrong where two files of a robot have another of it, whichever simulator reads them."""
-
-_UNLIKE = 0.01
-"""Share by which they differ then. Chosen: the tolerance of SRC101."""
-
-
-def _cost(
-    case: Case, robot: Robot, here: int, there: int, pairs: Sequence[tuple[JointView, JointView]]
-) -> str | None:
-    """What it costs that two files call joints otherwise: a figure that differs, in words; "" where a name is itself
-    wrong, misspelt or not the one that a deploy file, spec or list of joints has; None where nothing shows a cost.
+def _is_wrong(case: Case, robot: Robot, pairs: Sequence[tuple[JointView, JointView]]) -> bool:
+    """Whether one of two names of a joint is itself wrong: misspelt, or not the one that a deploy file, spec or list of
+    joints has.
     """
-    for mine, its in pairs:
-        rows = [case.joints.get((file, joint.name), ()) for file, joint in ((here, mine), (there, its))]
-        for row, other in zip(*rows, strict=False):
-            for field in _COMPARED:
-                here_own, there_own = (_own(each, field) for each in (row, other))
-                if here_own and there_own and not math.isclose(here_own, there_own, rel_tol=_UNLIKE):
-                    file = basename(case.artifacts[there].path)
-                    values = f"{own_figure(row, field)} here and {own_figure(other, field)} in {file}"
-                    return f"; the {FIELDS[field].noun} of {shortened(mine.name)} is {values}"
     # Patterns are for the model that their configuration loads, of which CFG101 and CFG102 tell.
     lists = [
         frozenset(joint_names(case.artifacts[index]) or ())
         for index in robot.artifacts
         if case.artifacts[index].robot is None
     ]
-    wrong = any(
+    return any(
         _is_a_slip(mine, its) or any((mine.name in names) is not (its.name in names) for names in lists)
         for mine, its in pairs
     )
-    return "" if wrong else None
-
-
-def _own(row: LedgerRow, field: str) -> float | None:
-    """A figure of a joint that somebody stated."""
-    return None if is_exporters(row) or is_nobodys(row, field) else finite(getattr(row, field))
 
 
 def _models(case: Case, robot: Robot) -> list[int]:
@@ -199,15 +170,15 @@ def _limbs_told(case: Case, robot: Robot) -> Iterator[Finding]:
             departing, joints, meant = min(sides, key=lambda side: _having(case, robot, side[1][0].name))
             beside = one if departing == other else other
             names = tuple(tuple(joint.name for joint in side) for side in (joints, meant))
-            cost = _cost(case, robot, departing, beside, [*zip(joints, meant, strict=True)])
+            wrong = _is_wrong(case, robot, [*zip(joints, meant, strict=True)])
             at = joints[0].span, *names
-            found.setdefault(at, {})[case.artifacts[beside].path] = _There(meant[0].span, cost)
+            found.setdefault(at, {})[case.artifacts[beside].path] = _There(meant[0].span, wrong)
     for (place, called, wanted), others in found.items():
-        files, cost = listed(dict.fromkeys(map(basename, others))), _costs(others)
+        files = listed(dict.fromkeys(map(basename, others)))
         yield Finding(
             "ORD106",
             f"this joint is called {shortened(wanted[0])} in {files}, {len(called) - 1} more likewise, and nothing of "
-            f"them is compared with it there{cost or ''}",
+            "them is compared with it there",
             place,
             called[0],
             joints=called,
@@ -215,7 +186,7 @@ def _limbs_told(case: Case, robot: Robot) -> Iterator[Finding]:
             f"{listed(called[1:])}",
             related=_places_of(others),
             about=f"{called[0]} {wanted[0]}",
-            severity=Severity.INFO if cost is None else None,
+            severity=_severity(others),
         )
 
 

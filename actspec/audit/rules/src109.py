@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from actspec.audit.case import MODELS
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.axes import are_opposite
+from actspec.audit.rules.axes import are_opposite, are_parallel
 from actspec.audit.rules.joints import is_called_undriven, shown, unit
 from actspec.audit.rules.same_joint import are_of_two_products, is_one_joint
 from actspec.audit.rules.sided import robots_of_one_side
@@ -251,7 +251,9 @@ def _contrary(kind: JointKind, one: _Range, other: _Range) -> str:
     most = POSE_TOLERANCE[kind]
     mirrored = math.isclose(one[0], -other[1], abs_tol=most) and math.isclose(one[1], -other[0], abs_tol=most)
     if mirrored and abs(sum(one)) >= _LOPSIDED[kind]:
-        return "its mirror image: positions have the other sign in one of the files"
+        return (
+            "its mirror image: positions have the other sign in one of the files, or count from another zero"
+        )
     if max(one[0], other[0]) >= min(one[1], other[1]):
         return "which have no position in common: one of them has the wrong sign, or counts from another zero"
     return ""
@@ -267,11 +269,13 @@ def _are_in_mm(one: _Range, other: _Range) -> bool:
 
 
 def _is_turned(case: Case, one: LedgerRow, other: LedgerRow) -> bool:
-    """Whether the axes point against each other, so that the range is to be mirrored: SRC108 has it."""
+    """Whether the axes point against each other, so that the range is to be mirrored: SRC108 has it; or lie otherwise,
+    as those of two things that scenes call alike.
+    """
     views = [case.artifacts[row.artifact].robot for row in (one, other)]
     axes = [
         joint.axis if view is not None and (joint := view.joint(row.joint)) is not None else None
         for view, row in zip(views, (one, other), strict=True)
     ]
     mine, its = axes
-    return mine is not None and its is not None and are_opposite(mine, its)
+    return mine is not None and its is not None and (are_opposite(mine, its) or not are_parallel(mine, its))
