@@ -717,18 +717,19 @@ def test_a_list_of_names_for_another_order_gives_none(tmp_path: Path) -> None:
     assert config.settings["joint_count"].value == 2.0
 
 
+@pytest.mark.parametrize("end", ["bounds", "range", "min"])
+def test_gains_between_which_somebody_looks(tmp_path: Path, end: str) -> None:
+    """As many of them as joints, and no second set of gains."""
+    text = f"joint_names: [hip, knee]\nkp_rl: [25, 60]\nkd_rl: [1, 2]\nkp_{end}: [2, 90]\nkd_{end}: [0, 3]\n"
+    assert sorted(group.settings["kp"].value for group in _config(tmp_path, text).groups) == [25.0, 60.0]
+
+
 @pytest.mark.parametrize(
     ("text", "reason", "told"),
     [
         (
             f"{_WALK}kp_stand: [40, 40]\nkd_stand: [1, 1]\n",
             "it has gains as kp_walk, kp_stand, and does not say which the joints run: write those as kp and kd",
-            1,
-        ),
-        # Between which somebody looks for them.
-        (
-            "joint_names: [hip, knee]\nkp_rl: [1, 2]\nkd_rl: [1, 2]\nkp_bounds: [1, 9]\nkd_bounds: [0, 1]\n",
-            "'kp_rl' is no key that is read: write kp",
             1,
         ),
         (
