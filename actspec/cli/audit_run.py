@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from actspec.audit.engine import audit, own_exclude
 from actspec.audit.finding import Confidence
-from actspec.audit.outcome import Report
+from actspec.audit.outcome import Report, Reported
 from actspec.audit.rules import all_rules
 from actspec.audit.selection import ALL
 from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings, named_versions
@@ -70,12 +70,12 @@ def report_on(
     # Not taken apart at the end, which takes long for thousands of findings; see `actspec.cli.main._KEPT`.
     arguments.report = report
     _check_spec(report, arguments.spec)
-    if arguments.diff:
-        return _show_fixes(report, arguments.unsafe_fixes)
     fixed: tuple[FixedFile, ...] = ()
-    if arguments.fix or arguments.unsafe_fixes:
-        report, fixed = _fixed(report, arguments, settings, again)
-        arguments.report = report
+    if arguments.fix or arguments.unsafe_fixes or arguments.diff:
+        afterwards, fixed = _fixed(report, arguments, settings, again)
+        if arguments.diff:
+            return _show_fixes(report, fixed, settings)
+        arguments.report = report = afterwards
     if arguments.write_baseline is not None:
         return _write_baseline(report, arguments.write_baseline, settings, arguments.force)
     options = ReportOptions(
@@ -111,7 +111,7 @@ def _fixed(
     settings: Settings,
     again: Callable[[Mapping[str, bytes]], PendingFiles],
 ) -> tuple[Report, tuple[FixedFile, ...]]:
-    """Fix until nothing more can be; nothing is written.
+    """Fix until nothing more can be of what the report showed; nothing is written.
 
     Returns: The report afterwards and the files; none where that report is not whole, and then the one before.
     """
@@ -121,10 +121,13 @@ def _fixed(
         print(f"nothing is fixed: {_UNREAD}", file=sys.stderr)
         return report, ()
     first = report
+    # What comes to light by a fix is reported afterwards, and nobody has agreed to it yet.
+    shown = {_about(item) for item in first.findings if item.finding.fix is not None}
     made: dict[str, FixedFile] = {}
     before: set[tuple[str, bytes]] = set()
     for _ in range(MOST_PASSES):
-        fixes = apply_fixes(report.findings, report.case.files, arguments.unsafe_fixes)
+        known = [item for item in report.findings if _about(item) in shown]
+        fixes = apply_fixes(known, report.case.files, arguments.unsafe_fixes)
         print_diagnostics(fixes.refused)
         if not fixes.files:
             if not made:
@@ -159,22 +162,22 @@ def _failed(report: Report, settings: Settings) -> bool:
     return bool(report.misnamed) or not (report.complete or settings.fail_on is None)
 
 
-def _show_fixes(report: Report, unsafe: bool) -> int:
-    """The fixes as a unified diff. Those that overlap with others would come later, and are not shown."""
-    from actspec.audit.fix import apply_fixes
+def _about(item: Reported) -> tuple[str, str, str]:
+    """What a finding and that of the next pass, where its place and its figures are others, have in common."""
+    return item.finding.code, item.finding.span.path, item.finding.joint
+
+
+def _show_fixes(report: Report, fixed: Sequence[FixedFile], settings: Settings) -> int:
+    """What would be written, as a unified diff."""
     from actspec.output import diff_lines
 
-    fixes = apply_fixes(report.findings, report.case.files, unsafe)
     print_diagnostics(remarks(report, Severity.WARNING))
-    print_diagnostics(fixes.refused)
-    if not fixes.files:
-        print(_nothing_to_fix(report, unsafe), file=sys.stderr)
-    for file in fixes.files:
+    for file in fixed:
         for line in diff_lines(file.old, file.new, file.path, file.path):
             sys.stdout.write(line)
-    if not report.complete:
+    if _failed(report, settings):
         return EXIT_FAILED
-    return EXIT_FINDINGS if fixes.files else EXIT_CLEAN
+    return EXIT_FINDINGS if fixed else EXIT_CLEAN
 
 
 def _nothing_to_fix(report: Report, unsafe: bool) -> str:

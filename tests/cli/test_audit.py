@@ -147,11 +147,38 @@ def test_fixes_that_undo_each_other_end(capsys: pytest.CaptureFixture[str]) -> N
     Path("part.xml").write_text(text)
     for name, step in (("fast.xml", "0.005"), ("slow.xml", "0.01")):
         Path(name).write_text(f'<mujoco><option timestep="{step}"/><include file="part.xml"/></mujoco>')
-    run("audit", "fast.xml", "slow.xml", "--select", "DLY102", "--unsafe-fixes")
-    assert capsys.readouterr().err.splitlines() == [
-        "part.xml: AUD011 [warning]: its fixes undo each other: none is applied, and the file is as it was",
-    ]
+    said = "part.xml: AUD011 [warning]: its fixes undo each other: none is applied, and the file is as it was"
+    for option in ((), ("--diff",)):
+        run("audit", "fast.xml", "slow.xml", "--select", "DLY102", "--unsafe-fixes", *option)
+        told = capsys.readouterr()
+        assert (told.err.splitlines(), "+++" in told.out) == ([said], False)
     assert Path("part.xml").read_text() == text
+
+
+def test_what_a_fix_brings_to_light_is_not_fixed_unseen(capsys: pytest.CaptureFixture[str]) -> None:
+    """With its biastype the wrist is a servo, of which 69 is degrees of 1.2 rad: reported afterwards, not written.
+
+    Both fixes are made where the second is shown: by another run.
+    """
+    drive = '<general joint="wrist" gainprm="20" biasprm="0 -20 -0.5" ctrlrange="-69 69" forcerange="-5 5"/>'
+    served = drive.replace("biasprm", 'biastype="affine" biasprm')
+    text = (
+        '<mujoco><compiler angle="radian"/><worldbody><body>\n'
+        '<joint name="wrist" range="-1.2 1.2" damping="0.1" armature="0.01"/><geom size=".1"/>\n'
+        f"</body></worldbody><actuator>\n{drive}\n</actuator></mujoco>\n"
+    )
+    Path("arm.xml").write_text(text)
+    options = ("--select", "SGN102,UNT101", "--as-named", "--unsafe-fixes", "--output-format", "concise")
+    assert run("audit", "arm.xml", *options, "--diff") == 1
+    shown = [line for line in capsys.readouterr().out.splitlines()[2:] if line[0] in "+-"]
+    assert shown == [f"-{drive}", f"+{served}"]
+    run("audit", "arm.xml", *options)
+    assert Path("arm.xml").read_text() == text.replace(drive, served)
+    told = capsys.readouterr()
+    assert told.err.splitlines()[-1] == 'arm.xml: Add biastype="affine"'
+    assert "UNT101 [warning] wrist: the control range is -69 rad ... 69 rad" in told.out
+    run("audit", "arm.xml", *options)
+    assert Path("arm.xml").read_text() == text.replace(drive, served.replace("-69 69", "-1.2 1.2"))
 
 
 @pytest.mark.parametrize(
