@@ -2,9 +2,11 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
+from pathlib import PurePath
 
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.diagnostics import Span
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework
 from actspec.readings.config import control_of
 from actspec.readings.versions import is_native
@@ -52,18 +54,23 @@ class NamesByVersion(RuleOver[tuple[str, list[ActuatorGroup]]]):
         text: str,
     ) -> Iterator[Finding]:
         if not is_native(case.versions):
+            left, other = _left(case, new)
             for group, name in new:
+                plain = _is_plain(group, name) and not other
                 yield Finding(
                     self.code,
                     f"Isaac Lab {text} has no {name}: the cfg raises TypeError when it is made",
                     group.settings[name].span,
-                    help=f"2.x calls it {_OLD[name]}",
-                    fix=renaming(case, group, name, _OLD[name]) if _is_plain(group, name) else None,
+                    help=f"2.x calls it {_OLD[name]}{left}",
+                    related=other,
+                    fix=renaming(case, group, name, _OLD[name]) if plain else None,
                     about=name,
                 )
             return
         gone = not before(release(text), OLD_NAMES_GONE)
+        left, other = _left(case, old)
         for group, name in old:
+            plain = _is_plain(group, name)
             yield Finding(
                 self.code,
                 f"Isaac Lab {text} has no {name} any more"
@@ -71,12 +78,9 @@ class NamesByVersion(RuleOver[tuple[str, list[ActuatorGroup]]]):
                 else f"{name} is a deprecated name in Isaac Lab {text}, and gone in 4.0",
                 group.settings[name].span,
                 help=f"3.0 calls it {_new_name(group, name)}"
-                + (
-                    ""
-                    if _is_plain(group, name)
-                    else "; an implicit drive's own limits are left to you by --fix"
-                ),
-                fix=renaming(case, group, name, _NEW[name]) if _is_plain(group, name) else None,
+                + (left if plain else "; an implicit drive's own limits are left to you by --fix"),
+                related=other,
+                fix=renaming(case, group, name, _NEW[name]) if plain and not other else None,
                 severity=Severity.ERROR if gone else Severity.WARNING,
                 about=name,
             )
@@ -119,6 +123,54 @@ def _is_plain(group: ActuatorGroup, name: str) -> bool:
     """Whether the field is the same one in both versions; what 2.x makes of an implicit drive's own limits is not."""
     own = name in ("effort_limit", "velocity_limit") or name.startswith("actuator_")
     return not own or control_of(Framework.ISAACLAB, group.cls) != "implicit"
+
+
+def _left(case: Case, fields: list[tuple[ActuatorGroup, str]]) -> tuple[str, tuple[Span, ...]]:
+    """Of a file's fields, where one is read or set by its name once it is made, which a fix would not rename with it.
+
+    Returns: What the help adds, and the place; "" and none.
+    """
+    for group, name in fields:
+        place = group.settings[name].span
+        module = PurePath(place.path).with_suffix("")
+        stem = (module.parent if module.name == "__init__" else module).name.encode()
+        for path, (data, uses) in case.once(_uses).items():
+            use = uses.get(name)
+            # Another file is one of this configuration's where it speaks of its module.
+            if use is not None and (use.line != place.line if path == place.path else stem in data):
+                return f"; {path}:{use.line} has {name}, too: rename all together, as --fix does not", (use,)
+    return "", ()
+
+
+def _uses(case: Case) -> dict[str, tuple[bytes, dict[str, Span]]]:
+    """The text of each Python file, and where it has a name first as an attribute, in quotes or in a copy's call."""
+    found: dict[str, tuple[bytes, dict[str, Span]]] = {}
+    for file in (file for reading in case.files if reading.readable for file in reading.files):
+        if not file.path.endswith(".py") or file.path in found:
+            continue
+        uses: dict[str, Span] = {}
+        if any(name.encode() in file.data for name in (*_NEW, *_OLD)):
+            try:
+                nodes = [*ast.walk(ast.parse(file.data))]
+            except (SyntaxError, ValueError, RecursionError):
+                nodes = []
+            for name, line in ((name, line) for node in nodes for name, line in _named(node)):
+                uses[name] = min(
+                    uses.get(name, Span(file.path, line)), Span(file.path, line), key=lambda s: s.line or 0
+                )
+        found[file.path] = file.data, uses
+    return found
+
+
+def _named(node: ast.AST) -> Iterator[tuple[str, int]]:
+    if isinstance(node, ast.Attribute):
+        # An actuator's own `self.effort_limit` is no configuration's.
+        if not (isinstance(node.value, ast.Name) and node.value.id == "self"):
+            yield node.attr, node.lineno
+    elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+        yield node.value, node.lineno
+    elif isinstance(node, ast.Call) and _name(node.func) in ("replace", "dict"):
+        yield from ((keyword.arg, keyword.lineno) for keyword in node.keywords if keyword.arg is not None)
 
 
 def renaming(case: Case, group: ActuatorGroup, old: str, new: str) -> Fix | None:
