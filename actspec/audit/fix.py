@@ -20,7 +20,8 @@ from actspec.processes import IsolatedCall, LostError
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.view import ModelFile, ModelFormat
 
-_OF_FIGURES = ("UNT", "SGN")
+_OF_UNITS = "UNT"
+_OF_FIGURES = (_OF_UNITS, "SGN")
 """Families of rules about what the figures of a file mean."""
 
 MOST_PASSES = 10
@@ -60,25 +61,31 @@ class Fixes:
 def without_doubtful(found: Sequence[Reported]) -> tuple[Reported, ...]:
     """Findings without the fixes that another finding speaks against.
 
-    A fix takes the rest of its file for right: none is offered where the unit or sign of a whole file is in doubt, and
-    neither of two that put different text in the place of the same bytes.
+    A fix that is not safe takes the rest of its file for right: none is offered where the unit or sign of a whole file
+    is in doubt, or the units of two joints or more, which no fix of their own mends. Neither is any of two that put
+    different text in the place of the same bytes.
 
     Args:
         found: All findings.
     """
-    doubted = {
-        item.finding.span.path
-        for item in found
-        if not item.finding.joint and item.finding.code.rstrip("0123456789") in _OF_FIGURES
-    }
+    doubted: set[str] = set()
+    joints: dict[str, set[str]] = {}
+    for finding in (item.finding for item in found):
+        family = finding.code.rstrip("0123456789")
+        if family in _OF_FIGURES and not finding.joint:
+            doubted.add(finding.span.path)
+        elif family == _OF_UNITS and finding.fix is None:
+            joints.setdefault(finding.span.path, set()).update(finding.joints or (finding.joint,))
+    doubted.update(path for path, names in joints.items() if len(names) > 1)
     texts: dict[tuple[str, int, int], set[bytes]] = {}
     for edit in (edit for item in found if item.finding.fix is not None for edit in item.finding.fix.edits):
         if edit.start < edit.end:
             texts.setdefault((edit.path, edit.start, edit.end), set()).add(edit.new)
 
     def is_doubtful(fix: Fix) -> bool:
+        trusting = fix.safety is Safety.UNSAFE
         return any(
-            edit.path in doubted or len(texts.get((edit.path, edit.start, edit.end), ())) > 1
+            (trusting and edit.path in doubted) or len(texts.get((edit.path, edit.start, edit.end), ())) > 1
             for edit in fix.edits
         )
 

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -172,6 +173,24 @@ def test_nothing_is_fixed_where_the_rest_of_the_file_is_in_doubt(
         finding(code, path, joint=joint, message="radians"),
     )
     assert found == [stays, False]
+
+
+def test_nothing_is_fixed_where_the_units_of_joints_are_in_doubt() -> None:
+    """One joint may be a slip; two are how the file was written. A fix of their own says what is right there."""
+    fix = unsafe(edit(LEG, b'damping="2"', b'damping="1"'))
+    hip = finding("LIM901", "leg.xml", joint="hip", fix=fix)
+    own = unsafe(edit(LEG, b'damping="2"', b'damping="3"', nth=1))
+    for code, joints, theirs, stays in (
+        ("UNT901", ("knee", "toe"), None, False),
+        ("UNT901", ("knee",), None, True),
+        ("UNT901", ("knee", "toe"), own, True),
+        ("SGN901", ("knee", "toe"), None, True),
+    ):
+        others = [finding(code, "leg.xml", joint=joint, fix=theirs) for joint in joints]
+        assert offered(hip, *others)[0] is stays
+    # A field that is called otherwise has the figure that it had.
+    safe = finding("LIM901", "leg.xml", joint="hip", fix=replace(fix, safety=Safety.SAFE))
+    assert offered(safe, *(finding("UNT901", "leg.xml", joint=joint) for joint in ("knee", "toe")))[0]
 
 
 def test_joints_share_the_fix_of_a_class() -> None:
