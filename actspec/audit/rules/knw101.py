@@ -90,6 +90,13 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             )
             beyond = self._beyond(case, subject, row, names, limit, times * _alternatives(case, row))
             found = beyond or self._other_joint(subject, row, names, limit, times)
+            if (
+                found is None
+                and driving_limit(row)[0] == "curve.drive_torque"
+                and row.effort_limit is not None
+            ):
+                # The largest torque of a motor, which is published, is the one with which it brakes.
+                found = self._other_joint(subject, replace(row, more={}), names, row.effort_limit, times)
             is_margin = kind is FileKind.URDF and beyond is not None and _is_a_margin(subject, names, limit)
             if found is None and row.joint in lows:
                 found, quiet = self._far_below(subject, row, names, limit), True
@@ -189,22 +196,26 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float
     ) -> Finding | None:
         """A limit that is another joint's, and by far not the joint's own in any variant."""
-        if len({_most(subject, name).effort for name in names}) > 1:
-            # One figure for joints of several kinds may be the least on purpose.
+        short = [name for name in names if _is_short(subject.robot.efforts(name), limit, times)]
+        if not short:
             return None
-        name = names[0]
-        if any(limit * times > figure or same(limit, figure) for figure in subject.robot.efforts(name)):
+        several = len({_most(subject, name).effort for name in names}) > 1
+        fitting = sum(any(same(limit, one) for one in subject.robot.efforts(name)) for name in names)
+        if several and 2 * fitting <= len(subject.robot.needed):
+            # One figure for joints of several kinds may be the least on purpose, unless most of the robot have it.
             return None
         every = subject.robot.variants.values()
         theirs = next((found for joints in every if (found := _alike(joints, limit))), ())
         if not theirs:
             return None
-        published = _most(subject, name)
+        published = max((_most(subject, name) for name in short), key=lambda joint: joint.effort)
+        which = [name for name in short if _most(subject, name).effort == published.effort]
+        whose = listed(which, 2) if several else "this joint"
         figure = shown(row, "effort_limit", published.effort, 6)
         return Finding(
             self.code,
             f"{_named(row)} is that of {subject.robot.name}'s "
-            f"{listed(theirs, 2)}; for this joint {figure} is published, "
+            f"{listed(theirs, 2)}; for {whose} {figure} is published, "
             f"{format_number(published.effort / limit, 3)} times as much",
             driving_place(row),
             row.joint,
@@ -214,6 +225,11 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             help=f"{figure}: {published.source}",
             fields=("effort_limit",),
         )
+
+
+def _is_short(published: frozenset[float], limit: float, times: float) -> bool:
+    """Whether a limit is none of a joint's published figures, and by far below each."""
+    return all(limit * times <= figure and not same(limit, figure) for figure in published)
 
 
 def _is_before_gear(case: Case, row: LedgerRow, published: float, times: float) -> str:
