@@ -454,8 +454,10 @@ Limits of 0 are a rule's (ROBOT125).
 """
 
 
-_OF_THE_TEXT = frozenset({"angle"})
-"""What programs write over that the text cannot be read without: its figures are no figures before."""
+_OF_THE_TEXT = frozenset({"angle", "lags"})
+"""What programs write over that the text cannot be read without: its figures are no figures before, and a lag that is
+held from one reset to the next is held for the program that sets it.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -513,7 +515,7 @@ class FileReading:
     unread: str = ""
 
     def as_named(self) -> FileReading:
-        """The same file as if it was named, whatever its folder says of it but for the unit of what is in it."""
+        """The same file as if it was named, whatever its folder says of it save what its text is not read without."""
         return replace(
             self,
             in_folder=False,

@@ -687,12 +687,15 @@ _HAND = (
 def test_what_a_task_commands(
     code: str, config: str, task: str, told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Speeds, for which kp is small on purpose, and lags."""
+    """Speeds, for which kp is small on purpose, and lags: these are held also where somebody names the folder."""
     monkeypatch.chdir(tmp_path)
     Path("r").mkdir()
     Path("r/robot.py").write_text(config)
     Path("r/task.py").write_text(f"from robot import LEG_CFG, HAND\n{task}use(LEG_CFG, HAND)\n")
-    assert [item.finding.code for item in audit(["r"], Settings(select=(code,))).findings] == [code] * told
+    for as_named in (False, True):
+        found = audit(["r"], Settings(select=(code,), as_named=as_named)).findings
+        expected = told or (as_named and code == "UNT107")
+        assert [item.finding.code for item in found] == [code] * expected
 
 
 @pytest.mark.parametrize(("joint", "severity"), [("left_caster", "info"), ("ankle", "warning")])
