@@ -12,6 +12,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import clamps_not_in_force, is_turned, ranges_not_in_force
 from actspec.audit.rules.clamped import TIMES, Bounded, bound_of, by_command, input_of, is_in_doubt
 from actspec.audit.rules.joints import (
+    effort_noun,
     folders_in_common,
     is_called_undriven,
     is_driven_by_mjlab,
@@ -229,7 +230,7 @@ class NoEffectiveLimit(RuleInParts):
         clamp: tuple[float, float] | None,
     ) -> Iterator[Finding]:
         """Of an actuator without a limit, with the ranges of force, joint and control that are not in force."""
-        noun = "force" if row.kind is JointKind.SLIDE else "torque"
+        noun = effort_noun(row)
         bound, how = bound_of(row, view) if view is not None else (None, "")
         bounded = Bounded(f"its {noun} is unlimited", None, self.confidence)
         if bound is not None:
