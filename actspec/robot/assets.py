@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import RobotError, listed, one_line
+from actspec.diagnostics import RobotError, in_quotes, listed, one_line
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_reasons import LFS_POINTER
 from actspec.robot.xml_tree import Element, XmlDocument
@@ -130,9 +130,9 @@ def mesh_dependence(spec: mujoco.MjSpec) -> MeshDependence | None:
 def _in_words(body: mujoco.MjsBody) -> str:
     """A body by its name, else by a joint that it has."""
     if body.name:
-        return f"body {body.name!r}"
+        return f"body {in_quotes(body.name)}"
     joint = next((joint.name for joint in body.joints if joint.name), None)
-    return f"the body of joint {joint!r}" if joint else "a body without a name"
+    return f"the body of joint {in_quotes(joint)}" if joint else "a body without a name"
 
 
 def give_placeholder_masses(meshes: MeshDependence) -> None:
