@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
 
+from actspec.audit.case import MODELS
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import clamps_not_in_force, is_turned, ranges_not_in_force
@@ -424,9 +425,12 @@ class NoEffectiveLimit(RuleInParts):
 
 
 def _holds_its_robot(case: Case, row: LedgerRow) -> bool:
-    """Whether a hinge's limit is what it takes to hold the whole robot on a lever that one may have: a crane's is."""
-    robot = case.artifacts[row.artifact].robot
-    mass = (robot.mass if robot is not None else None) or 0.0
+    """Whether a hinge's limit is what it takes to hold the whole robot on a lever that one may have: a crane's is.
+
+    Of a configuration, and of a file without masses, the model that has the joint and the masses tells.
+    """
+    robots = (case.artifacts[one.artifact].robot for one in (row, *partner_rows(case, row, *MODELS)))
+    mass = next((robot.mass for robot in robots if robot is not None and robot.mass), 0.0)
     return row.kind is JointKind.HINGE and (row.effort_limit or 0.0) <= LONGEST_LEVER * mass * GRAVITY
 
 
