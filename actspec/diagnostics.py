@@ -256,6 +256,12 @@ def one_line(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
+def in_quotes(text: str) -> str:
+    """Text from a stranger's file as it stands there, in quotes: `repr` would double each backslash of a path."""
+    quote = '"' if "'" in text else "'"
+    return f"{quote}{one_line(text)}{quote}"
+
+
 def shell_word(text: str) -> str:
     """A name as a shell takes it, on one line and printable, to paste."""
     quoted = shlex.quote(text)

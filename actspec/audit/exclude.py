@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from actspec.diagnostics import Diagnostic, Severity, Span
+from actspec.diagnostics import Diagnostic, Severity, Span, in_quotes
 
 _NEAR = 0.8
 """Likeness from which a name is a glob's, misspelt. Chosen: one letter of five."""
@@ -93,8 +93,8 @@ def unfit(
             able += [mended, f"{mended}/**"]
         near = next((one for one in able if any(fit(one, folder, path) for path in own)), None)
         if near:
-            message = f"the glob {glob!r} of {setting} fits nothing here"
-            help = f"did you mean {near!r}?"
+            message = f"the glob {in_quotes(glob)} of {setting} fits nothing here"
+            help = f"did you mean {in_quotes(near)}?"
             yield Diagnostic("AUD017", Severity.WARNING, message, span=places.get(glob), help=help)
 
 

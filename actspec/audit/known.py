@@ -53,6 +53,9 @@ _BY_KEY = ("effort_limit", "stall_torque", "no_load_speed", "velocity_limit", "a
 GRIPS = re.compile(r"finger|thumb|gripp?er|jaw|claw|hand", re.IGNORECASE)
 """Words of a hand's joints and bodies: many arms have another hand, or theirs in another file, and it closes slowly."""
 
+_SERIES = 4
+"""Letters of a name from which it tells a series of robots without its number. Chosen: of `go` and `ur` many begin."""
+
 _FOLDERS = 3
 """Folders above a file that may name its robot: `x30/mjcf/unitree/robot.xml`."""
 
@@ -134,6 +137,12 @@ class KnownRobot:
         """Those by which it is known: not the fingers of an arm, whose gripper stands in a file of its own as often."""
         return frozenset(joint for joint in self.joints if not GRIPS.search(joint))
 
+    @property
+    def called(self) -> frozenset[str]:
+        """Its words, and those without the number of its size: an `xarm.xml` may be any of three, and no Franka."""
+        series = (word.rstrip("0123456789_") for word in self.words if word[-1:].isdigit())
+        return self.words.union(one for one in series if len(one) >= _SERIES)
+
     def efforts(self, joint: str) -> frozenset[float]:
         """Every torque that is published of a joint, of all variants [N*m]."""
         figures = (variant[joint] for variant in self.variants.values())
@@ -184,6 +193,12 @@ def known_robots() -> tuple[KnownRobot, ...]:
 def _words() -> frozenset[str]:
     """What files of any known robot are called."""
     return frozenset(word for robot in known_robots() for word in robot.words)
+
+
+@cache
+def _names() -> frozenset[str]:
+    """The same, and what they are called without their numbers."""
+    return frozenset(name for robot in known_robots() for name in robot.called)
 
 
 Rows = tuple[tuple[LedgerRow, tuple[str, ...]], ...]
@@ -239,7 +254,7 @@ def all_likenesses(case: Case) -> tuple[Likeness, ...]:
         if not named:
             continue
         outside = _outside(artifact)
-        copied = {robot.name for robot in named if outside and outside.isdisjoint(robot.words)}
+        copied = {robot.name for robot in named if outside and outside.isdisjoint(robot.called)}
         # A mini_cheetah.urdf of the robot "a1_description" may be either.
         others = any(robot.name in copied and not robot.former for robot in named)
         if words & HANDLES or (others and len(copied) < len(named)):
@@ -297,13 +312,13 @@ def _outside(artifact: Artifact) -> frozenset[str]:
     """What the file of a model is called, whatever name it has inside: somebody may have begun with a copy.
 
     Of a URDF its own words tell, of an MJCF those of its files that name known robots: `ur3e.xml` in a scene of the
-    model "ur5e scene" is no UR5e. Where they name none, those of the nearest folder that names one do:
-    `x30/robot.xml` of the model "lite3" is no Lite3.
+    model "ur5e scene" is no UR5e, and `kitchen_xarm.xml` of "franka_kitchen" no Franka. Where they name none, those of
+    the nearest folder that names one do: `x30/robot.xml` of the model "lite3" is no Lite3.
     """
     robot = artifact.robot
     if artifact.kind not in MODELS or robot is None:
         return frozenset()
-    every = _words()
+    every = _names()
     stems = [telling(os.path.splitext(os.path.basename(file.path))[0]) for file in robot.files]
     named = every.intersection(chain.from_iterable(stems))
     own = stems[0] if artifact.kind is FileKind.URDF else named

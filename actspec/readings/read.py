@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Diagnostic, RobotError, Severity, Span
+from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, in_quotes
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.readings.artifact import Artifact, FileKind, FileReading
 from actspec.readings.template import placeholder, statement
@@ -208,7 +208,7 @@ def _view(document: XmlDocument, kind: FileKind, refusal: str | None) -> RobotVi
             refusal, refused_at = _first(err.diagnostics)
             twice = _second_include(document)
             if twice is not None:
-                message = f"{twice.name!r} is included a second time; {refusal}"
+                message = f"{in_quotes(twice.name)} is included a second time; {refusal}"
                 raise RobotError.of("ROBOT007", message, document.span(twice.element)) from err
     from actspec.robot.read_mjcf_text import read_mjcf_text
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import RobotError, listed, one_line
+from actspec.diagnostics import RobotError, in_quotes, listed, one_line
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_reasons import LFS_POINTER
 from actspec.robot.xml_tree import Element, XmlDocument
@@ -79,11 +79,14 @@ class MeshDependence:
         return tuple(name.removesuffix(STAND_IN) for name in self.missing if name.endswith(STAND_IN))
 
 
-def mesh_dependence(spec: mujoco.MjSpec) -> MeshDependence | None:
+def mesh_dependence(spec: mujoco.MjSpec, *, written: bool = False) -> MeshDependence | None:
     """Say whether the inertia of a moving body comes from mesh files.
+
+    What only slides, or is a loose object, is known by the masses that its geoms state, whatever shape the meshes have.
 
     Args:
         spec: From `open_spec`, not yet compiled.
+        written: Whether centre and inertia of each body are to be written, so that those count too.
 
     Returns: Such bodies; None when meshes do not matter.
     """
@@ -94,11 +97,13 @@ def mesh_dependence(spec: mujoco.MjSpec) -> MeshDependence | None:
         return None
     bodies = []
     missing: dict[str, str] = {}
-    stack = [(body, False) for body in reversed(list(spec.worldbody.bodies))]
+    shapes = written or spec.compiler.settotalmass > 0.0 or any(tendon.armature for tendon in spec.tendons)
+    stack = [(body, False, shapes) for body in reversed(list(spec.worldbody.bodies))]
     while stack:
-        body, moving = stack.pop()
+        body, moving, turning = stack.pop()
         moving = moving or len(body.joints) > 0
-        stack.extend((child, moving) for child in reversed(list(body.bodies)))
+        turning = turning or (_turns(body) and not _is_loose(body))
+        stack.extend((child, moving, turning) for child in reversed(list(body.bodies)))
         if not moving:
             continue
         mode = int(body.compiler.inertiafromgeom)
@@ -114,6 +119,8 @@ def mesh_dependence(spec: mujoco.MjSpec) -> MeshDependence | None:
             massless = geom.mass == 0 or (geom.mass != geom.mass and geom.density == 0)
             if mesh is None or massless or not groups[0] <= geom.group <= groups[1]:
                 continue
+            if not turning and geom.mass == geom.mass:
+                continue
             weighed = True
             if not usable_file(path := mesh_path(spec, mesh)):
                 missing.setdefault(mesh.file, path)
@@ -127,12 +134,26 @@ def mesh_dependence(spec: mujoco.MjSpec) -> MeshDependence | None:
     )
 
 
+def _turns(body: mujoco.MjsBody) -> bool:
+    import mujoco
+
+    return any(joint.type != mujoco.mjtJoint.mjJNT_SLIDE for joint in body.joints)
+
+
+def _is_loose(body: mujoco.MjsBody) -> bool:
+    """Whether a body has a free joint, and nothing in it has another: no hinge or slide feels its inertia."""
+    import mujoco
+
+    joints = [*body.joints, *(joint for child in body.find_all("body") for joint in child.joints)]
+    return [joint.type for joint in joints] == [mujoco.mjtJoint.mjJNT_FREE]
+
+
 def _in_words(body: mujoco.MjsBody) -> str:
     """A body by its name, else by a joint that it has."""
     if body.name:
-        return f"body {body.name!r}"
+        return f"body {in_quotes(body.name)}"
     joint = next((joint.name for joint in body.joints if joint.name), None)
-    return f"the body of joint {joint!r}" if joint else "a body without a name"
+    return f"the body of joint {in_quotes(joint)}" if joint else "a body without a name"
 
 
 def give_placeholder_masses(meshes: MeshDependence) -> None:

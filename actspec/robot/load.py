@@ -9,7 +9,16 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, listed, nearest, shortened
+from actspec.diagnostics import (
+    Diagnostic,
+    ResolveError,
+    RobotError,
+    Severity,
+    in_quotes,
+    listed,
+    nearest,
+    shortened,
+)
 from actspec.files import leads_into, path_of_name
 from actspec.joints import JointKind
 from actspec.robot.submodules import NOT_CHECKED_OUT, not_checked_out
@@ -49,7 +58,7 @@ def find_model(reference: str, base: str) -> str:
     if reference.startswith(_SCHEME):
         return _find_installed(reference)
     if not reference or "\0" in reference:
-        raise _error("ROBOT103", f"{reference!r} is not a path")
+        raise _error("ROBOT103", f"{in_quotes(reference)} is not a path")
     path = os.path.normpath(os.path.join(base, path_of_name(reference)))
     if os.path.isfile(path):
         return path
@@ -57,17 +66,21 @@ def find_model(reference: str, base: str) -> str:
     # A spec in the working directory has no folder in its name.
     folder = folder or os.curdir
     if os.path.isdir(path):
-        raise _error("ROBOT101", f"the model is a folder, got {reference!r}", _near("", names_in(path)))
+        raise _error(
+            "ROBOT101", f"the model is a folder, got {in_quotes(reference)}", _near("", names_in(path))
+        )
     submodule = not_checked_out(os.path.join(base, ""), path)
     if submodule is not None:
-        raise _error(NOT_CHECKED_OUT, f"there is no model {reference!r}: {submodule}", submodule.help)
+        raise _error(
+            NOT_CHECKED_OUT, f"there is no model {in_quotes(reference)}: {submodule}", submodule.help
+        )
     if not os.path.isdir(folder):
         raise _error(
             "ROBOT101",
-            f"there is no model {reference!r}: its folder does not exist",
+            f"there is no model {in_quotes(reference)}: its folder does not exist",
             "a path is relative to the spec's folder; a file of an installed distribution is package://DIST/path",
         )
-    raise _error("ROBOT101", f"there is no model {reference!r}", _near(name, names_in(folder)))
+    raise _error("ROBOT101", f"there is no model {in_quotes(reference)}", _near(name, names_in(folder)))
 
 
 def robot_of(spec: Spec) -> RobotView:
@@ -98,7 +111,9 @@ def check_packages(spec: Spec) -> None:
     """
     for name, at in _packages(spec).items():
         if "\0" in at or not os.path.isdir(at):
-            message = f"there is no folder {spec.model.robot.packages[name]!r} of the package '{name}'"
+            message = (
+                f"there is no folder {in_quotes(spec.model.robot.packages[name])} of the package '{name}'"
+            )
             help = "write the package's own folder, relative to the spec's, the one with its package.xml; or name it "
             help += f"with --package {name}=FOLDER"
             raise RobotError.of("ROBOT101", message, spec.span("robot", "packages", name), help=help)
@@ -199,13 +214,13 @@ def _find_installed(reference: str) -> str:
     ):
         raise _error(
             "ROBOT103",
-            f"{reference!r} does not name a file of a distribution",
+            f"{in_quotes(reference)} does not name a file of a distribution",
             "write package://DIST/path, the path as the distribution lists it, without '..'",
         )
     try:
         distribution = metadata.distribution(name)
     except metadata.PackageNotFoundError as err:
-        message = f"the model {reference!r} is not installed: there is no distribution {name!r} here"
+        message = f"the model {in_quotes(reference)} is not installed: there is no distribution {in_quotes(name)} here"
         raise RobotNotInstalled(
             [Diagnostic("ROBOT102", Severity.ERROR, message, "robot.model", None, f"pip install {name}")]
         ) from err
@@ -214,19 +229,27 @@ def _find_installed(reference: str) -> str:
         path = str(distribution.locate_file(inner))
         if os.path.isfile(path):
             return os.path.normpath(path)
-        raise _error("ROBOT101", f"the distribution {name!r} lists {inner!r}, but the file is gone")
+        raise _error(
+            "ROBOT101", f"the distribution {in_quotes(name)} lists {in_quotes(inner)}, but the file is gone"
+        )
     roots = _editable_roots(distribution)
     for root in roots:
         path = os.path.realpath(os.path.join(root, *parts))
         if os.path.isfile(path):
             if leads_into(path, [os.path.realpath(root)]):
                 return path
-            raise _error("ROBOT103", f"{inner!r} is a link that leaves the distribution {name!r}")
+            raise _error(
+                "ROBOT103", f"{in_quotes(inner)} is a link that leaves the distribution {in_quotes(name)}"
+            )
     folder = "/".join(parts[:-1])
     beside = {file.rpartition("/")[2] for file in listing if file.rpartition("/")[0] == folder}
     for root in roots:
         beside.update(names_in(os.path.join(root, *parts[:-1])))
-    raise _error("ROBOT101", f"the distribution {name!r} has no file {inner!r}", _near(parts[-1], beside))
+    raise _error(
+        "ROBOT101",
+        f"the distribution {in_quotes(name)} has no file {in_quotes(inner)}",
+        _near(parts[-1], beside),
+    )
 
 
 def _editable_roots(distribution: Distribution) -> tuple[str, ...]:
@@ -262,7 +285,7 @@ def _near(name: str, names: Iterable[str]) -> str | None:
     models = sorted(n for n in names if n.lower().endswith((".xml", ".urdf", ".mjcf")))
     near = nearest(name, models)
     if near is not None:
-        return f"did you mean {near!r}?"
+        return f"did you mean {in_quotes(near)}?"
     return f"the folder has {listed(models)}" if models else None
 
 

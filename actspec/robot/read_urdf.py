@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import Collector, RobotError, Span, listed, many, nearest
+from actspec.diagnostics import Collector, RobotError, Span, in_quotes, listed, many, nearest
 from actspec.joints import JointKind
 from actspec.robot.inertia import POSES, known_inertia
 from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
@@ -202,7 +202,7 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
         if kind not in _TYPES:
             out.error(
                 "ROBOT122",
-                f"type {kind!r} is not a URDF joint type",
+                f"type {in_quotes(kind)} is not a URDF joint type",
                 where=name,
                 span=span,
                 help=f"did you mean {nearest(kind, _TYPES) or listed(_TYPES)}?",
@@ -228,7 +228,10 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
     for joint in found:
         if joint.mimic is not None and joint.mimic not in names:
             out.warning(
-                "ROBOT124", f"mimics {joint.mimic!r}, which is not a joint", where=joint.name, span=joint.span
+                "ROBOT124",
+                f"mimics {in_quotes(joint.mimic)}, which is not a joint",
+                where=joint.name,
+                span=joint.span,
             )
     return found
 
@@ -295,7 +298,7 @@ def _joint(element: Element, name: str, kind: str, document: XmlDocument, out: C
         if not NUMBER.fullmatch(text.strip()):
             out.error(
                 "ROBOT120",
-                f"<{part.tag} {attribute}> must be a number, got {text!r}",
+                f"<{part.tag} {attribute}> must be a number, got {in_quotes(text)}",
                 where=name,
                 span=document.span(part),
                 help=f"this is a xacro, which is not expanded here: {EXPAND}" if "${" in text else None,

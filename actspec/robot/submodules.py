@@ -7,7 +7,7 @@ import os
 import re
 from dataclasses import dataclass
 
-from actspec.diagnostics import shell_word
+from actspec.diagnostics import in_quotes, shell_word
 from actspec.files import FAULTS, in_repository, read_regular
 
 NOT_CHECKED_OUT = "ROBOT010"
@@ -67,7 +67,7 @@ def _submodule(beside: str, path: str) -> NotThere | None:
             ):
                 where = "" if folder in ("", os.curdir) else f" -C {shell_word(folder)}"
                 command = f"git{where} submodule update --init {shell_word(own)}"
-                return NotThere(f"{own!r} is a git submodule that is not checked out", command)
+                return NotThere(f"{in_quotes(own)} is a git submodule that is not checked out", command)
         return None
     return None
 
@@ -82,7 +82,7 @@ def _menagerie(beside: str, path: str) -> NotThere | None:
     if not (name and inside and own and all(map(_has_nothing, places))):
         return None
     command = f"git clone {_CLONED_FROM} {shell_word(where)}"
-    return NotThere(f"MuJoCo Menagerie is not cloned at {where!r}", command)
+    return NotThere(f"MuJoCo Menagerie is not cloned at {in_quotes(where)}", command)
 
 
 def of_missing(message: str, path: str, help: str | None = None) -> tuple[str, str | None]:

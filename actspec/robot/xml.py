@@ -27,7 +27,7 @@ import os
 import re
 from collections.abc import Callable, Sequence
 
-from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
+from actspec.diagnostics import Collector, RobotError, Span, in_quotes, listed, nearest
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.robot.submodules import NOT_CHECKED_OUT, not_checked_out
 from actspec.robot.view import ModelFile
@@ -124,9 +124,9 @@ def on_disk(main: str, including: str, name: str) -> ModelFile:
     if folder is not None:
         # Of many files in it that is said once.
         raise Missing(
-            f"there is no folder {folder!r}", tried(folder, candidates_for(main, including, folder))
+            f"there is no folder {in_quotes(folder)}", tried(folder, candidates_for(main, including, folder))
         )
-    raise Missing(f"there is no file {name!r}", tried(name, candidates))
+    raise Missing(f"there is no file {in_quotes(name)}", tried(name, candidates))
 
 
 def _missing_folder(main: str, including: str, name: str) -> str | None:
@@ -233,7 +233,9 @@ class _Assembly:
             self._no_model(file, site, chain)
             return None
         if chain and len(elements) == 1:
-            self.out.error("ROBOT008", f"the included file {file.include!r} has no elements", span=site)
+            self.out.error(
+                "ROBOT008", f"the included file {in_quotes(file.include)} has no elements", span=site
+            )
             return None
         included, chain = bool(chain), (*chain, os.path.normpath(file.path))
         if b"<include" in file.data and (included or root.tag == "mujoco"):
@@ -244,10 +246,10 @@ class _Assembly:
 
     def _no_model(self, file: ModelFile, site: Span, chain: tuple[str, ...]) -> None:
         # Nothing of the file is shown: it may be any file of this machine.
-        message = f"the included file {file.include!r} is not an MJCF file"
+        message = f"the included file {in_quotes(file.include)} is not an MJCF file"
         help = "an included file is XML with the root <mujocoinclude> or <mujoco>, or with elements of MJCF alone"
         if not chain:
-            message = f"the attached model {file.include!r} is not an MJCF or URDF file"
+            message = f"the attached model {in_quotes(file.include)} is not an MJCF or URDF file"
             help = "an attached model is XML with the root <mujoco> or <robot>"
         self.out.error("ROBOT008", message, span=site, help=help)
 
@@ -283,8 +285,8 @@ class _Assembly:
         key = candidates_for(self.main, self.main, name)[0]
         if key in self._direct:
             # The file in the way may be whole; the main one includes both.
-            again = f", and {file.include!r} includes it again" if len(chain) > 1 else ""
-            message = f"{name!r} is included already{again}, which MuJoCo refuses"
+            again = f", and {in_quotes(file.include)} includes it again" if len(chain) > 1 else ""
+            message = f"{in_quotes(name)} is included already{again}, which MuJoCo refuses"
             self.out.error("ROBOT007", message, span=self._top, help="include a file once")
             return []
         if len(chain) == 1:
@@ -342,14 +344,14 @@ def read_file(path: str, most: int) -> bytes:
     try:
         return read_regular(path, most)
     except NotRegular as err:
-        raise Unreadable(f"{path!r} is {err}") from err
+        raise Unreadable(f"{in_quotes(path)} is {err}") from err
     except TooLarge as err:
-        raise Unreadable(f"{path!r} is larger than {most >> 20} MiB") from err
+        raise Unreadable(f"{in_quotes(path)} is larger than {most >> 20} MiB") from err
     except (FileNotFoundError, NotADirectoryError) as err:
-        raise Missing(f"there is no file {path!r}") from err
+        raise Missing(f"there is no file {in_quotes(path)}") from err
     except (OSError, ValueError) as err:
         reason = getattr(err, "strerror", None) or "bad path"
-        raise Unreadable(f"{path!r} cannot be read: {reason}") from err
+        raise Unreadable(f"{in_quotes(path)} cannot be read: {reason}") from err
 
 
 def candidates_for(main: str, including: str, name: str) -> tuple[str, ...]:
@@ -379,5 +381,5 @@ def tried(name: str, candidates: Sequence[str]) -> str:
         except (OSError, ValueError):
             continue
         if near is not None:
-            return f"{text}; did you mean {near!r}?"
+            return f"{text}; did you mean {in_quotes(near)}?"
     return text

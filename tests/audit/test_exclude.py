@@ -259,7 +259,7 @@ def test_a_misspelt_glob_is_told(
     ]
     wanted = (
         [
-            f"actspec.toml:2:12: AUD017 [warning]: the glob {glob!r} of exclude fits nothing here",
+            f"actspec.toml:2:12: AUD017 [warning]: the glob '{glob}' of exclude fits nothing here",
             f"  help: {said}",
         ]
         if said

@@ -688,6 +688,48 @@ def test_what_depends_on_meshes(head: str, geom: str, inertial: bool, unknown: b
     assert ("'c'" in view.inertia_reason) == unknown
 
 
+MESH = '%s<geom type="mesh" mesh="m" mass="1"/>'
+
+
+@pytest.mark.parametrize(
+    ("head", "joint", "geom", "inner", "known"),
+    [
+        ("", '<joint name="j" type="slide"/>', 'mass="3"', "", True),
+        ("", '<joint name="j" type="slide"/>', "", "", False),
+        ("", '<joint name="j" type="slide"/><joint axis="1 0 0"/>', 'mass="3"', "", False),
+        ("", '<joint name="j" type="slide"/>', 'mass="3"', '<joint axis="1 0 0"/>', True),
+        ("", '<joint name="j" type="slide"/>', 'mass="3"', MESH % '<joint axis="1 0 0"/>', False),
+        ("", '<joint name="j" axis="1 0 0"/>', 'mass="3"', '<joint type="slide"/>', False),
+        ('<compiler settotalmass="9"/>', '<joint name="j" type="slide"/>', 'mass="3"', "", False),
+        ("", "<freejoint/>", 'mass="3"', "", True),
+        ("", "<freejoint/>", 'mass="3"', '<joint name="j" axis="1 0 0"/>', False),
+    ],
+    ids=[
+        "slide",
+        "density",
+        "turns too",
+        "behind it",
+        "turned mesh",
+        "on a hinge",
+        "total",
+        "loose",
+        "floating base",
+    ],
+)
+def test_a_mass_that_is_stated_is_all_that_a_slide_needs(
+    head: str, joint: str, geom: str, inner: str, known: bool
+) -> None:
+    """Behind a hinge, beneath a free joint with others and where masses are scaled, the shape counts: 3 + 2 = 5 kg."""
+    view = read(
+        f"""<mujoco>{head}<asset><mesh name="m" file="m.stl"/></asset><worldbody><body name="b">{joint}
+        <geom type="mesh" mesh="m" {geom}/><body pos="0 0 1">{inner}<geom size="0.1" mass="2"/></body></body>
+        </worldbody></mujoco>"""
+    )
+    assert (view.inertia is not None) == known
+    if view.inertia is not None and view.joints:
+        assert view.inertia.matrices[0, 0, 0] == pytest.approx(5.0)
+
+
 WEIGHTLESS = """<mujoco>{head}<asset><mesh name="leg" file="leg.stl"/></asset><worldbody>
   <body name="a"><joint name="hip" axis="0 1 0" springdamper="0.1 1"/><geom type="mesh" mesh="leg"/>
    <body name="b" pos="0 0 -1"><joint name="knee" axis="0 1 0" springdamper="0.1 1"/>

@@ -909,6 +909,9 @@ def test_all_include_errors_at_once(tmp_path: Path) -> None:
             "{0}/m/main.xml/leg.xml, {0}/m/parts/main.xml/leg.xml",
         ),
         ("C:/sim/leg.xml", "there is no file 'C:/sim/leg.xml'", "C:/sim/leg.xml"),
+        # As it is written, on one line.
+        ("C:\\sim\\leg.xml", "there is no file 'C:\\sim\\leg.xml'", "C:/sim/leg.xml"),
+        ("C:\\&#10;l'g.xml", 'there is no file "C:\\\\nl\'g.xml"', "C:/\nl'g.xml"),
     ],
 )
 def test_a_folder_that_is_not_there(tmp_path: Path, name: str, message: str, tried: str) -> None:

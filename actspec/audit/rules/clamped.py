@@ -8,11 +8,17 @@ from dataclasses import dataclass
 from actspec.audit.case import MODELS, Case
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Confidence
-from actspec.audit.rules.joints import folders_in_common, is_exporters, own_figure, partner_rows, shown
+from actspec.audit.rules.joints import (
+    effort_noun,
+    folders_in_common,
+    is_exporters,
+    own_figure,
+    partner_rows,
+    shown,
+)
 from actspec.audit.rules.unt101 import ranges_in_doubt
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
-from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow, bound_of_command
 from actspec.robot.view import ActuatorView
 
@@ -58,7 +64,7 @@ def by_command(case: Case, row: LedgerRow, view: ActuatorView | None, bound: flo
     published.
     """
     clamped = "command" if input_of(view) == "ctrl" else "activation"
-    noun = "force" if row.kind is JointKind.SLIDE else "torque"
+    noun = effort_noun(row)
     if is_in_doubt(case, row):
         effect = (
             f"the {noun} that its clamped {clamped} allows is unknown: a range is in the wrong unit (UNT101)"

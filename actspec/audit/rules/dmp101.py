@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.damping_parts import INTENT, Parts, parts_by_joint, same
-from actspec.audit.rules.joints import by_joint, keeps_for_model, partner_rows, shown, unit
+from actspec.audit.rules.joints import by_joint, effort_noun, keeps_for_model, partner_rows, shown, unit
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
@@ -78,7 +78,7 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
         sure = same(share, 1.0) or intent is not None
         field = "joint_damping" if parts.joint > 0.0 else "actuator_damping"
         limited = row.effort_limit is not None and row.effort_limit < math.inf
-        inside, outside = (" inside the torque limit", " outside it") if limited else ("", "")
+        inside, outside = (f" inside the {effort_noun(row)} limit", " outside it") if limited else ("", "")
         ratio = ""
         if large and row.damping_ratio is not None and row.damping_ratio > 0.0:
             without = row.damping_ratio * parts.kd / parts.total

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.damping_parts import INTENT, Parts, parts_by_joint, same
-from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
+from actspec.audit.rules.joints import by_joint, effort_noun, partner_rows, shown, unit
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.ledger import LedgerRow
 
@@ -56,7 +56,7 @@ class GainInJointDamping(RuleOver[_Subject]):
         return Finding(
             self.code,
             f"with kv 0, the joint damping of {shown(row, 'kd', parts.joint)} is this servo's D gain, outside "
-            f"the torque limit: at {shown(row, 'velocity_limit', speed)} it brakes with "
+            f"the {effort_noun(row)} limit: at {shown(row, 'velocity_limit', speed)} it brakes with "
             f"{shown(row, 'effort_limit', speed * parts.joint)} beside the {shown(row, 'effort_limit', limit)} of the "
             f"drive{known}",
             row.place("joint_damping"),

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.damping_parts import Parts, parts_by_joint
-from actspec.audit.rules.joints import shown, unit
+from actspec.audit.rules.joints import effort_noun, shown, unit
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
@@ -47,7 +47,8 @@ class DampingInThreePlaces(RuleOver[_Subject]):
             self.code,
             f"the drive brakes with {shown(row, 'kd', parts.kd)}, the joint's damping with "
             f"{shown(row, 'kd', parts.joint)} and the actuator's with {shown(row, 'kd', parts.actuator)}: together "
-            f"{shown(row, 'kd', parts.total)}, of which {shown(row, 'kd', parts.passive)} are outside any torque limit",
+            f"{shown(row, 'kd', parts.total)}, of which {shown(row, 'kd', parts.passive)} are outside any "
+            f"{effort_noun(row)} limit",
             row.place("actuator_damping"),
             row.joint,
             parts.total,

@@ -7,7 +7,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import is_as_written, names_model
 from actspec.audit.rules.damping_parts import first_rows
-from actspec.audit.rules.joints import by_joint, shown, unit
+from actspec.audit.rules.joints import by_joint, effort_noun, shown, unit
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.ledger import LedgerRow
 
@@ -80,7 +80,7 @@ class GainBesideModelDamping(RuleOver[_Subject]):
                 absurd = damping >= kd and ratio >= 1.0
             message = (
                 f"the drive of {file} brakes with kd {shown(row, 'kd', kd)}, and {figures} stays beside it, "
-                f"outside the torque limit: {total}{text}"
+                f"outside the {effort_noun(row)} limit: {total}{text}"
             )
             severity, confidence = (
                 (Severity.ERROR, Confidence.HIGH) if absurd else (self.severity, self.confidence)

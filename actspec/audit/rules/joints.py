@@ -62,6 +62,11 @@ def own_figure(row: LedgerRow, field: str, digits: int = 3) -> str:
     return f"{text} ({made})" if made else text
 
 
+def effort_noun(row: LedgerRow) -> str:
+    """What a joint's drive gives, in one word: `force` at a slide, else `torque`."""
+    return "force" if row.kind is JointKind.SLIDE else "torque"
+
+
 def friction_unit(row: LedgerRow, versions: Versions) -> str:
     found = friction_unit_of(versions)
     return "1" if found is not None and found.coefficient else unit(row, "frictionloss")

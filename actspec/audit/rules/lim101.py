@@ -7,11 +7,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
 
+from actspec.audit.case import MODELS
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import clamps_not_in_force, is_turned, ranges_not_in_force
 from actspec.audit.rules.clamped import TIMES, Bounded, bound_of, by_command, input_of, is_in_doubt
 from actspec.audit.rules.joints import (
+    effort_noun,
     folders_in_common,
     is_called_undriven,
     is_driven_by_mjlab,
@@ -229,7 +231,7 @@ class NoEffectiveLimit(RuleInParts):
         clamp: tuple[float, float] | None,
     ) -> Iterator[Finding]:
         """Of an actuator without a limit, with the ranges of force, joint and control that are not in force."""
-        noun = "force" if row.kind is JointKind.SLIDE else "torque"
+        noun = effort_noun(row)
         bound, how = bound_of(row, view) if view is not None else (None, "")
         bounded = Bounded(f"its {noun} is unlimited", None, self.confidence)
         if bound is not None:
@@ -423,9 +425,12 @@ class NoEffectiveLimit(RuleInParts):
 
 
 def _holds_its_robot(case: Case, row: LedgerRow) -> bool:
-    """Whether a hinge's limit is what it takes to hold the whole robot on a lever that one may have: a crane's is."""
-    robot = case.artifacts[row.artifact].robot
-    mass = (robot.mass if robot is not None else None) or 0.0
+    """Whether a hinge's limit is what it takes to hold the whole robot on a lever that one may have: a crane's is.
+
+    Of a configuration, and of a file without masses, the model that has the joint and the masses tells.
+    """
+    robots = (case.artifacts[one.artifact].robot for one in (row, *partner_rows(case, row, *MODELS)))
+    mass = next((robot.mass for robot in robots if robot is not None and robot.mass), 0.0)
     return row.kind is JointKind.HINGE and (row.effort_limit or 0.0) <= LONGEST_LEVER * mass * GRAVITY
 
 

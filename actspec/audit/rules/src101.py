@@ -7,7 +7,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
 from actspec.audit.rules.clamped import bound_of, is_in_doubt
-from actspec.audit.rules.joints import is_called_undriven, is_held, is_undriven
+from actspec.audit.rules.joints import effort_noun, is_called_undriven, is_held, is_undriven
 from actspec.audit.rules.source_blame import GRAVE, Disagreement, is_met
 from actspec.audit.rules.source_pairs import are_variants, disagreements
 from actspec.audit.rules.source_rule import (
@@ -156,7 +156,7 @@ class EffortLimit(SourceRule):
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque, or force of a slide."""
         assert found.ratio is not None
-        effort = "force" if _is_slide(found.rows[0]) else "torque"
+        effort = effort_noun(found.rows[0])
         if found.field == "stall_torque":
             return f"the torque-speed line falls from {format_number(found.ratio, 3)} times the {effort} here"
         reached = _reached(case, found)

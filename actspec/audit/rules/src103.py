@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from actspec.audit.case import MODELS, Case
 from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rules.joints import effort_noun
 from actspec.audit.rules.source_blame import Disagreement, is_met
 from actspec.audit.rules.source_rule import SourceRule, are_exchanged, is_of_one_training, shown
 from actspec.diagnostics import Severity
@@ -82,8 +83,9 @@ class Gain(SourceRule):
         if ratio is None or ratio < 0.0:
             return "one of them has no such gain"
         if found.field == "kp":
+            times, noun = format_number(ratio, 3), effort_noun(found.rows[0])
             return (
-                f"the same command error gives {format_number(ratio, 3)} times the torque, and the joint swings "
+                f"the same command error gives {times} times the {noun}, and the joint swings "
                 f"{math.sqrt(ratio):.3g} times as fast"
             )
         return f"the drive brakes {format_number(ratio, 3)} times as hard at the same speed"

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
-from actspec.audit.rules.joints import limiting_row, undriven_joints
+from actspec.audit.rules.joints import effort_noun, limiting_row, undriven_joints
 from actspec.audit.rules.reductions import same
 from actspec.audit.rules.source_blame import Disagreement
 from actspec.audit.rules.source_rule import SourceRule, shown
@@ -62,7 +62,8 @@ class Armature(SourceRule):
         assert found.mine.value is not None and found.theirs.value is not None
         change = shown(abs(found.mine.value - found.theirs.value), found.mine.unit)
         more = "more" if found.mine.value > found.theirs.value else "less"
-        return f"every torque has {change} {more} to turn"
+        noun = effort_noun(found.rows[0])
+        return f"every {noun} has {change} {more} to {'turn' if noun == 'torque' else 'move'}"
 
 
 def _is_default(case: Case, row: LedgerRow) -> bool:

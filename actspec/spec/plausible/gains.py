@@ -192,7 +192,9 @@ def _relations(gains: Gains) -> Iterator[Relation]:
     pair = f"kd {gains.shown_kd} beside kp {gains.shown_kp}"
     hardly = f"{pair}: hardly any damping, kd/kp is {format_quantity(1000.0 * back, 'ms', 3)}"
     if kd:
-        slow = f"{pair}: the joint would take {format_quantity(back, 's', 3)} to come back to its command"
+        # Inertia makes it slower.
+        at_least = "" if gains.armature else "at least "
+        slow = f"{pair}: the joint would take {at_least}{format_quantity(back, 's', 3)} to come back to its command"
         # kd is 2 I w times the damping ratio, and kp I w^2.
         heavy = 2.0 * RETURN_RATIO * math.sqrt(gains.armature / gains.kp)
         yield _relation(back, (0.0, max(RETURN[1], heavy)), USUAL_RETURN, slow, "slow")

@@ -460,7 +460,7 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
             "this MuJoCo saves numbers with six digits; 3.16 and later keep them all",
             "pip install --upgrade mujoco",
         )
-        meshes = mesh_dependence(spec)
+        meshes = mesh_dependence(spec, written=True)
         if meshes is not None:
             spec = open_spec(files, format=robot.format, real_assets=True)
     compile_spec(spec, files)
