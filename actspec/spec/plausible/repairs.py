@@ -61,6 +61,7 @@ from actspec.spec.plausible.relations import (
 )
 from actspec.spec.plausible.slips import (
     amount_of,
+    in_si,
     in_unit,
     inertias,
     kgf_cm,
@@ -436,7 +437,8 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
         if len(torques) > 1:
             yield moved(torques, 1e-3, f"are {names} in {thousandth(first.unit)}? {milli(first)}")
         turns = all(_given(motor, path).unit == "N*m" for path in torques)
-        if len(torques) > 1 and turns and all("kgf" not in _given(motor, path).written for path in torques):
+        # Whoever writes mN*m read no kgf*cm.
+        if len(torques) > 1 and turns and all(in_si(_given(motor, path)) is None for path in torques):
             for factor, help in small_units(first, names):
                 small = moved(torques, factor, help, RARE)
                 if any(item.witnessed and 1.0 / EXACT < item.value < EXACT for item in small.after):
