@@ -152,7 +152,7 @@ def _speeds(value: SpecValue) -> Iterator[tuple[float, str, float]]:
 
 
 def servo_time(speed: float) -> tuple[float, str] | None:
-    """What a speed [rad/s] is if it is the time that a servo takes for 60 degrees, and in words; None: none takes it."""
+    """A speed [rad/s] that is the time in which a servo turns by 60 degrees: what is meant, in words; None: it is none."""
     if not SERVO_TIMES[0] <= speed <= SERVO_TIMES[1]:
         return None
     meant = 60.0 * DEGREE / speed
