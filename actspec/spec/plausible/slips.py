@@ -152,7 +152,7 @@ def _speeds(value: SpecValue) -> Iterator[tuple[float, str, float]]:
 
 
 def servo_time(speed: float) -> tuple[float, str] | None:
-    """A speed [rad/s] that is the time in which a servo turns by 60 degrees: what is meant, in words; None: it is none."""
+    """A speed [rad/s] that is a servo's time for 60 degrees: what is meant, and in words; None: it is none."""
     if not SERVO_TIMES[0] <= speed <= SERVO_TIMES[1]:
         return None
     meant = 60.0 * DEGREE / speed
