@@ -178,7 +178,7 @@ def _far(
     if not nominal or nominal < 0.0 or not 0.0 < low <= high:
         return None
     factors = low / nominal, high / nominal
-    if 1.0 / LARGEST_FACTOR <= factors[1] and factors[0] <= LARGEST_FACTOR:
+    if factors[1] >= 1.0 / LARGEST_FACTOR and factors[0] <= LARGEST_FACTOR:
         return None
     ten = 10.0 ** round(math.log10(math.sqrt(factors[0] * factors[1])))
     help = "look for a wrong unit, or another joint's range"
