@@ -360,7 +360,7 @@ def test_ratios_beyond_the_floats(stages: str) -> None:
 
 def test_a_motor_of_other_joints() -> None:
     """A screw's motor at a hinge, where it drives a slide rightly, is told at the group; alone, at the screw."""
-    robot = "{name: leg, model: none, joints: [{name: beak, kind: slide}, pan]}"
+    robot = "name: leg, model: none, joints: [{name: beak, kind: slide}, pan]"
     motors = (
         "{m: {side: motor, peak_torque: 0.03 N*m, rotor_inertia: 1.1 g*cm^2, gearbox: [{lead: 2 mm/rev}]}}"
     )
