@@ -445,10 +445,12 @@ class _Builder:
             self.error("SPEC006", message, header[1], help, where=mine[0].where)
             told.update(one.span for one in mine)
         rest = [one for one in repeats if one.span not in told]
-        if len(rest) > 2 and owner is not None:
+        # Of a section's names already two are of another section.
+        if len(rest) > (1 if depth == 1 else 2) and owner is not None:
             names = listed([f"`{cut(one.key)}`" for one in rest], 4)
             message = f"{names} are repeated in `{cut(owner[0])}`, first at {rest[0].first}"
-            help = "is the line of a name missing above this one? Else keep one of each"
+            line = "a section" if depth == 1 else "a name"
+            help = f"is the line of {line} missing above this one? Else keep one of each"
             self.error("SPEC006", message, rest[0].span, help, where=rest[0].where)
             rest = []
         for one in rest:
