@@ -85,7 +85,7 @@ class Drivetrain:
 def own_motors(spec: Spec, stated: Sequence[Stated], breaches: Breaches) -> dict[str, JointMotor]:
     """The motor of every joint whose group names one, at the joint; what does not fit is reported."""
     found = {}
-    checked: dict[tuple[object, ...], tuple[Stated, list[Diagnostic]]] = {}
+    checked: dict[tuple[str, JointKind, Path | None, JointKind], tuple[Stated, list[Diagnostic]]] = {}
     for item in stated:
         if item.motor is None:
             continue
@@ -100,7 +100,7 @@ def own_motors(spec: Spec, stated: Sequence[Stated], breaches: Breaches) -> dict
             checked[key] = item, [*own.collector]
         found[joint] = joint_motor(item.motor, name, drivetrain, spec)
     for (name, *_), (item, faults) in checked.items():
-        fitting = (other for (whose, *_), (other, wrong) in checked.items() if whose == name and not wrong)
+        fitting = (other for key, (other, wrong) in checked.items() if key[0] == name and not wrong)
         sound = next(fitting, None)
         for fault in faults:
             if sound is None or not fault.where.startswith(f"motors.{name}"):

@@ -53,6 +53,8 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
         if help == in_units(Kind.RATIO) and path[-1] == "scale":
             values = _range(str(path[-2]), given, breaches)
             help += "" if values is None else f"; of values write `{values}`"
+        if help == in_units(Kind.RATIO) and path[-1] == "action_scale":
+            help += "; write the number alone, in rad, rad/s or N*m"
         path = (*path, *context["at"])
         breaches.error("SPEC110", context["message"], path, help)
     elif kind == "missing":

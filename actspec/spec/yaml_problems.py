@@ -438,6 +438,11 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
         ):
             message = f"`{key[1]}` stands beside `{header[1]}`, which is empty, and what follows is indented by {own}"
             return Problem(message, f"indent it by {many(own, 'space')}", Mark(outer, one))
+    if outer is not None and (name := _name_at_edge(lines, outer)) is not None:
+        message = (
+            f"`{cut(name)}` stands at the left edge, and is no section; what follows is indented by {own}"
+        )
+        return Problem(message, f"indent it by {many(own, 'space')}", Mark(outer, 0))
     if outer is not None and (odd := _odd_first(lines, outer, mark.line)) is not None:
         one = indent(lines[odd])
         return Problem(
@@ -457,6 +462,16 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
             help += f", or by {lower[0]} as line {lower[1] + 1}"
     message = f"this line is indented by {many(own, 'space')}, and what is open above it by {named}"
     return Problem(message, help, Mark(mark.line, own))
+
+
+def _name_at_edge(lines: list[str], number: int) -> str | None:
+    """The name of a line at the left edge that is no section, where the section above it holds names; None: it is."""
+    from actspec.spec.shape import is_section
+
+    key = None if indent(lines[number]) else KEY.match(lines[number])
+    sections = (found[1] for line in reversed(lines[:number]) if (found := KEY.match(line)) is not None)
+    named = key is not None and not is_section(key[1]) and next(sections, None) in _NAMED_ITEMS
+    return key[1] if key is not None and named else None
 
 
 def _odd_first(lines: list[str], header: int, at: int) -> int | None:

@@ -123,6 +123,8 @@ class _Builder:
         self.errors = 0
         self.nodes = 0
         self.aliases = 0
+        self.merged: int | None = None
+        """Line of a merge key, which is told."""
         self.anchors: dict[str, Node | None] = {}
         self.stack: list[_Open] = []
         self.list_keys: list[tuple[Span, str]] = []
@@ -238,6 +240,10 @@ class _Builder:
             help = "use `overrides`, or a motor by name"
             self.fatal("SPEC010", f"more than {MAX_ALIASES} aliases", span, help)
         name: str = event.anchor
+        if name not in self.anchors and span.line == self.merged:
+            # That it has no anchor is no second fault of the line.
+            self.add(Node(span, None), plain=False)
+            return
         if name not in self.anchors:
             guess = nearest(name, list(self.anchors))
             self.fatal(
@@ -382,6 +388,7 @@ class _Builder:
         if key == "<<" and plain:
             help = "use `overrides` for the joints that differ, or a motor by name for what is shared"
             self.error("SPEC007", "the merge key << is not allowed", node.span, help)
+            self.merged = node.span.line
             return None
         self.keys += 1
         if key in held:

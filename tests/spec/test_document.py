@@ -747,6 +747,13 @@ def test_a_syntax_error_is_told_in_plain_words(text: str, line: int, message: st
             "write `b: 1` without `- `",
             id="hyphen before the first key",
         ),
+        pytest.param(
+            "motors:\n  a:\n    b: 1\nc:\n    b: 1\n  d:\n    b: 1",
+            "4:1",
+            "`c` stands at the left edge, and is no section; what follows is indented by 2",
+            "indent it by 2 spaces",
+            id="a name at the left edge",
+        ),
         # Whose items go on, or whose key is further in, is a list.
         pytest.param(
             "a:\n  - b: 1\n  c: 2\n  - d: 3",
