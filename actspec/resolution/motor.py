@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Collector, Diagnostic, Path
 from actspec.fields import unit_of_kind
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity, tidy, unknown
 from actspec.resolution.gearbox import (
@@ -85,7 +85,7 @@ class Drivetrain:
 def own_motors(spec: Spec, stated: Sequence[Stated], breaches: Breaches) -> dict[str, JointMotor]:
     """The motor of every joint whose group names one, at the joint; what does not fit is reported."""
     found = {}
-    checked = set()
+    checked: dict[tuple[str, JointKind, Path | None, JointKind], tuple[Stated, list[Diagnostic]]] = {}
     for item in stated:
         if item.motor is None:
             continue
@@ -95,11 +95,28 @@ def own_motors(spec: Spec, stated: Sequence[Stated], breaches: Breaches) -> dict
         transmission = item.path("transmission") if "transmission" in item.fields else None
         key = (name, item.kind, transmission, drivetrain.gearbox.input)
         if key not in checked:
-            checked.add(key)
-            end = f"'{joint}', a {item.kind.value} joint"
-            check_motor(item.motor, name, drivetrain, end, breaches)
+            own = replace(breaches, collector=Collector())
+            check_motor(item.motor, name, drivetrain, _end(item), own)
+            checked[key] = item, [*own.collector]
         found[joint] = joint_motor(item.motor, name, drivetrain, spec)
+    for (name, *_), (item, faults) in checked.items():
+        fitting = (other for key, (other, wrong) in checked.items() if key[0] == name and not wrong)
+        sound = next(fitting, None)
+        for fault in faults:
+            if sound is None or not fault.where.startswith(f"motors.{name}"):
+                breaches.collector.add(fault)
+                continue
+            help = f"is another motor meant here? This one fits {_end(sound)}; else write what stands between as "
+            help += "`transmission`"
+            message = f"{fault.message} ({fault.where}, {fault.span})"
+            breaches.error(fault.code, message, item.path("motor"), help)
+            break
     return found
+
+
+def _end(item: Stated) -> str:
+    """What a motor drives, for messages."""
+    return f"'{item.binding.joint.name}', a {item.kind.value} joint"
 
 
 def drivetrain_of(motor: Motor, name: str, stated: Stated) -> Drivetrain:

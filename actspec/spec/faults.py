@@ -13,7 +13,17 @@ from actspec.diagnostics import Collector, Path, did_you_mean, listed
 from actspec.patterns import apart
 from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Stage
-from actspec.spec.models import Actuators, Friction, Motor, Randomize, Robot, SpecModel, Timing, Tunable
+from actspec.spec.models import (
+    Actuators,
+    Friction,
+    Motor,
+    Randomize,
+    Robot,
+    SpecModel,
+    Target,
+    Timing,
+    Tunable,
+)
 from actspec.spec.rules.groups import RANDOMIZED_KINDS, check_randomize
 from actspec.spec.shape import fields_of, model_at
 from actspec.spec.values import short
@@ -43,6 +53,8 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
         if help == in_units(Kind.RATIO) and path[-1] == "scale":
             values = _range(str(path[-2]), given, breaches)
             help += "" if values is None else f"; of values write `{values}`"
+        if help == in_units(Kind.RATIO) and path[-1] == "action_scale":
+            help += "; write the number alone, in rad, rad/s or N*m"
         path = (*path, *context["at"])
         breaches.error("SPEC110", context["message"], path, help)
     elif kind == "missing":
@@ -161,7 +173,7 @@ def _in_yaml_words(
         text = str(given)
         if text.count("]") > text.count("["):
             text = text.removesuffix("]")
-        if text[:1] + text[-1:] == "()" and len(apart(text[1:-1])) > 1:
+        if text[:1] + text[-1:] == "()" and (len(apart(text[1:-1])) > 1 or text[1:2] in ("'", '"')):
             text = text[1:-1]
         parts, words = apart(text), text.split()
         if len(parts) == 1 < len(words) and not any(word[0].isdigit() for word in words):
@@ -172,6 +184,8 @@ def _in_yaml_words(
         return f"must be a list{got}", f"write `[{_items(parts)}]`"
     if kind in ("dict_type", "model_type", "model_attributes_type"):
         keys = sorted(fields_of(model))
+        if model is Target and not isinstance(given, bool) and str(given)[:1].isdigit():
+            return f"must be a mapping{got}", f'write `{{version: "{short(given)}"}}`'
         key = _ALONE.get(model) if model is not None else None
         if key is not None and isinstance(given, (str, int, float)):
             if model is Stage:

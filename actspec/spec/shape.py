@@ -97,7 +97,9 @@ def misspelt(data: Mapping[str, Any], more: Iterable[str]) -> tuple[tuple[str, s
     found = []
     for key, value in data.items():
         meant = None if key in tops else nearest(key.lower(), sorted(tops - (data.keys() - {*more})))
-        if meant is None and key not in tops and isinstance(value, Mapping) and "actspec" in data:
+        if key == "version" and "actspec" not in data:
+            meant = "actspec"
+        elif meant is None and key not in tops and isinstance(value, Mapping) and "actspec" in data:
             # `drives:` or `groups:`, of which each entry tells what they are.
             of = {section_of(item) for item in value.values() if isinstance(item, Mapping)}
             meant = next(iter(of)) if len(of) == 1 and not of & data.keys() else None

@@ -202,6 +202,8 @@ def checked(
         equals, message = EQUALS.fullmatch(str(path[-1])), "is empty"
         if equals is not None:
             message, help = "has `=` in place of `:`", f"write `{equals[1]}: {short(equals[2])}`"
+        elif str(path[-1]).endswith(")") and "(" not in str(path[-1]):
+            message, help = "stands behind a comma in ( ), which is no list", "write the list in [ ]"
         breaches.error("SPEC103", message, path, help, key=True)
         if faults is not None:
             faults.append(path)

@@ -270,7 +270,8 @@ class Pair(FieldParser):
             choices = "".join(f", or `{word}`" for word in self.words)
             raise fault(
                 f"must be [low, high], each {_a(self.kind.noun)}{choices}, got {short(given)}",
-                f"write for instance `[0, {EXAMPLES[self.kind]}]`",
+                # What is drawn is a factor, and 0 none of one.
+                f"write for instance `{'[0.9, 1.1]' if self.kind is Kind.RATIO else f'[0, {EXAMPLES[self.kind]}]'}`",
             )
         end = Number(self.kind, at_least=self.at_least, unknown=False)
         low, high = (parse_below(index, item, end) for index, item in enumerate(given))

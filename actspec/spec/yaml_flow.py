@@ -117,8 +117,8 @@ def _closes_nothing(line: str, mark: Mark, closed: bool) -> Problem:
     """
     end = line[mark.column]
     glued = NO_SPACE.fullmatch(line.strip())
-    if glued is not None and glued[2][0] in OPENS:
-        # `delay:{nominal: 4 ms}` begins no mapping.
+    if (glued is not None and glued[2][0] in OPENS) or line.strip()[:2] in ("-[", "-{"):
+        # `delay:{nominal: 4 ms}` and `-{ratio: 5}` begin no mapping.
         return no_colon(line.strip(), Mark(mark.line, indent(line))) or _end_without_begin(end, mark)
     key = KEY.match(line.strip())
     if closed or key is None:

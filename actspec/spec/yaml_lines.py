@@ -107,6 +107,35 @@ def off_level(lines: list[str], number: int) -> Problem | None:
     return Problem(message, f"indent it by {many(other, 'space')}", Mark(odd, one))
 
 
+def off_item(lines: list[str], number: int, column: int) -> Problem | None:
+    """A key of an item that does not stand below its first one, or an item without its `- `.
+
+    Args:
+        lines: The file.
+        number: The line behind the item.
+        column: Where the list's items begin.
+    """
+    own, text = indent(lines[number]), COMMENT.sub("", lines[number].strip())
+    items = (n for n in range(number - 1, -1, -1) if _is_item(lines[n]) and indent(lines[n]) == column)
+    above = next(items, None)
+    if above is None or own < column or _is_item(lines[number]):
+        return None
+    first = lines[above][column + 1 :]
+    right = column + 1 + indent(first)
+    if KEY.match(text) is None:
+        lacks = own > column and KEY.match(first.strip()) is None
+        help = f"write `- {cut(text)}`, indented by {column}"
+        return Problem("this item lacks its `- `", help, Mark(number, own)) if lacks else None
+    below = next((n for n in range(number + 1, len(lines)) if line_above(lines, n + 1) == n), None)
+    goes_on = below is not None and _is_item(lines[below]) and indent(lines[below]) == column
+    if KEY.match(first.strip()) is None or own == right or (own == column and not goes_on):
+        return None
+    message = (
+        f"this line is indented by {many(own, 'space')}, and the first key of its item, in line {above + 1}, "
+    )
+    return Problem(f"{message}by {right}", f"indent it by {many(right, 'space')}", Mark(number, own))
+
+
 def _item_above(lines: list[str], number: int) -> int | None:
     """The item before one in its list, at whatever indentation; None: it is the first, or stands among keys."""
     own, among_keys = indent(lines[number]), False

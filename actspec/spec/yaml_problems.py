@@ -20,6 +20,7 @@ from actspec.spec.yaml_lines import (
     lacks_colon,
     line_above,
     no_colon,
+    off_item,
     off_level,
 )
 from actspec.spec.yaml_text import BREAK, cut, stray_character
@@ -64,6 +65,7 @@ _QUOTED = re.compile(
     r"""(\s*(?:- +)?[A-Za-z_][A-Za-z_0-9-]*:\s+)(?P<quote>["'])(?P<text>[^"'\\]*)(?P=quote)\s*"""
 )
 """What stands before text behind a quoted value."""
+_EMPTY = re.compile(rf"\s*((?:{NAME}):)\s+(?:\[ *\]|\{{ *\}})")
 _NAMES = re.compile(rf"((?:{NAME})(?:\s*,\s*(?:{NAME}))+)\s*:(?:\s.*)?")
 
 
@@ -147,6 +149,9 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         if found is not None:
             return found
     if "block collection" in context:
+        found = None if start is None or mark is None else off_item(lines, mark.line, start.column)
+        if found is not None:
+            return found
         if (
             start is not None
             and mark is not None
@@ -307,14 +312,20 @@ def _below_a_value(lines: list[str], number: int) -> Problem | None:
     above = line_above(lines, number)
     if above is None or number >= len(lines):
         return None
+    own, its = indent(lines[number]), indent(lines[above])
     item = off_level(lines, number)
+    if item is None and lines[above].lstrip().startswith("- "):
+        item = off_item(lines, number, its)
     if item is not None:
         return item
-    own, its = indent(lines[number]), indent(lines[above])
     if own <= its or COMMENT.sub("", lines[above]).rstrip().endswith(":"):
         return None
     if _ONE_WORD.fullmatch(COMMENT.sub("", lines[above].strip())):
         return lacks_colon(lines[above], above, ALONE)
+    empty = _EMPTY.fullmatch(COMMENT.sub("", lines[above]).rstrip())
+    if empty is not None:
+        message = f"`{cut(lines[above].strip())}` is empty, and what belongs to it stands below"
+        return Problem(message, f"write `{cut(empty[1])}`", Mark(above, its))
     group = _fallen_out(lines, above, own)
     if group is not None:
         message = f"this line is indented by {many(its, 'space')}, and those above and below it, of `{group}`, by {own}"
@@ -427,6 +438,11 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
         ):
             message = f"`{key[1]}` stands beside `{header[1]}`, which is empty, and what follows is indented by {own}"
             return Problem(message, f"indent it by {many(own, 'space')}", Mark(outer, one))
+    if outer is not None and (name := _name_at_edge(lines, outer)) is not None:
+        message = (
+            f"`{cut(name)}` stands at the left edge, and is no section; what follows is indented by {own}"
+        )
+        return Problem(message, f"indent it by {many(own, 'space')}", Mark(outer, 0))
     if outer is not None and (odd := _odd_first(lines, outer, mark.line)) is not None:
         one = indent(lines[odd])
         return Problem(
@@ -446,6 +462,16 @@ def _no_level(lines: list[str], mark: Any) -> Problem | None:
             help += f", or by {lower[0]} as line {lower[1] + 1}"
     message = f"this line is indented by {many(own, 'space')}, and what is open above it by {named}"
     return Problem(message, help, Mark(mark.line, own))
+
+
+def _name_at_edge(lines: list[str], number: int) -> str | None:
+    """The name of a line at the left edge that is no section, where the section above it holds names; None: it is."""
+    from actspec.spec.shape import is_section
+
+    key = None if indent(lines[number]) else KEY.match(lines[number])
+    sections = (found[1] for line in reversed(lines[:number]) if (found := KEY.match(line)) is not None)
+    named = key is not None and not is_section(key[1]) and next(sections, None) in _NAMED_ITEMS
+    return key[1] if key is not None and named else None
 
 
 def _odd_first(lines: list[str], header: int, at: int) -> int | None:

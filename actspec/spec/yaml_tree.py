@@ -123,6 +123,8 @@ class _Builder:
         self.errors = 0
         self.nodes = 0
         self.aliases = 0
+        self.merged: int | None = None
+        """Line of a merge key, which is told."""
         self.anchors: dict[str, Node | None] = {}
         self.stack: list[_Open] = []
         self.list_keys: list[tuple[Span, str]] = []
@@ -238,6 +240,10 @@ class _Builder:
             help = "use `overrides`, or a motor by name"
             self.fatal("SPEC010", f"more than {MAX_ALIASES} aliases", span, help)
         name: str = event.anchor
+        if name not in self.anchors and span.line == self.merged:
+            # That it has no anchor is no second fault of the line.
+            self.add(Node(span, None), plain=False)
+            return
         if name not in self.anchors:
             guess = nearest(name, list(self.anchors))
             self.fatal(
@@ -382,6 +388,7 @@ class _Builder:
         if key == "<<" and plain:
             help = "use `overrides` for the joints that differ, or a motor by name for what is shared"
             self.error("SPEC007", "the merge key << is not allowed", node.span, help)
+            self.merged = node.span.line
             return None
         self.keys += 1
         if key in held:
@@ -445,10 +452,12 @@ class _Builder:
             self.error("SPEC006", message, header[1], help, where=mine[0].where)
             told.update(one.span for one in mine)
         rest = [one for one in repeats if one.span not in told]
-        if len(rest) > 2 and owner is not None:
+        # Of a section's names already two are of another section.
+        if len(rest) > (1 if depth == 1 else 2) and owner is not None:
             names = listed([f"`{cut(one.key)}`" for one in rest], 4)
             message = f"{names} are repeated in `{cut(owner[0])}`, first at {rest[0].first}"
-            help = "is the line of a name missing above this one? Else keep one of each"
+            line = "a section" if depth == 1 else "a name"
+            help = f"is the line of {line} missing above this one? Else keep one of each"
             self.error("SPEC006", message, rest[0].span, help, where=rest[0].where)
             rest = []
         for one in rest:

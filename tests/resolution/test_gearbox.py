@@ -356,3 +356,18 @@ def test_ratios_beyond_the_floats(stages: str) -> None:
         motors=f"{{m: {{side: motor, {LINE}, gearbox: [{stages}]}}}}",
     )
     assert {fault.split()[0] for fault in refused(text)} == {"RES011"}
+
+
+def test_a_motor_of_other_joints() -> None:
+    """A screw's motor at a hinge, where it drives a slide rightly, is told at the group; alone, at the screw."""
+    robot = "name: leg, model: none, joints: [{name: beak, kind: slide}, pan]"
+    motors = (
+        "{m: {side: motor, peak_torque: 0.03 N*m, rotor_inertia: 1.1 g*cm^2, gearbox: [{lead: 2 mm/rev}]}}"
+    )
+    beak = "beak: {joints: [beak], motor: m, level: ideal_pd, kp: 9000 N/m, kd: 60 N*s/m}"
+    neck = "neck: {joints: [pan], motor: m, level: ideal_pd, kp: 16, kd: 0.25}"
+    fault = "the part that a lead drives turns, on the way to 'pan', a hinge joint"
+    (told,) = refused(spec_of(f"{beak}, {neck}", robot=robot, motors=motors))
+    assert told.startswith(f"RES013 actuators.neck.motor: {fault} (motors.m.gearbox[0].lead, ")
+    (alone,) = refused(spec_of(neck, robot=robot.replace("{name: beak, kind: slide}, ", ""), motors=motors))
+    assert alone == f"RES013 motors.m.gearbox[0].lead: {fault}"

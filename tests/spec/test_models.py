@@ -327,3 +327,66 @@ def test_what_a_word_of_another_world_is_here(motor: str, group: str, more: str,
     with pytest.raises(SpecError) as caught:
         validate(document_from_text(text, "s.yaml"))
     assert [item.help for item in caught.value.diagnostics] == [help]
+
+
+LEGS = """actspec: 1
+robot: {name: leg, model: none, joints: [hip]}
+sources:
+  servo: {title: "sheet"}
+  screw: {title: "sheet"}
+motors:
+  servo: {side: joint, peak_torque: 3}
+  screw: {side: joint, peak_torque: 3}
+actuators:
+  legs: {joints: ["hip"], level: ideal_pd, kp: 1, kd: 1, delay: {nominal: 3 ms, range: [1 ms, 6 ms]}}
+targets: {mujoco: {version: "3.12"}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where", "message", "help"),
+    [
+        (
+            "motors:\n",
+            "",
+            "sources",
+            "`servo`, `screw` are repeated in `sources`",
+            "is the line of a section missing above this one? Else keep one of each",
+        ),
+        ("actspec: 1", "version: 1", "version", "unknown key 'version'", "did you mean 'actspec'?"),
+        (
+            "[1 ms, 6 ms]",
+            "(1 ms, 6 ms)",
+            "actuators.legs.delay.6 ms)",
+            "stands behind a comma in ( )",
+            "write the list in [ ]",
+        ),
+        ("kd: 1,", "kd: 1, <<: *arms,", "actuators.legs", "the merge key << is not", "use `overrides` for"),
+        (
+            "kd: 1,",
+            "kd: 1, action_scale: 10 rad/s,",
+            "actuators.legs.action_scale",
+            "10 rad/s is a speed, not a ratio",
+            "a ratio is a bare number or in %; write the number alone, in rad, rad/s or N*m",
+        ),
+        ('["hip"]', '("hip")', "actuators.legs.joints", "must be a list", 'write `["hip"]`'),
+        ('["hip"]', "(hip|knee)", "actuators.legs.joints", "must be a list", 'write `["(hip|knee)"]`'),
+        ('{version: "3.12"}', "3.12", "targets.mujoco", "must be a mapping", 'write `{version: "3.12"}`'),
+        ('{version: "3.12"}', "implicit", "targets.mujoco", "must be a mapping", "its keys: backend, class"),
+        (
+            "kd: 1,",
+            "kd: 1, randomize: {kp: {scale: 10 %}},",
+            "actuators.legs.randomize.kp.scale",
+            "must be [low, high], each a ratio, got 10 %",
+            "write for instance `[0.9, 1.1]`",
+        ),
+    ],
+)  # fmt: skip
+def test_one_message_for_one_slip(old: str, new: str, where: str, message: str, help: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        assert old in LEGS
+        validate(document_from_text(LEGS.replace(old, new), "s.yaml"))
+    (found,) = caught.value.diagnostics
+    assert found.where == where
+    assert found.message.startswith(message)
+    assert (found.help or "").startswith(help)

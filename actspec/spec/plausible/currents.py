@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.models import Motor
-from actspec.spec.plausible.drive import LEAST_DRIVEN, figure_at, number
+from actspec.spec.plausible.drive import LEAST_DRIVEN, figure_at, number, output_of
 from actspec.spec.plausible.driven import CURRENT_RATIO
-from actspec.spec.plausible.relations import MET, RARE, RPM, Relation, Repair
-from actspec.spec.plausible.slips import amount_of, in_unit, multiplied, slips_of
+from actspec.spec.plausible.relations import DEGREE, MET, RARE, RPM, Relation, Repair
+from actspec.spec.plausible.slips import SERVO, amount_of, in_unit, multiplied, servo_time, slips_of
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
@@ -318,7 +318,13 @@ def speed_slips(motor: Motor, speed: SpecValue) -> Iterator[tuple[float, str, fl
     ):
         help = f"is it Kv? {amount:g} {unit}/V x {motor.nominal_voltage.written} is {_in_own(speed, volts)}"
         yield volts, help, 0.0 if just else SECOND
+    timed = servo_time(size) if unit in ("", "rad/s") else None
+    if timed is not None and not is_at_rotor(motor) and 0.0 < (output_of("", motor).torque or 0.0) < SERVO:
+        yield timed[0] / size, timed[1], 0.0
     for factor, help, rare in slips_of(speed, speed=True):
+        if factor == DEGREE and is_at_rotor(motor):
+            # No sheet has a rotor's speed in degrees.
+            continue
         if unit == "rpm" and rare == RARE and factor == 10.0:
             help, rare = f"did you mean {_in_own(speed, factor)}?", 0.0 if tenfold else SECOND
         elif unit == "rpm" and rare == 0.0:

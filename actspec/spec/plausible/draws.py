@@ -147,29 +147,48 @@ def _replaced(
         return
     gaussian = entry.distribution == "gaussian"
     low, high = (pair[0], pair[0]) if gaussian else pair
-    least, most = low.value, high.value
-    if not least or not most or not 0.0 < least <= most:
-        return
-    written = low.written if gaussian else f"{low.written} to {high.written}"
-    first, second = (*path, "abs", 0), (*path, "abs", 0 if gaussian else 1)
     nominal = _nominal(field, group)
-    known = None if nominal is None else nominal.value
-    if nominal is not None and known and known > 0.0:
-        factors = least / known, most / known
-        if factors[0] > LARGEST_FACTOR or factors[1] < 1.0 / LARGEST_FACTOR:
-            ten = 10.0 ** round(math.log10(math.sqrt(factors[0] * factors[1])))
-            help = "look for a wrong unit, or another joint's range"
-            bare = low.linear is None and high.linear is None
-            if bare and least < 1.0 < most <= largest_factor(field):
-                help = f"are they factors? Then write `scale: [{least:g}, {most:g}]`"
-            elif gaussian or least <= known * ten <= most:
-                # What leaves the nominal out again is not meant.
-                meant = (format_quantity(end / ten, low.unit, 4) for end in (least, most)[: 2 - gaussian])
-                help = f"did you mean {_all(meant)}?"
-            far = f"{format_quantity(factors[0], '', 3)} to {format_quantity(factors[1], '', 3)}"
-            message = f"{written} in place of the nominal {nominal.written} is {far} times as much"
-            place = (*path[:-2], *field.split("."))
-            yield at(spans, "SPEC188", message, first, help, second, place)
+    if nominal is None or low.value is None or high.value is None:
+        return
+    bare = low.linear is None and high.linear is None
+    written = low.written if gaussian else f"{low.written} to {high.written}"
+    most = largest_factor(field) if bare else None
+    found = _far(low.value, high.value, nominal.value, low.unit, gaussian, most)
+    if found is not None:
+        far, help = found
+        message = f"{written} in place of the nominal {nominal.written} is {far}"
+        first, second = (*path, "abs", 0), (*path, "abs", 0 if gaussian else 1)
+        place = (*path[:-2], *field.split("."))
+        yield at(spans, "SPEC188", message, first, help, second, place)
+
+
+def _far(
+    low: float, high: float, nominal: float | None, unit: str, gaussian: bool, most: float | None
+) -> tuple[str, str] | None:
+    """How far values in place of a nominal one are from it, and what was meant; None: they may be meant.
+
+    Args:
+        low: The lower end, of a gaussian the mean.
+        high: The upper end, of a gaussian the mean.
+        nominal: The nominal value; None: unknown.
+        unit: Of the ends.
+        gaussian: Whether it is one.
+        most: The largest that a factor is; None: the ends have a unit, and are none.
+    """
+    if not nominal or nominal < 0.0 or not 0.0 < low <= high:
+        return None
+    factors = low / nominal, high / nominal
+    if factors[1] >= 1.0 / LARGEST_FACTOR and factors[0] <= LARGEST_FACTOR:
+        return None
+    ten = 10.0 ** round(math.log10(math.sqrt(factors[0] * factors[1])))
+    help = "look for a wrong unit, or another joint's range"
+    if most is not None and low < 1.0 < high <= most:
+        help = f"are they factors? Then write `scale: [{low:g}, {high:g}]`"
+    elif gaussian or low <= nominal * ten <= high:
+        # What leaves the nominal out again is not meant.
+        meant = (format_quantity(end / ten, unit, 4) for end in (low, high)[: 2 - gaussian])
+        help = f"did you mean {_all(meant)}?"
+    return f"{' to '.join(format_quantity(factor, '', 3) for factor in factors)} times as much", help
 
 
 def _nominal(field: str, group: Actuators) -> SpecValue | None:
@@ -200,21 +219,35 @@ def _below(field: str, least: float, unit: str, nominal: str, path: Path, spans:
     return at(spans, "SPEC188", message, (*path, "add", 0), help, (*path, "add", 1))
 
 
-def negative_found(joint: JointActuator, model: SpecModel, spans: SourceMap) -> Iterator[Found]:
-    """Offsets as above on a number that follows from others, as an armature does from its motor."""
-    for entry in joint.randomize if not is_drawn(model) else ():
+def drawn_found(joint: JointActuator, model: SpecModel, spans: SourceMap) -> Iterator[Found]:
+    """Offsets and values as above about a number that follows from others, as an armature does from its motor."""
+    for entry in joint.randomize:
         field = BY_SPEC.get(entry.field)
         nominal = None if field is None else getattr(joint, field.ir, None)
-        if entry.operation != "add" or entry.distribution == "gaussian" or not isinstance(nominal, Quantity):
+        if not isinstance(nominal, Quantity) or nominal.value is None or nominal.origin is Origin.AUTHORED:
             continue
-        if nominal.value is None or nominal.origin is Origin.AUTHORED or entry.field == "encoder_bias":
-            continue
-        least = nominal.value + entry.low
-        if least < 0.0:
-            path = ("actuators", joint.group, "randomize", entry.field)
-            doubt = _below(entry.field, least, nominal.unit, shown(nominal), path, spans)
+        path = ("actuators", joint.group, "randomize", entry.field)
+        derived, gaussian = nominal.origin is Origin.DERIVED, entry.distribution == "gaussian"
+        doubt: Doubt | None = None
+        size = 1.0
+        if entry.operation == "abs" and derived:
+            high, unit = entry.low if gaussian else entry.high, nominal.unit if entry.has_unit else ""
+            most = None if unit else largest_factor(entry.field)
+            found = _far(entry.low, high, nominal.value, nominal.unit, gaussian, most)
+            if found is not None:
+                written = " to ".join(
+                    format_quantity(end, unit, 4) for end in (entry.low, high)[: 2 - gaussian]
+                )
+                message = f"{written} in place of the nominal {shown(nominal)} is {found[0]}"
+                doubt = at(spans, "SPEC188", message, (*path, "abs", 0), found[1])
+                size = max(high / nominal.value, nominal.value / entry.low)
+        elif entry.operation == "add" and not (gaussian or entry.field == "encoder_bias" or is_drawn(model)):
+            least = nominal.value + entry.low
+            if least < 0.0:
+                doubt, size = _below(entry.field, least, nominal.unit, shown(nominal), path, spans), -least
+        if doubt is not None:
             judged = (*doubt.judged, nominal.span)
-            yield Found(replace(doubt, judged=judged), joint.joint, -least, nominal.origin is Origin.DERIVED)
+            yield Found(replace(doubt, judged=judged), joint.joint, size, derived)
 
 
 def is_drawn(model: SpecModel) -> bool:

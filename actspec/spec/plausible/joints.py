@@ -16,7 +16,7 @@ from actspec.spec.models import Motor, SpecModel
 from actspec.spec.plausible.armatures import armature_found, beside, odd_armature_found
 from actspec.spec.plausible.clamps import Poses, left_out_doubts, pose_found, poses_of
 from actspec.spec.plausible.commands import command_range_found, own_speed, scale_found
-from actspec.spec.plausible.draws import negative_found
+from actspec.spec.plausible.draws import drawn_found
 from actspec.spec.plausible.drive import Drive
 from actspec.spec.plausible.driven import AGREES, UNREACHED, WINDING, given_at, unreached_limit
 from actspec.spec.plausible.gains import blamed
@@ -332,7 +332,7 @@ def _joint_doubts(
 ) -> Iterator[Found]:
     yield from pose_found(joint, written, poses)
     yield from command_range_found(joint, poses.place)
-    yield from negative_found(joint, model, spans)
+    yield from drawn_found(joint, model, spans)
     for check in (scale_found, velocity_found, _stribeck, unreached_limit):
         yield from check(joint)
     motor, alone = model.motors.get(joint.motor or ""), model.robot.model == "none"

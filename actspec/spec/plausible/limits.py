@@ -15,6 +15,7 @@ from actspec.spec.plausible.drive import gear_of, number
 from actspec.spec.plausible.driven import FASTEST_SLIDE
 from actspec.spec.plausible.motors import FASTEST_BY_TORQUE
 from actspec.spec.plausible.relations import DEGREE, KGF_CM, POINT, RPM
+from actspec.spec.plausible.slips import servo_time
 from actspec.spec.plausible.table import Found, found_at, in_file, is_files, is_stated, shown
 from actspec.units import format_quantity
 
@@ -46,8 +47,6 @@ SERVO_SUPPLY = 8.4
 SERVO_TORQUE = 10.0
 """A motor of two cells or less [V] and of less torque [N*m] is a servo, and none is slower than `SLOW_SPEED`. Chosen:
 their sheets have 0.05 to 0.3 s for 60 deg, and 8 N*m at most."""
-SERVO_TIMES = (0.03, 0.3)
-"""Of servos [s per 60 deg]."""
 GEARED_SUPPLY = 14.8
 """The same of four cells or less [V], of a servo whose gear and rotor are stated."""
 SPUN_UP = 5e-4
@@ -282,7 +281,7 @@ def slow_found(joint: JointActuator, motor: Motor | None) -> Iterator[Found]:
     volts = number(motor.nominal_voltage) or 0.0
     geared = gear_of(motor) is not None
     small = 0.0 < volts <= (GEARED_SUPPLY if geared else SERVO_SUPPLY) and most < SERVO_TORQUE
-    timed = SERVO_TIMES[0] <= fast <= SERVO_TIMES[1]
+    timed = servo_time(fast)
     if geared and not (small and timed and 0.0 < turned < SPUN_UP):
         return
     error = 0.0 if kp is None or not kp.value else most / kp.value
@@ -303,9 +302,8 @@ def slow_found(joint: JointActuator, motor: Motor | None) -> Iterator[Found]:
     else:
         return
     help = "look for a wrong unit, or the point in the wrong place"
-    if timed:
-        meant = format_quantity(60.0 * DEGREE / fast, "rad/s", 3)
-        help = f"is it in s per 60 deg, as sheets of servos have it? Then it is {meant}; or {help}"
+    if timed is not None:
+        help = f"{timed[1]}; or {help}"
     where = f"motors.{joint.motor}.{'no_load_speed' if motor.curve is None else 'curve.no_load_speed'}"
     yield found_at(
         joint, "SPEC184", where, 1.0 / fast, message, help, speed, kp if fast >= NO_SPEED else None

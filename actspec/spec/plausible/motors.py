@@ -360,7 +360,7 @@ def _speed(drive: Drive, output: Output) -> Iterator[Relation]:
         "SPEC184",
         joint,
         (0.0, FASTEST_OUTPUT if behind and not at_rotor and drive.hinges else math.inf),
-        (1.0, 50.0 if behind else 1000.0),
+        (1.0, 50.0 if behind and drive.hinges else 1000.0),
         f"{value.written} at the output of a gear of {format_quantity(gear, '', 4)}{then}: the fastest joints that are "
         "published, grippers aside, have 110 rad/s",
         output.speed_path,

@@ -67,12 +67,12 @@ from actspec.spec.plausible.slips import (
     milli,
     multiplied,
     slips_of,
-    small_units,
     tens,
     thousandth,
     transposed,
 )
 from actspec.spec.plausible.table import Doubt
+from actspec.spec.plausible.together import EXACT, is_exact, together
 from actspec.spec.plausible.unexplained import unexplained
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -91,8 +91,6 @@ ONE_SIDED = 0.25
 """What it costs that one of several torques is."""
 THROUGH = 0.2
 """What it is worth that a torque of the other side is another one of this side, through the gear, as `RARE`."""
-EXACT = 1.003
-"""A torque in kgf*cm, 1.02 times one with a wrong point, is told from that if it agrees with a limit by this factor."""
 ONCE = 1.02
 """A limit at the rotor is told if at the joint it is motor's or file's by this factor: else less may be meant."""
 PROVED_COST = 1.0
@@ -392,7 +390,7 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
         if given.unit == "N*m" and "kgf" not in given.written:
             # A point in the wrong place is so near that only what agrees exactly tells.
             servo = moved([path], KGF_CM, kgf_cm(given), SWAPPED)
-            if _is_exact(servo):
+            if is_exact(servo):
                 yield servo
         slips = list(slips_of(given))
         yield from _apart((slip[0], moved([path], *slip)) for slip in slips)
@@ -417,8 +415,6 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
         )
         yield moved([*torques, ("torque_constant",)], 1e-3, help)
     if torques:
-        first = _given(motor, torques[0])
-        names = listed([str(path[-1]) for path in torques], 5)
         if across is not None:
             factor = across * (passed if across > 1.0 else 1.0 / passed)
             # Without a speed all figures of the side are torques: `side` is no likelier.
@@ -433,28 +429,7 @@ def repairs_of(drive: Drive) -> Iterator[Repair]:
                 meant = f"{in_unit(shown)} is {about}{in_unit(multiplied(shown, factor))}"
                 help = f"is it quoted at the {there}{which}? At the {here} {meant}"
                 yield moved(paths, factor, help, rare)
-        if len(torques) > 1:
-            yield moved(torques, 1e-3, f"are {names} in {thousandth(first.unit)}? {milli(first)}")
-        turns = all(_given(motor, path).unit == "N*m" for path in torques)
-        if len(torques) > 1 and turns and all("kgf" not in _given(motor, path).written for path in torques):
-            for factor, help in small_units(first, names):
-                small = moved(torques, factor, help, RARE)
-                if any(item.witnessed and 1.0 / EXACT < item.value < EXACT for item in small.after):
-                    yield small
-            # A torque constant is in N*m/A on every sheet.
-            rare = RARE if motor.torque_constant is None else RARE - 0.05
-            meant = in_unit(multiplied(first, 0.1))
-            tenth = moved(
-                torques, 0.1, f"are {names} 10 times too large? A tenth of {in_unit(first)} is {meant}", rare
-            )
-            if any(item.witnessed and 1.0 / EXACT < item.value < EXACT for item in tenth.after):
-                # Of the two, 2 % apart, the file tells which.
-                yield tenth
-            elif _is_exact(tenth):
-                # So does the current, of which the point may be wrong as well: one number is likelier than several.
-                yield replace(tenth, rare=RARE + ALIKE)
-            else:
-                yield moved(torques, KGF_CM, kgf_cm(first).replace("is it", f"are {names}"), rare)
+        yield from together([_given(motor, path) for path in torques], torques, motor, moved)
     for field in ("rotor_inertia", "reflected_inertia"):
         inertia: SpecValue | None = getattr(motor, field)
         if inertia is None or not number(inertia):
@@ -516,20 +491,10 @@ def _too(factor: float) -> str:
     return f"{max(factor, 1.0 / factor):g} times too {'large' if factor < 1.0 else 'small'}"
 
 
-def _is_exact(repair: Repair) -> bool:
-    """Whether a torque, corrected, is just what a limit or its current says."""
-    return any(
-        item.code in ("SPEC181", "SPEC187")
-        and not {item.path, *item.others}.isdisjoint(repair.paths)
-        and 1.0 / EXACT < item.value < EXACT
-        for item in repair.after
-    )
-
-
 def _apart(made: Iterable[tuple[float, Repair]]) -> Iterator[Repair]:
     """Corrections of one number by their factors; none in kgf*cm where a tenth, which is 2 % apart, agrees exactly."""
     made = list(made)
-    tenth = any(factor == 0.1 and _is_exact(repair) for factor, repair in made)
+    tenth = any(factor == 0.1 and is_exact(repair) for factor, repair in made)
     yield from (repair for factor, repair in made if not tenth or factor != KGF_CM)
 
 

@@ -14,6 +14,8 @@ from actspec.units import format_quantity
 
 SERVO = 10.0
 """Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
+SERVO_TIMES = (0.03, 0.3)
+"""Of servos [s per 60 deg]."""
 PER_AMPERE = 0.05
 """So much likelier than a torque a torque constant is in kgf*cm: sheets of servos have kgf*cm/A."""
 OZ_IN = 0.00706155
@@ -62,6 +64,8 @@ def lengths(value: SpecValue) -> Iterator[tuple[float, str, float]]:
                 0.0,
             )
         )
+    if unit.startswith("in"):
+        yield 1.0 / 25.4, f"did you mean {amount} mm{unit[2:]}?", 0.0
     for factor, help, rare in tens(value):
         # In the unit that it is written in: m/rad is nobody's.
         own = f"did you mean {float(amount) * factor:.4g} {unit}?" if unit else help
@@ -145,6 +149,15 @@ def _speeds(value: SpecValue) -> Iterator[tuple[float, str, float]]:
             rare = 0.0 if other == "rpm" else ALIKE if own == 1.0 else 2.0 * RARE
             shown = f"{amount:g} {other} is {format_quantity(meant, 'rad/s', 3)}"
             yield size / own, f"is it in {other}? {shown}", rare
+
+
+def servo_time(speed: float) -> tuple[float, str] | None:
+    """A speed [rad/s] that is a servo's time for 60 degrees: what is meant, and in words; None: it is none."""
+    if not SERVO_TIMES[0] <= speed <= SERVO_TIMES[1]:
+        return None
+    meant = 60.0 * DEGREE / speed
+    shown = format_quantity(meant, "rad/s", 3)
+    return meant, f"is it in s per 60 deg, as sheets of servos have it? Then it is {shown}"
 
 
 def kgf_cm(value: SpecValue) -> str:

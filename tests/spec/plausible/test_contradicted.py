@@ -191,8 +191,8 @@ def test_a_velocity_limit_in_rpm_below_the_motors(tmp_path: Path) -> None:
 
 
 def test_a_speed_that_the_file_refutes_is_not_offered(tmp_path: Path) -> None:
-    """Ten times 0.14 rad/s are 1.4, and the file has 7.5."""
-    motor = "m: {side: joint, stall_torque: 2, no_load_speed: 0.14 rad/s, gear_ratio: 275}"
+    """Ten times 0.35 rad/s are 3.5, and the file has 7.5."""
+    motor = "m: {side: joint, peak_torque: 2, no_load_speed: 0.35 rad/s, gear_ratio: 100}"
     group = {"legs": f"joints: [hip], motor: m, {DRIVEN}"}
     (found,) = said(tmp_path, {"hip": ("revolute", 2.1, 7.5)}, motor, group)
     assert found.where == "motors.m.no_load_speed"

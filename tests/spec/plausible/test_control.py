@@ -494,11 +494,15 @@ def test_validate_tells_what_the_target_would(
             "SPEC188",
             "look for a wrong unit, or another joint's range",
         ),
-        ("effort_limit: {abs: [0.8 N*m, 1.2 N*m]}", "RND006", "widen the range, or correct the nominal"),
+        (
+            "effort_limit: {abs: [0.8 N*m, 1.2 N*m]}",
+            "SPEC188",
+            "look for a wrong unit, or another joint's range",
+        ),
         ("effort_limit: {abs: [0.8, 4.1]}", "RND006", "widen the range, or correct the nominal"),
         ("effort_limit: {abs: [0.8, 3]}", "RND006", "are they factors? Then write `scale: [0.8, 3]`"),
         # An armature of 0.0125 kg*m^2; it has a nominal of the motor alone.
-        ("armature: {abs: [0.9, 1.1]}", "RND006", "are they factors? Then write `scale: [0.9, 1.1]`"),
+        ("armature: {abs: [0.9, 1.1]}", "SPEC188", "are they factors? Then write `scale: [0.9, 1.1]`"),
         ("friction.coulomb: {scale: [0.2, 0.6]}", "RND006", "are they values? Then write `abs: [0.2, 0.6]`"),
         ("friction.coulomb: {scale: [0.5, 0.7]}", "RND006", "widen the range"),
         # Factors, and not above the static friction of 0.65 N*m as well (RND007).

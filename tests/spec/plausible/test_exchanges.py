@@ -225,3 +225,39 @@ actuators:
         every = err.diagnostics
     (found,) = [item for item in every if item.code in BY_CODE]
     assert (found.where, found.help) == ("motors.servo.stall_torque", help)
+
+
+HUB = """actspec: 1
+robot: {{name: cart, model: none, joints: [roll]}}
+motors:
+  hub: {{side: joint, stall_torque: {} N*m, no_load_speed: 38 rad/s, peak_torque: {} N*m,
+    continuous_torque: {} N*m, gear_ratio: 1, torque_constant: {}, nominal_current: 3.5 A, peak_current: 10 A,
+    rotor_inertia: 1.1e-3 kg*m^2{}}}
+actuators:
+  wheels: {{joints: [roll], motor: hub, level: dc_motor, command: velocity, kd: 0.5, effort_limit: peak}}
+"""
+
+
+@pytest.mark.parametrize("more", ["", ", nominal_voltage: 24 V"])
+@pytest.mark.parametrize(
+    ("torques", "constant", "where", "help"),
+    [
+        # 0.6 N*m/A x 10 A = 6 N*m, a hundredth of 600.
+        (
+            (720, 600, 210),
+            "0.6 N*m/A",
+            "stall_torque",
+            "are stall_torque, peak_torque, continuous_torque in N*cm? 720 N*cm is 7.2 N*m",
+        ),
+        # With sound torques it is the one number that is wrong.
+        ((7.2, 6, 2.1), "0.006 N*m/A", "torque_constant", "did you mean 0.6 N*m/A?"),
+        ((7.2, 6, 2.1), "60 N*m/A", "torque_constant", "did you mean 0.6 N*m/A?"),
+    ],
+)
+def test_all_torques_by_the_current(
+    torques: tuple[float, float, float], constant: str, where: str, help: str, more: str
+) -> None:
+    spec = validate(document_from_text(HUB.format(*torques, constant, more), "s.yaml"))
+    (found,) = [item for item in spec.diagnostics if item.code in BY_CODE]
+    assert (found.help or "").removesuffix("; `sure: true` beside it keeps a number that is right") == help
+    assert found.where in (f"motors.hub.{where}", "motors.hub.peak_torque")

@@ -491,6 +491,39 @@ def test_ranges_about_what_follows_from_the_motor(entry: str, message: str | Non
     assert said(spec_of(f"{group}, {REST}", motors=motors, more=drawn)) == []
 
 
+@pytest.mark.parametrize(
+    ("entry", "far", "help"),
+    [
+        # Of 1e-5 kg*m^2 x 30^2 = 0.009 kg*m^2.
+        (
+            "armature: {abs: [0.5, 1.5]}",
+            "0.5 to 1.5 in place of the nominal 0.009 kg*m^2 is 55.6 to 167 times as much",
+            "are they factors? Then write `scale: [0.5, 1.5]`",
+        ),
+        (
+            "armature: {abs: [8 kg*cm^2, 8.5 kg*cm^2]}",
+            "0.0008 kg*m^2 to 0.00085 kg*m^2 in place of the nominal 0.009 kg*m^2 is 0.0889 to 0.0944 times as much",
+            "look for a wrong unit, or another joint's range",
+        ),
+        # A tenth and ten times may be meant: 0.0009 and 0.09 kg*m^2.
+        ("armature: {abs: [0.0005, 0.001]}", None, None),
+        ("armature: {abs: [0.085, 0.2]}", None, None),
+        ("armature: {abs: [0.006, 0.012]}", None, None),
+        ("armature: {abs: [0.85, 0.1], distribution: gaussian}", "0.85 in place", "did you mean 0.0085 kg*m^2?"),
+    ],
+)  # fmt: skip
+def test_values_in_place_of_what_follows_from_the_motor(
+    entry: str, far: str | None, help: str | None
+) -> None:
+    motors = "{m: {side: joint, peak_torque: 12, stall_torque: 12, no_load_speed: 20 rad/s, gear_ratio: 30, "
+    motors += "rotor_inertia: 1e-5}}"
+    group = "own: {joints: [hip], motor: m, level: dc_motor, kp: 40, kd: 1, effort_limit: peak"
+    group += f", randomize: {{{entry}}}}}"
+    found = said(spec_of(f"{group}, {REST}", motors=motors))
+    assert [(item.code, item.help) for item in found] == ([] if far is None else [("SPEC188", help)])
+    assert all(item.message.startswith(f"hip: {far}") for item in found)
+
+
 def test_a_range_below_0_is_told_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A target that draws refuses it; without one it is a warning."""
     groups = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -195,3 +196,73 @@ def test_one_limit_that_is_a_hundredth(tmp_path: Path) -> None:
     (found,) = (item for item in resolve(spec, listed_robot(spec)).diagnostics if item.code in BY_CODE)
     assert (found.code, found.where) == ("FRC101", "actuators.g.friction.coulomb")
     assert "Or is the limit wrong (" in (found.help or "")
+
+
+SPINDLE = """actspec: 1
+robot: {{name: beak, model: beak.urdf}}
+motors:
+  screw:
+    side: motor
+    stall_torque: 42 mN*m
+    no_load_speed: {speed}
+    peak_torque: 30 mN*m
+    continuous_torque: 14.9 mN*m
+    rotor_inertia: 1.1 g*cm^2
+    gearbox: [{{ratio: {ratio}, efficiency: 0.81}}, {{lead: {lead}, efficiency: 0.3}}]
+actuators:
+  beak: {{joints: [beak], motor: screw, level: ideal_pd, effort_limit: peak, kp: 9000 N/m, kd: 60 N*s/m}}
+"""
+"""0.03 N*m x 5.4 x 0.81 x 2 pi / 0.002 m x 0.3 = 123.67 N behind the screw."""
+
+
+def said_of_spindle(
+    folder: Path, effort: float, ratio: str = "5.4", lead: str = "2 mm/rev", speed: str = "9800 rpm"
+) -> list[Diagnostic]:
+    """What is said of a motor with a planetary and a screw behind it, beside a file with this effort."""
+    (folder / "beak.urdf").write_text(
+        '<robot name="beak"><link name="a"/><link name="b"/><joint name="beak" type="prismatic"><parent link="a"/>'
+        f'<child link="b"/><axis xyz="1 0 0"/><limit lower="0" upper="0.03" effort="{effort}" velocity="0"/></joint>'
+        "</robot>",
+        encoding="utf-8",
+    )
+    text = SPINDLE.format(ratio=ratio, lead=lead, speed=speed)
+    try:
+        spec = validate(document_from_text(text, str(folder / "s.yaml")))
+        found = [*resolve(spec, joints_of_text(str(folder / "beak.urdf"))).diagnostics]
+    except ActspecError as err:
+        found = [*err.diagnostics]
+    return [item for item in found if item.code in BY_CODE]
+
+
+@pytest.mark.parametrize("effort", [120, 123.67])
+@pytest.mark.parametrize(
+    ("ratio", "lead", "help"),
+    [
+        # 1236.7 N: ten times. Sound torques in mN*m are in no kgf*cm, whatever a tenth of them is.
+        ("54", "2 mm/rev", "ratio: did you mean 5.4? Or lead (PLACE): did you mean 20 mm/rev?"),
+        # 12.367 N: a tenth.
+        ("5.4", "20 mm/rev", "ratio: did you mean 54? Or lead (PLACE): did you mean 2 mm/rev?"),
+    ],
+)
+def test_a_ratio_or_a_lead(tmp_path: Path, effort: float, ratio: str, lead: str, help: str) -> None:
+    """Of the two only the product is known."""
+    assert said_of_spindle(tmp_path, effort) == []
+    (found,) = said_of_spindle(tmp_path, effort, ratio, lead)
+    assert found.where == "motors.screw.gearbox[0].ratio"
+    place = rf"{re.escape(str(tmp_path / 's.yaml'))}:11:5[2-4]"
+    assert re.sub(place, "PLACE", found.help or "") == f"one of 2 numbers is wrong. {help}"
+
+
+def test_a_lead_in_inches(tmp_path: Path) -> None:
+    """4.869 N: by 25.4."""
+    (found,) = said_of_spindle(tmp_path, 120, lead="2 in/rev")
+    assert (found.where, found.help) == ("motors.screw.gearbox[1].lead", "did you mean 2 mm/rev?")
+
+
+def test_a_rotors_speed_is_in_no_degrees(tmp_path: Path) -> None:
+    """9800 rpm are 1026 rad/s; 9800 deg/s would be 171."""
+    (found,) = said_of_spindle(tmp_path, 120, speed="9800 rad/s")
+    assert (found.where, found.help) == (
+        "motors.screw.no_load_speed",
+        "is it in rpm? 9800 rpm is 1026 rad/s",
+    )

@@ -509,6 +509,15 @@ def test_a_servos_time_as_its_speed(changes: list[tuple[str, str]], told: bool) 
         )
 
 
+def test_a_servos_time_behind_a_stated_gear() -> None:
+    """0.14 rad/s are 38.5 at the rotor; 1.0472 / 0.14 = 7.48. Of a drive of 40 N*m it is no servo's time."""
+    (found,) = said(SERVO, ("9.5 rad/s", "0.14 rad/s, gear_ratio: 275"))
+    help = "is it in s per 60 deg, as sheets of servos have it? Then it is 7.48 rad/s"
+    assert (found.where, found.help) == ("motors.m.no_load_speed", help)
+    (found,) = said(SERVO, ("9.5 rad/s", "0.14 rad/s, gear_ratio: 275"), ("35 kgf*cm", "40 N*m"))
+    assert found.help == "did you mean 1.4 rad/s?"
+
+
 WORM = """actspec: 1
 robot: {name: turret, model: leg.xml}
 motors: {slew: {side: joint, peak_torque: 800 N*m, no_load_speed: SPEED}}
