@@ -11,11 +11,14 @@ _BEHIND = re.compile(rb"[ \t]{2}#[^\n]*|[ \t]#[^\n\"'#]*$", re.MULTILINE)
 _TEXTS = re.compile(rb"(^[ \t]*)?(\"\"\"|''').*?\2", re.MULTILINE | re.DOTALL)
 """Texts of several lines; with the group such as are statements, as docstrings are."""
 
-_INSIDE = rb"(?:[^()\n]|\([^()\n]*\))*\)"
+_FLAT = rb"(?:[^()\n]|\([^()\n]*\))*"
+_DEEP = rb"(?:[^()\n]|\((?:[^()\n]|\(" + _FLAT + rb"\))*\))*"
 _CALLS = re.compile(
-    rb"(?:\b(?:open|parse|print|exists|is_?file|remove|unlink|save\w*|mj_save\w+|write\w*)|\blog(?:ger|ging)?\.\w+)\("
-    + _INSIDE
-    + rb"|[\"'][^\"'\n]*[\"']\s?\)?\.(?:read_text|write_text|open|exists|is_file|unlink)\("
+    rb"\b(?:open|parse|ifstream \w+)\(" + _DEEP + rb"\)"
+    rb"|(?:\b(?:f?printf?|exists|is_?file|remove|unlink|save\w*|mj_save\w+|write\w*)|\blog(?:ger|ging)?\.\w+)\("
+    + _FLAT
+    + rb"\)|[\"'][^\"'\n]*[\"']\s?\)?\.(?:read_text|write_text|open|exists|is_file|unlink)\("
+    rb"|\braise\b[^\n]*|\bc(?:out|err)\b[^;\n]*"
     rb"|\badd_argument\(\s*[\"'](?!-)[^\"'\n]*[\"']"
     rb"|\bhelp\s?=\s?f?[\"'][^\"'\n]*[\"']|\s(?:-o|--out(?:put)?|>)[ =][ \t]*[^\s\"']+"
 )

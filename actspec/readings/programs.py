@@ -14,9 +14,10 @@ from actspec.readings.gym_tasks import no_tasks
 from actspec.readings.idle_configs import configs_in, folders_of, idle_configs, stem_of
 from actspec.readings.loads import what_loads
 from actspec.readings.written_over import (
-    has_mujoco_of_old,
+    Loader,
     nothing_to,
     poses_alone,
+    simulators_of,
     works_on_files,
     written_over,
 )
@@ -76,7 +77,9 @@ _MOST_PROGRAM = 1024 * 1024
 _NOT_THERE = re.compile(r"the include cannot be followed: there is no (?:file|folder) '([^']*)'")
 
 _BRINGS = re.compile(
-    rb"\bfrom_xml_(?:string|path)\((?:[^()]|\([^()]*\))*\bassets\b|[\"'][ \t]*<include[ \t]+file=\\?[\"'][^\"'\n]*[{%]"
+    rb"\b(?:from_xml_(?:string|path)|MjSpec\.from_(?:string|file))\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*,\s*"
+    rb"(?:(?:assets|include)\s*=|(?:\w+\.)?(?i:\w*assets)\b(?![\"'/]))"
+    rb"|[\"'][ \t]*<include[ \t]+file=\\?[\"'][^\"'\n]*[{%]"
 )
 _ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz", ".7z", ".rar")
 
@@ -201,16 +204,30 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
         path: text for path, text in texts.items() if alone.get(path) != configs.get(path, frozenset())
     }
     own = _Models(models, running)
-    run = own.run()
-    old = has_mujoco_of_old(texts.values())
+    run, surely = own.run(), own.surely_run()
+    # A list of what is there, or of what a run wrote, is of no simulator.
+    of = {path: simulators_of(text) for path, text in texts.items() if not path.endswith(".json")}
+    whose = {path: of.get(path, frozenset()) for path in running.keys() - own.still - own.exported}
+    handed = frozenset().union(*(whose[path] for path in whose.keys() & own.nameless))
+    # One that names its own models takes no other's, unless there is nobody else.
+    takers = handed or frozenset().union(*whose.values())
+    loaders = {
+        path: Loader.of(texts[path], of.get(path, frozenset()))
+        for path in frozenset().union(*surely.values())
+    }
+    by = {path: [loaders[program] for program in sorted(programs)] for path, programs in surely.items()}
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
         {
-            path: nothing_to((texts[program] for program in programs), old)
-            for path, programs in own.surely_run().items()
-            if not _is_brought(members[path], texts.values())
+            # Of a URDF nobody guesses who takes it.
+            path: nothing_to(each, takers if kinds[path] is not FileKind.URDF else frozenset())
+            for path, each in by.items()
+            if not _is_brought(members[path], each, texts.values())
         },
-        written_over([text for path, text in texts.items() if path not in own.exported]),
+        written_over(
+            [text for path, text in texts.items() if path not in own.exported],
+            frozenset().union(*(each for path, each in of.items() if path not in own.exported)),
+        ),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
 
@@ -328,6 +345,11 @@ class _Models:
         return found
 
     @cached_property
+    def nameless(self) -> frozenset[str]:
+        """Programs that name no model themselves."""
+        return frozenset(program for program, names in self._named.items() if not names)
+
+    @cached_property
     def _named(self) -> dict[str, tuple[_Name, ...]]:
         """What looks like the name of a model in each program."""
         return {program: tuple(_names(text)) for program, text in self.programs.items()}
@@ -433,14 +455,17 @@ def _closest(
     return beside or [path for path in paths if _own_folder(path) in words] or paths
 
 
-def _is_brought(reading: FileReading, texts: Collection[bytes]) -> bool:
+def _is_brought(reading: FileReading, loaders: Collection[Loader], texts: Collection[bytes]) -> bool:
     """Whether a program may bring what a model includes and nobody finds: it speaks of it, or has the suite's files.
 
-    Or it hands files to MuJoCo beside the model, or writes what includes them.
+    Or it hands files to MuJoCo beside the model, or writes what includes them, or hands on the model's text: of that
+    MuJoCo looks in the folder that the program works in.
     """
     missing = _NOT_THERE.search(reading.reason or "")
     if missing is None:
         return False
+    if all(one.reads for one in loaders):
+        return True
     if any(map(_BRINGS.search, texts)) or any(
         os.path.exists(os.path.join(os.path.dirname(reading.path), missing[1] + ending))
         for ending in _ARCHIVES
