@@ -41,9 +41,9 @@ def what_loads(ending: str, text: bytes) -> bytes:
     if ending == ".json":
         # A list of what is there, or of what a run wrote.
         return b""
-    if ending == ".py":
+    if ending in (".py", ".ipynb"):
         text = _TEXTS.sub(lambda found: found[0] if found[1] is None else b"", text)
-    if ending in (".py", ".yaml", ".yml", ".sh"):
+    if ending in (".py", ".ipynb", ".yaml", ".yml", ".sh"):
         text = _BEHIND.sub(b"", text)
     opened = Counter(one or other for one, other in _OPENED.findall(text))
     if opened:

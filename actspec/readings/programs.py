@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -239,10 +240,21 @@ def _texts(programs: Iterable[str]) -> Iterator[tuple[str, bytes]]:
         ending = os.path.splitext(path)[1].lower()
         if _OWN.match(text):
             continue
+        if ending == ".ipynb":
+            text = _code(text)
         if ending != ".xml":
             yield path, _COMMENTS[ending].sub(b"", text)
         elif b"<launch" in text:
             yield path, _MARKUP.sub(b"", text)
+
+
+def _code(notebook: bytes) -> bytes:
+    """The code of a notebook's cells, without what these have printed; of what is no notebook all of it."""
+    try:
+        cells = json.loads(notebook)["cells"]
+        return "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code").encode()
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return notebook
 
 
 @dataclass(frozen=True, slots=True)
