@@ -377,6 +377,6 @@ def written_over(texts: Collection[bytes], simulators: frozenset[str]) -> frozen
             found.add("step")
         if _OF_GAZEBO not in simulators:
             found.add("urdf_dynamics")
-            if others == {_OTHER}:
+            if others == {_OTHER} or any(map(_COMPUTES.search, texts)):
                 found.add("dynamics")
     return frozenset(found)
