@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from actspec.files import NotRegular, TooLarge, in_common, read_regular
+from actspec.files import NotRegular, TooLarge, in_common, in_repository, read_regular
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.gym_tasks import no_tasks
 from actspec.readings.idle_configs import configs_in, folders_of, idle_configs, stem_of
@@ -471,12 +471,12 @@ def _is_brought(reading: FileReading, loaders: Collection[Loader], texts: Collec
     """Whether a program may bring what a model includes and nobody finds: it speaks of it, or has the suite's files.
 
     Or it hands files to MuJoCo beside the model, or writes what includes them, or hands on the model's text: of that
-    MuJoCo looks in the folder that the program works in.
+    MuJoCo looks in the folder that the program works in. Or a step of the set-up does, for what git ignores.
     """
     missing = _NOT_THERE.search(reading.reason or "")
     if missing is None:
         return False
-    if all(one.reads for one in loaders):
+    if all(one.reads for one in loaders) or _is_ignored(reading.path, missing[1]):
         return True
     if any(map(_BRINGS.search, texts)) or any(
         os.path.exists(os.path.join(os.path.dirname(reading.path), missing[1] + ending))
@@ -488,6 +488,14 @@ def _is_brought(reading: FileReading, loaders: Collection[Loader], texts: Collec
     name = os.path.basename(missing[1])
     wanted = re.compile(rb"(?<![\w.-])" + re.escape(os.fsencode(name)))
     return "." in name and any(map(wanted.search, texts))
+
+
+def _is_ignored(path: str, name: str) -> bool:
+    """Whether git ignores a file or folder that a model names, by a line with the name of it or of a folder of it."""
+    names = {part for part in re.split(r"[/\\]", name) if part not in ("", os.curdir, os.pardir)}
+    files = (_read(os.path.join(folder, ".gitignore")) for folder in in_repository(path))
+    lines = (os.fsdecode(line.strip(b"/* \t")) for text in files for line in text.splitlines())
+    return any(os.path.basename(line) in names for line in lines)
 
 
 def _may_be(path: str, folders: Sequence[bytes]) -> bool:

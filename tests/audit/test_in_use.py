@@ -156,6 +156,23 @@ def test_an_include_of_a_model_that_a_program_reads(loads: str, used: bool) -> N
 
 
 @pytest.mark.parametrize(
+    ("ignored", "used"),
+    [
+        ("*.pyc\ngenerated/\n", False),
+        ("/r/generated/*\n", False),
+        ("/r/generated", False),
+        ("*.xml\n!arm.xml\n# generated poles\n", True),
+        ("generated_old/\n", True),
+    ],
+)
+def test_an_include_that_git_ignores(ignored: str, used: bool) -> None:
+    """It is made or fetched when the project is set up."""
+    Path("r/arm.xml").write_text('<mujoco><include file="generated/pole.xml"/><worldbody/></mujoco>')
+    Path(".gitignore").write_text(ignored)
+    assert in_use() == ({"arm"} if used else set())
+
+
+@pytest.mark.parametrize(
     ("archive", "used"), [("plate.zip", False), ("plate.tar.gz", False), ("plates.zip", True)]
 )
 def test_an_include_that_lies_in_an_archive(archive: str, used: bool) -> None:
