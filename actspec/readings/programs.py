@@ -15,6 +15,7 @@ from actspec.readings.gym_tasks import no_tasks
 from actspec.readings.idle_configs import configs_in, folders_of, idle_configs, stem_of
 from actspec.readings.loads import what_loads
 from actspec.readings.written_over import (
+    GAZEBO,
     Loader,
     nothing_to,
     poses_alone,
@@ -39,8 +40,8 @@ _COMMENTS: dict[str, re.Pattern[bytes]] = {
 }
 """Endings of files that run or set up something, and what a comment looks like in them."""
 
-_NO_PROGRAMS = ("setup.py", "setup.cfg", "pyproject.toml")
-"""They name what they install, all of it."""
+_NO_PROGRAMS = ("setup.py", "setup.cfg", "pyproject.toml", "mkdocs.yml")
+"""They name what they install or show, all of it."""
 
 _EXPORTED = frozenset(("display.launch", "gazebo.launch"))
 """Written by a CAD exporter beside its URDF, both of them, and run by nobody who has written another program.
@@ -208,7 +209,8 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     run, surely = own.run(), own.surely_run()
     # A list of what is there, or of what a run wrote, is of no simulator.
     of = {path: simulators_of(text) for path, text in texts.items() if not path.endswith(".json")}
-    whose = {path: of.get(path, frozenset()) for path in running.keys() - own.still - own.exported}
+    # Gazebo reads no MJCF.
+    whose = {path: of.get(path, frozenset()) - {GAZEBO} for path in running.keys() - own.still - own.exported}
     handed = frozenset().union(*(whose[path] for path in whose.keys() & own.nameless))
     # One that names its own models takes no other's, unless there is nobody else.
     takers = handed or frozenset().union(*whose.values())

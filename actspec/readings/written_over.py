@@ -266,7 +266,7 @@ def works_on_files(text: bytes) -> bool:
 
 
 _MUJOCO, _OLD, _INSIDE, _OTHER = "mujoco", "old", "inside", "other"
-_OF_GAZEBO = "gazebo"
+GAZEBO = "gazebo"
 """Simulators that a program is of: the MuJoCo of today and that of mujoco_py, `_COMPILES_INSIDE`, `_OTHER_PHYSICS`."""
 
 
@@ -277,7 +277,7 @@ def simulators_of(text: bytes) -> frozenset[str]:
     if any(word in lower for word in _SPEAKS_OF_MUJOCO):
         forms = {_MUJOCO: _OF_TODAY, _OLD: _OF_OLD}
     if any(word in lower for word in _SPEAKS_OF_OTHERS):
-        forms |= {_INSIDE: _COMPILES_INSIDE, _OTHER: _OTHER_PHYSICS, _OF_GAZEBO: _GAZEBO}
+        forms |= {_INSIDE: _COMPILES_INSIDE, _OTHER: _OTHER_PHYSICS, GAZEBO: _GAZEBO}
     return frozenset(name for name, form in forms.items() if form.search(text))
 
 
@@ -312,7 +312,7 @@ class Loader:
 
     def whose(self, takers: frozenset[str]) -> frozenset[str]:
         """The simulators that it is of, or may hand a model to."""
-        return self.simulators if self.simulators - {_OF_GAZEBO} else takers
+        return self.simulators if self.simulators - {GAZEBO} else takers
 
 
 def nothing_to(loaders: Collection[Loader], takers: frozenset[str]) -> frozenset[str]:
@@ -328,7 +328,7 @@ def nothing_to(loaders: Collection[Loader], takers: frozenset[str]) -> frozenset
     if all(one.attaches for one in loaders):
         found.add("step")
     whose = frozenset().union(*(one.whose(takers) for one in loaders))
-    if whose & {_OTHER, _INSIDE} and not whose & {_MUJOCO, _OLD, _OF_GAZEBO}:
+    if whose & {_OTHER, _INSIDE} and not whose & {_MUJOCO, _OLD, GAZEBO}:
         found.add("step")
         if _INSIDE not in whose:
             found |= {"dynamics", "gains"}
@@ -375,7 +375,7 @@ def written_over(texts: Collection[bytes], simulators: frozenset[str]) -> frozen
         others = simulators & {_OTHER, _INSIDE}
         if others:
             found.add("step")
-        if _OF_GAZEBO not in simulators:
+        if GAZEBO not in simulators:
             found.add("urdf_dynamics")
             if others == {_OTHER} or any(map(_COMPUTES.search, texts)):
                 found.add("dynamics")

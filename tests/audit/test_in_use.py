@@ -55,6 +55,7 @@ def in_use() -> set[str]:
         ),
         ("a.sh", "urdf2mjcf robot.urdf -o leg.xml\nxacro a.xacro > leg.xml\n"),
         ("a.py", "FILE = '/opt/mujoco_menagerie/unitree_go2/leg.xml'\nload(FILE)\n"),
+        ("mkdocs.yml", "nav:\n  - Leg: leg.xml\n"),
         ("pyproject.toml", '[tool.setuptools.package-data]\nx = ["leg.xml"]\n'),
     ],
 )
@@ -266,7 +267,8 @@ def test_where_nobody_says_a_simulator(program: str) -> None:
 
 
 def test_another_simulator_in_the_folder() -> None:
-    """It reads an MJCF its own way, where none is there that has MuJoCo compile it."""
+    """It reads an MJCF its own way, where none is there that has MuJoCo compile it; Gazebo reads none."""
+    Path("r/world.launch").write_text("<launch><node pkg='gazebo_ros'/></launch>")
     Path("r/run.py").write_text("load('leg.xml')\nload('arm.xml')\n")
-    Path("r/sim.py").write_text("import pybullet\n")
+    Path("r/sim.py").write_text("import pybullet\nload('cat.xml')\n")
     assert [file.written & ALL for file in read_files(["r"])] == [ALL] * 2
