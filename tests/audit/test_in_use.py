@@ -272,3 +272,16 @@ def test_another_simulator_in_the_folder() -> None:
     Path("r/run.py").write_text("load('leg.xml')\nload('arm.xml')\n")
     Path("r/sim.py").write_text("import pybullet\nload('cat.xml')\n")
     assert [file.written & ALL for file in read_files(["r"])] == [ALL] * 2
+
+
+def test_a_urdf_that_a_configuration_names_too() -> None:
+    """Unlike an MJCF, nobody guesses that it is for the MuJoCo of the folder."""
+    Path("r/dog.urdf").write_text(
+        "<robot name='dog'><link name='base'/><link name='leg'/><joint name='hip' type='fixed'>"
+        "<parent link='base'/><child link='leg'/></joint></robot>"
+    )
+    Path("r/dog.yaml").write_text("model: dog.urdf\n")
+    Path("r/sim.py").write_text("import mujoco\n")
+    Path("r/task.py").write_text("import isaacgym\nload('dog.urdf')\n")
+    written = {Path(file.path).stem: file.written & ALL for file in read_files(["r"])}
+    assert (written["arm"], written["dog"]) == (frozenset(), ALL - {"compiled"})
