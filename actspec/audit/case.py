@@ -19,7 +19,9 @@ MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 """Files of a robot itself, to which the others give drives."""
 
 _WRITTEN: dict[FileKind | None, frozenset[str]] = {
-    FileKind.URDF: frozenset({"urdf_effort", "urdf_limit", "dynamics", "damping", "friction"}),
+    FileKind.URDF: frozenset(
+        {"urdf_effort", "urdf_limit", "urdf_dynamics", "dynamics", "damping", "friction"}
+    ),
     FileKind.MJCF: frozenset(
         {"angle", "integrator", "compiled", "dynamics", "damping", "friction", "step", "gains", "range"}
     ),

@@ -11,11 +11,14 @@ _BEHIND = re.compile(rb"[ \t]{2}#[^\n]*|[ \t]#[^\n\"'#]*$", re.MULTILINE)
 _TEXTS = re.compile(rb"(^[ \t]*)?(\"\"\"|''').*?\2", re.MULTILINE | re.DOTALL)
 """Texts of several lines; with the group such as are statements, as docstrings are."""
 
-_INSIDE = rb"(?:[^()\n]|\([^()\n]*\))*\)"
+_FLAT = rb"(?:[^()\n]|\([^()\n]*\))*"
+_DEEP = rb"(?:[^()\n]|\((?:[^()\n]|\(" + _FLAT + rb"\))*\))*"
 _CALLS = re.compile(
-    rb"(?:\b(?:open|parse|print|exists|is_?file|remove|unlink|save\w*|mj_save\w+|write\w*)|\blog(?:ger|ging)?\.\w+)\("
-    + _INSIDE
-    + rb"|[\"'][^\"'\n]*[\"']\s?\)?\.(?:read_text|write_text|open|exists|is_file|unlink)\("
+    rb"\b(?:open|parse|ifstream \w+)\(" + _DEEP + rb"\)"
+    rb"|(?:\b(?:f?printf?|exists|is_?file|remove|unlink|save\w*|mj_save\w+|write\w*)|\blog(?:ger|ging)?\.\w+)\("
+    + _FLAT
+    + rb"\)|[\"'][^\"'\n]*[\"']\s?\)?\.(?:read_text|write_text|open|exists|is_file|unlink)\("
+    rb"|\braise\b[^\n]*|\bc(?:out|err)\b[^;\n]*"
     rb"|\badd_argument\(\s*[\"'](?!-)[^\"'\n]*[\"']"
     rb"|\bhelp\s?=\s?f?[\"'][^\"'\n]*[\"']|\s(?:-o|--out(?:put)?|>)[ =][ \t]*[^\s\"']+"
 )
@@ -38,9 +41,9 @@ def what_loads(ending: str, text: bytes) -> bytes:
     if ending == ".json":
         # A list of what is there, or of what a run wrote.
         return b""
-    if ending == ".py":
+    if ending in (".py", ".ipynb"):
         text = _TEXTS.sub(lambda found: found[0] if found[1] is None else b"", text)
-    if ending in (".py", ".yaml", ".yml", ".sh"):
+    if ending in (".py", ".ipynb", ".yaml", ".yml", ".sh"):
         text = _BEHIND.sub(b"", text)
     opened = Counter(one or other for one, other in _OPENED.findall(text))
     if opened:

@@ -52,7 +52,9 @@ _REQUIRED = re.compile(
 )
 _CLAUSE = re.compile(r"(===?|~=|!=|[<>]=?|[\^~])\s*(\d+(?:\.\d+)*)")
 _IMPORT = re.compile(
-    rb"^[ \t]*(?:import|from)[ \t]+(?P<name>mujoco(?:_py)?|gym\.envs\.mujoco)\b", re.MULTILINE
+    rb"^[ \t]*(?:import[ \t]+(?:[\w.]+(?:[ \t]+as[ \t]+\w+)?[ \t]*,[ \t]*)*|from[ \t]+)"
+    rb"(?P<name>mujoco(?:_py)?|gym\.envs\.mujoco)\b",
+    re.MULTILINE,
 )
 _BUILT_WITH = re.compile(
     rb"(?<![\w.-])(?P<name>mujoco(?:[-_]?(?P<version>\d{1,3}(?:\.\d{1,3}){1,2})|(?P<digits>\d{3})))(?!\w|\.\d)",

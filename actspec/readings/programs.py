@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from actspec.files import NotRegular, TooLarge, in_common, read_regular
+from actspec.files import NotRegular, TooLarge, in_common, in_repository, read_regular
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.gym_tasks import no_tasks
 from actspec.readings.idle_configs import configs_in, folders_of, idle_configs, stem_of
 from actspec.readings.loads import what_loads
 from actspec.readings.written_over import (
-    has_mujoco_of_old,
+    GAZEBO,
+    Loader,
     nothing_to,
     poses_alone,
+    simulators_of,
     works_on_files,
     written_over,
 )
@@ -37,8 +40,8 @@ _COMMENTS: dict[str, re.Pattern[bytes]] = {
 }
 """Endings of files that run or set up something, and what a comment looks like in them."""
 
-_NO_PROGRAMS = ("setup.py", "setup.cfg", "pyproject.toml")
-"""They name what they install, all of it."""
+_NO_PROGRAMS = ("setup.py", "setup.cfg", "pyproject.toml", "mkdocs.yml")
+"""They name what they install or show, all of it."""
 
 _EXPORTED = frozenset(("display.launch", "gazebo.launch"))
 """Written by a CAD exporter beside its URDF, both of them, and run by nobody who has written another program.
@@ -76,7 +79,9 @@ _MOST_PROGRAM = 1024 * 1024
 _NOT_THERE = re.compile(r"the include cannot be followed: there is no (?:file|folder) '([^']*)'")
 
 _BRINGS = re.compile(
-    rb"\bfrom_xml_(?:string|path)\((?:[^()]|\([^()]*\))*\bassets\b|[\"'][ \t]*<include[ \t]+file=\\?[\"'][^\"'\n]*[{%]"
+    rb"\b(?:from_xml_(?:string|path)|MjSpec\.from_(?:string|file))\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*,\s*"
+    rb"(?:(?:assets|include)\s*=|(?:\w+\.)?(?i:\w*assets)\b(?![\"'/]))"
+    rb"|[\"'][ \t]*<include[ \t]+file=\\?[\"'][^\"'\n]*[{%]"
 )
 _ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz", ".7z", ".rar")
 
@@ -201,16 +206,31 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
         path: text for path, text in texts.items() if alone.get(path) != configs.get(path, frozenset())
     }
     own = _Models(models, running)
-    run = own.run()
-    old = has_mujoco_of_old(texts.values())
+    run, surely = own.run(), own.surely_run()
+    # A list of what is there, or of what a run wrote, is of no simulator.
+    of = {path: simulators_of(text) for path, text in texts.items() if not path.endswith(".json")}
+    # Gazebo reads no MJCF.
+    whose = {path: of.get(path, frozenset()) - {GAZEBO} for path in running.keys() - own.still - own.exported}
+    handed = frozenset().union(*(whose[path] for path in whose.keys() & own.nameless))
+    # One that names its own models takes no other's, unless there is nobody else.
+    takers = handed or frozenset().union(*whose.values())
+    loaders = {
+        path: Loader.of(texts[path], of.get(path, frozenset()))
+        for path in frozenset().union(*surely.values())
+    }
+    by = {path: [loaders[program] for program in sorted(programs)] for path, programs in surely.items()}
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
         {
-            path: nothing_to((texts[program] for program in programs), old)
-            for path, programs in own.surely_run().items()
-            if not _is_brought(members[path], texts.values())
+            # Of a URDF nobody guesses who takes it.
+            path: nothing_to(each, takers if kinds[path] is not FileKind.URDF else frozenset())
+            for path, each in by.items()
+            if not _is_brought(members[path], each, texts.values())
         },
-        written_over([text for path, text in texts.items() if path not in own.exported]),
+        written_over(
+            [text for path, text in texts.items() if path not in own.exported],
+            frozenset().union(*(each for path, each in of.items() if path not in own.exported)),
+        ),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
 
@@ -222,10 +242,21 @@ def _texts(programs: Iterable[str]) -> Iterator[tuple[str, bytes]]:
         ending = os.path.splitext(path)[1].lower()
         if _OWN.match(text):
             continue
+        if ending == ".ipynb":
+            text = _code(text)
         if ending != ".xml":
             yield path, _COMMENTS[ending].sub(b"", text)
         elif b"<launch" in text:
             yield path, _MARKUP.sub(b"", text)
+
+
+def _code(notebook: bytes) -> bytes:
+    """The code of a notebook's cells, without what these have printed; of what is no notebook all of it."""
+    try:
+        cells = json.loads(notebook)["cells"]
+        return "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code").encode()
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return notebook
 
 
 @dataclass(frozen=True, slots=True)
@@ -326,6 +357,11 @@ class _Models:
             for part in self._with_parts([path]):
                 found[part] = found.get(part, frozenset()) | programs
         return found
+
+    @cached_property
+    def nameless(self) -> frozenset[str]:
+        """Programs that name no model themselves."""
+        return frozenset(program for program, names in self._named.items() if not names)
 
     @cached_property
     def _named(self) -> dict[str, tuple[_Name, ...]]:
@@ -433,14 +469,17 @@ def _closest(
     return beside or [path for path in paths if _own_folder(path) in words] or paths
 
 
-def _is_brought(reading: FileReading, texts: Collection[bytes]) -> bool:
+def _is_brought(reading: FileReading, loaders: Collection[Loader], texts: Collection[bytes]) -> bool:
     """Whether a program may bring what a model includes and nobody finds: it speaks of it, or has the suite's files.
 
-    Or it hands files to MuJoCo beside the model, or writes what includes them.
+    Or it hands files to MuJoCo beside the model, or writes what includes them, or hands on the model's text: of that
+    MuJoCo looks in the folder that the program works in. Or a step of the set-up does, for what git ignores.
     """
     missing = _NOT_THERE.search(reading.reason or "")
     if missing is None:
         return False
+    if all(one.reads for one in loaders) or _is_ignored(reading.path, missing[1]):
+        return True
     if any(map(_BRINGS.search, texts)) or any(
         os.path.exists(os.path.join(os.path.dirname(reading.path), missing[1] + ending))
         for ending in _ARCHIVES
@@ -451,6 +490,14 @@ def _is_brought(reading: FileReading, texts: Collection[bytes]) -> bool:
     name = os.path.basename(missing[1])
     wanted = re.compile(rb"(?<![\w.-])" + re.escape(os.fsencode(name)))
     return "." in name and any(map(wanted.search, texts))
+
+
+def _is_ignored(path: str, name: str) -> bool:
+    """Whether git ignores a file or folder that a model names, by a line with the name of it or of a folder of it."""
+    names = {part for part in re.split(r"[/\\]", name) if part not in ("", os.curdir, os.pardir)}
+    files = (_read(os.path.join(folder, ".gitignore")) for folder in in_repository(path))
+    lines = (os.fsdecode(line.strip(b"/* \t")) for text in files for line in text.splitlines())
+    return any(os.path.basename(line) in names for line in lines)
 
 
 def _may_be(path: str, folders: Sequence[bytes]) -> bool:

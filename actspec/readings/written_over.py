@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 
 from actspec.simulators.classes import ISAACLAB, MJLAB
 
@@ -59,12 +60,14 @@ give the angle that it lacks, as safety-gymnasium does. Joints get a speed to fo
 set by an event of mjlab at a reset. A folder that has a framework's class in it has it as its owner changed it.
 """
 
-_LOADS = re.compile(
-    rb"\b(?:from_xml_(?:path|string)|load_model_from_(?:path|xml)|mj_loadXML|launch_from_path|MjSpec\.from_(?:file|string)"
-    rb"|mjcf\.from_(?:path|file))\("
-    rb"|\bMujocoEnv\b"
+_LOADS_FILES = (
+    rb"\b(?:from_xml_path|load_model_from_path|mj_loadXML|mj_parseXML|launch_from_path|MjSpec\.from_file"
+    rb"|mjcf\.from_(?:path|file))\(|\bMujocoEnv\b"
 )
-"""A program that loads an MJCF."""
+_LOADS_TEXTS = rb"\b(?:from_xml_string|load_model_from_xml|MjSpec\.from_string|mj_parseXMLString)\("
+_LOADS = re.compile(_LOADS_FILES + rb"|" + _LOADS_TEXTS)
+_OF_FILES, _OF_TEXTS = re.compile(_LOADS_FILES), re.compile(_LOADS_TEXTS)
+"""A program that loads an MJCF: as the file stands, or the text that the program has of it."""
 
 _WRITES_TO_MJCFS: dict[str, re.Pattern[bytes]] = {
     "integrator": re.compile(
@@ -110,9 +113,12 @@ _SPEAKS_OF = {
 """Words that a text has which matches one of these forms: folders have hundreds of megabytes of others, to be passed
 over fast."""
 
-_OLD = (b"mujoco_py", b"gym.envs.mujoco", b"mj_activate")
 _SPEAKS_OF_MUJOCO = (b"mj", b"mujoco", b"dm_control", b"robosuite")
-"""Likewise of programs of an old MuJoCo, and of any in small letters."""
+_SPEAKS_OF_OTHERS = (
+    *(b"isaac", b"bullet", b"drake", b"sapien", b"mani_skill", b"raisim", b"dartpy", b"newton", b"genesis"),
+    *(b"brax", b"loadmjcf", b"leggedrobotcfg", b"assetfilename", b"physx", b"gazebo", b"gz", b"ign"),
+)
+"""Likewise of programs of a simulator, in small letters."""
 
 _RADIANS = re.compile(rb"""<compiler\b[^<>]*\bangle\s*=\s*\\?["']radian""")
 _INCLUDES = re.compile(rb"<include\s+file\s*=")
@@ -154,16 +160,25 @@ that were not the published ones, readers would have acted on 15 of 18 beside a 
 """
 
 
+_IMPORTS_OF = rb"\b(?:import|from)[ \t]+(?:[\w.]+(?:[ \t]+as[ \t]+\w+)?[ \t]*,[ \t]*)*"
+"""Before the name of a module, in Python."""
+
 _OF_TODAY = re.compile(
     rb"\bimport[ \t][^\n]{0,80}(?<![.\w])mujoco\b|\bfrom[ \t]+mujoco[ \t.]|\bmujoco\.(?:Mj|mj_|mjx|viewer|Renderer)"
     rb"|\bMjSpec\b|\bmj_loadXML\(|mujoco/mujoco\.h|\busing[ \t]+MuJoCo\b|-m[ \t]+mujoco\b|\bgymnasium\.envs\.mujoco\b"
-    rb"|\b(?:mjx|mjlab|dm_control|robosuite|mujoco_(?:playground|ros|warp))"
+    rb"|(?<![\w/])(?:mjx|mjlab|dm_control|robosuite|mujoco_(?:playground|ros|warp))(?!\w*/)"
 )
 _OF_OLD = re.compile(rb"\b(?:import|from)[ \t]+(?:mujoco_py|gym\.envs\.mujoco)\b|\bmj_activate\(")
 """Programs of MuJoCo's own bindings, or of what is built on them, and of mujoco_py, which has a MuJoCo of its own; the
 word `mujoco` is in an MJCF's text and in the paths of both. Isaac Gym, Bullet and Drake read an MJCF their own way.
 
 Source: MuJoCo's changelog, 2.1: no key is activated any more.
+"""
+
+_COMPILES_INSIDE = re.compile(_IMPORTS_OF + rb"(?:genesis|brax)\b")
+"""Simulators that have MuJoCo compile an MJCF, take damping, friction and gains of that, and step it their own way.
+
+Source: genesis/utils/mjcf.py and brax/io/mjcf.py, `MjModel.from_xml_string`.
 """
 
 _GAZEBO = re.compile(
@@ -176,13 +191,19 @@ Isaac Gym and Isaac Lab take a URDF's damping for the drive's, which is inside o
 friction nor its effort.
 """
 
-_OTHER_PHYSICS = re.compile(rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|genesis|pybullet|pydrake|brax)\b")
-"""Other simulators that read an MJCF."""
+_OTHER_PHYSICS = re.compile(
+    _IMPORTS_OF
+    + rb"(?:isaacgym\w*|isaaclab\w*|isaacsim|omni\.isaac|pybullet\w*|pydrake|sapien|mani_skill\w*|raisim\w*|dartpy"
+    rb"|newton)\b|\bloadMJCF\(|\bLeggedRobotCfg\b|\bassetFileName\b|\bphysx[ \t]*:"
+)
+"""Programs of other simulators that read an MJCF, and configurations of Isaac Gym's; a text names one that it does
+without."""
 
-_ATTACHES = re.compile(rb"\.attach(?:_body|_frame|_child)?\(")
+_ATTACHES = re.compile(rb"\.attach(?:_body|_frame|_child)?\(|\bcomposer\.")
+_ADDS = re.compile(rb"\.add_(?:body|default|geom|joint)\(")
 _ASSEMBLES = re.compile(rb"\bxml_path_completion\(")
-"""A program that puts models together before MuJoCo compiles them: what one names may be in another; and one of
-robosuite's kind, which takes the defaults out of every part (models/base.py)."""
+"""A program that puts models together before MuJoCo compiles them: what one names may be in another; one that adds
+what one lacks; and one of robosuite's kind, which takes the defaults out of every part (models/base.py)."""
 
 _SIMULATORS = (
     rb"isaac\w*|omni\.isaac|ignition|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|mani_?skill\w*|dartpy|webots"
@@ -244,38 +265,84 @@ def works_on_files(text: bytes) -> bool:
     return bool(_TOOL.search(text)) and packages <= _NO_SIMULATORS | sys.stdlib_module_names
 
 
-def _compiles(text: bytes) -> bool:
-    """Whether a program hands models to the MuJoCo of today."""
-    return bool(_OF_TODAY.search(text)) and not _OF_OLD.search(text)
+_MUJOCO, _OLD, _INSIDE, _OTHER = "mujoco", "old", "inside", "other"
+GAZEBO = "gazebo"
+"""Simulators that a program is of: the MuJoCo of today and that of mujoco_py, `_COMPILES_INSIDE`, `_OTHER_PHYSICS`."""
 
 
-def _is_of_mujoco(text: bytes) -> bool:
-    return bool(_OF_TODAY.search(text) or _OF_OLD.search(text))
+def simulators_of(text: bytes) -> frozenset[str]:
+    """The simulators that a program is of; none: it says nothing of one."""
+    lower = text.lower()
+    forms: dict[str, re.Pattern[bytes]] = {}
+    if any(word in lower for word in _SPEAKS_OF_MUJOCO):
+        forms = {_MUJOCO: _OF_TODAY, _OLD: _OF_OLD}
+    if any(word in lower for word in _SPEAKS_OF_OTHERS):
+        forms |= {_INSIDE: _COMPILES_INSIDE, _OTHER: _OTHER_PHYSICS, GAZEBO: _GAZEBO}
+    return frozenset(name for name, form in forms.items() if form.search(text))
 
 
-def has_mujoco_of_old(texts: Iterable[bytes]) -> bool:
-    """Whether one of some programs is of mujoco_py or another MuJoCo before 2.1.2."""
-    return any(_OF_OLD.search(text) for text in texts if any(word in text for word in _OLD))
+@dataclass(frozen=True, slots=True)
+class Loader:
+    """A program that loads models.
+
+    Attributes:
+        simulators: What it is of, as of `simulators_of`.
+        reads: Whether it reads a model's text itself and hands that on, with what it puts in place of parts of it.
+        attaches: Whether it puts models together.
+        adds: Whether it adds to models what they lack.
+    """
+
+    simulators: frozenset[str]
+    reads: bool
+    attaches: bool
+    adds: bool
+
+    @classmethod
+    def of(cls, text: bytes, simulators: frozenset[str]) -> Loader:
+        """By its text."""
+        reads = bool(_OF_TEXTS.search(text)) and not _OF_FILES.search(text)
+        return cls(simulators, reads, bool(_ATTACHES.search(text)), bool(_ADDS.search(text)))
+
+    def compiles(self, takers: frozenset[str]) -> bool:
+        """Whether it has the MuJoCo of today compile models as they stand; see `nothing_to`."""
+        if self.reads or self.attaches or self.adds:
+            return False
+        own = self.whose(takers)
+        return _OLD not in own and (_OTHER not in own or bool(own & {_MUJOCO, _INSIDE}))
+
+    def whose(self, takers: frozenset[str]) -> frozenset[str]:
+        """The simulators that it is of, or may hand a model to."""
+        return self.simulators if self.simulators - {GAZEBO} else takers
 
 
-def nothing_to(loaders: Iterable[bytes], old: bool) -> frozenset[str]:
-    """What of a model is nothing to the simulators that load it, as `written_over` calls it.
+def nothing_to(loaders: Collection[Loader], takers: frozenset[str]) -> frozenset[str]:
+    """What of a model is nothing to the programs that load it, as `written_over` calls it.
 
     Args:
-        loaders: The programs that name it.
-        old: `has_mujoco_of_old` of its folder: a program that says nothing of a simulator may have that one.
+        loaders: They; of a folder that has nothing of any simulator MuJoCo alone reads an MJCF.
+        takers: Simulators of the programs that may take a model from one that says nothing of a simulator.
     """
-    texts = [text for text in loaders if _OTHER_PHYSICS.search(text) or _is_of_mujoco(text)]
-    if any(map(_compiles, texts)) or not (texts or old):
-        return frozenset()
-    alone = texts and not any(_is_of_mujoco(text) or _GAZEBO.search(text) for text in texts)
-    return frozenset({"compiled", "step", "dynamics", "gains"} if alone else {"compiled"})
+    found = set()
+    if not any(one.compiles(takers) for one in loaders):
+        found.add("compiled")
+    if all(one.attaches for one in loaders):
+        found.add("step")
+    whose = frozenset().union(*(one.whose(takers) for one in loaders))
+    if whose & {_OTHER, _INSIDE} and not whose & {_MUJOCO, _OLD, GAZEBO}:
+        found.add("step")
+        if _INSIDE not in whose:
+            found |= {"dynamics", "gains"}
+    return frozenset(found)
 
 
-def written_over(texts: Collection[bytes]) -> frozenset[str]:
+def written_over(texts: Collection[bytes], simulators: frozenset[str]) -> frozenset[str]:
     """What programs write over, of `_WRITES`; of `_WRITES_TO_MJCFS` what each that steps an MJCF does; of URDFs efforts
-    that are no drive's limit; whether none compiles an MJCF as it stands, or steps it so; whether none takes joints as
-    they are (`dynamics`).
+    that are no drive's limit; whether none steps an MJCF as it stands; whether none takes joints as they are
+    (`dynamics` of an MJCF, which MuJoCo alone reads where nobody says a simulator, and `urdf_dynamics`).
+
+    Args:
+        texts: The programs.
+        simulators: Of all of them.
     """
 
     def writers(name: str, form: re.Pattern[bytes]) -> Iterator[bytes]:
@@ -303,14 +370,13 @@ def written_over(texts: Collection[bytes]) -> frozenset[str]:
         # Its base is in radians.
         found |= {"angle", "compiled", "step"}
     if loads and all(map(_ATTACHES.search, loads)):
-        found |= {"compiled", "step"}
-    lowered = ((text, text.lower()) for text in texts)
-    of_mujoco = [text for text, low in lowered if any(word in low for word in _SPEAKS_OF_MUJOCO)]
-    if not any(map(_is_of_mujoco, of_mujoco)):
-        if any(map(_OTHER_PHYSICS.search, texts)):
+        found.add("step")
+    if not simulators & {_MUJOCO, _OLD}:
+        others = simulators & {_OTHER, _INSIDE}
+        if others:
             found.add("step")
-        if not any(map(_GAZEBO.search, texts)):
-            found.add("dynamics")
-    if not any(map(_compiles, of_mujoco)):
-        found.add("compiled")
+        if GAZEBO not in simulators:
+            found.add("urdf_dynamics")
+            if others == {_OTHER} or any(map(_COMPUTES.search, texts)):
+                found.add("dynamics")
     return frozenset(found)

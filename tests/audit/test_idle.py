@@ -13,7 +13,7 @@ from actspec.audit.read import read_files
 from actspec.audit.rules.sym101 import LeftRightDiffer
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
-from actspec.readings.written_over import written_over
+from actspec.readings.written_over import simulators_of, written_over
 
 JOINT = """<joint name="{side}_knee" type="revolute"><parent link="base"/><child link="{side}"/>
     <limit lower="-1" upper="1" effort="{effort}" velocity="9"/></joint>"""
@@ -945,7 +945,8 @@ def test_a_range_that_a_program_sets(program: str, severity: str) -> None:
 )
 def test_a_line_of_a_megabyte(text: bytes) -> None:
     """Strangers' files have such lines; gone through once for each beginning on it, this takes half an hour."""
-    assert written_over((b"import mujoco\n" + text * (1_000_000 // len(text)),)) == {"urdf_limit"}
+    program = b"import mujoco\n" + text * (1_000_000 // len(text))
+    assert written_over((program,), simulators_of(program)) == {"urdf_limit"}
 
 
 CONTROLLER = "PDJointPosControllerConfig(['pan', 'lift'], stiffness=1e3, damping=1e2, force_limit=100)\n"

@@ -278,6 +278,47 @@ def test_a_plugin_that_an_older_release_has(plugin: str, level: str) -> None:
 
 
 @pytest.mark.usefixtures("_old_model")
+def test_a_plugin_of_the_project_s_own() -> None:
+    """Its program loads the library, which nobody has here."""
+    Path("robots/leg.xml").write_text(
+        '<mujoco><compiler angle="radian"/><extension><plugin plugin="my.company.servo"/></extension>'
+        '<worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody></mujoco>'
+    )
+    level, message = refused(Settings(select=("AUD020",)))
+    assert (level, message.startswith("the model compiles only with the library of its plugin,")) == (
+        "info",
+        True,
+    )
+
+
+@pytest.mark.usefixtures("_old_model")
+@pytest.mark.parametrize(
+    ("flex", "level"),
+    [
+        # A stand-in has 4 vertices, and a cloth that is pinned at its vertex 30 has more.
+        ('<flexcomp name="f" type="mesh" file="cloth.obj" dim="2"><pin id="30"/></flexcomp>', "info"),
+        ('<flexcomp name="f" type="mesh" file="cloth.obj" dim="2"><pin range="20 35"/></flexcomp>', "info"),
+        ('<flexcomp name="f" type="gmsh" file="cloth.msh" dim="3"/>', "info"),
+        # One without a file has the vertices that it says: 3 * 3 * 1.
+        (
+            '<flexcomp name="f" type="grid" count="3 3 1" spacing="1 1 1" dim="2"><pin id="30"/></flexcomp>',
+            "warning",
+        ),
+        ('<flexcomp name="f" type="mesh" file="cloth.obj" dim="2"/><geom class="leg"/>', "warning"),
+    ],
+)
+def test_a_flexcomp_with_a_file(flex: str, level: str) -> None:
+    """The file is not read, so that nobody knows its vertices."""
+    Path("robots/leg.xml").write_text(
+        '<mujoco><compiler angle="radian"/><worldbody><body><joint name="j"/><geom size="0.1"/></body>'
+        f'<body name="c">{flex}</body></worldbody></mujoco>'
+    )
+    told, message = refused(Settings(select=("AUD020",)))
+    only = message.startswith("the model compiles only with the file of its flexcomp, which is not read")
+    assert (told, only) == (level, level == "info")
+
+
+@pytest.mark.usefixtures("_old_model")
 def test_the_version_that_was_said_goes_before() -> None:
     """`-t mujoco==2.3.7` is as good as a pin, and one for the installed release sets a pin aside."""
     level, message = refused(Settings(versions=Versions(mujoco="2.3.7")))

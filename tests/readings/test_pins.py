@@ -124,8 +124,11 @@ def test_programs_of_both() -> None:
     """Where something on the way takes MuJoCo itself, mujoco_py may be of other models."""
     Path("requirements.txt").write_text("mujoco_py==2.1.2.14")
     assert older() is not None
-    Path("assets/view.py").write_text("import mujoco\n")
-    assert older() is None
+    Path("assets/view.py").write_text("import yaml as y, os.path, mujocosim\n")
+    assert older() is not None
+    for line in ("import mujoco\n", "import yaml as y, os.path, mujoco\n"):
+        Path("assets/view.py").write_text(line)
+        assert older() is None
     Path("requirements.txt").write_text("mujoco_py==2.1.2.14\nmujoco==2.2.0\n")
     assert older() == "requirements.txt:2 asks for mujoco==2.2.0, which may take it"
 

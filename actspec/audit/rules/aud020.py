@@ -24,6 +24,13 @@ shellinertia of a geom with a mesh; 2.2.0 reads `pos="0,0,0"`, two orientations 
 last of these, and 3.1.6 a default of another name than main at the top.
 """
 
+_OF_FLEX = re.compile(r"\bpin\w* out of range|no decoder found for mesh|unknown element '\w*_\d+'")
+_FLEX_FILE = re.compile(rb"<flexcomp\b[^<>]*\bfile\s*=")
+"""What MuJoCo says of a flexcomp whose mesh has other vertices, and a flexcomp with a file, which is not read."""
+
+_OWN_PLUGIN = re.compile(r"plugin (?!mujoco\.)\S+ not found")
+"""One that does not come with MuJoCo: a program loads its library before the model."""
+
 _SHORT = 3
 """Letters up to which an attribute is no other one's slip. Chosen: `kp`, `rgb`, `key`."""
 
@@ -47,6 +54,8 @@ class RefusedModel(Rule):
                         Severity.INFO,
                     )
                     help = f"audit {whole} in its place"
+                elif (needs := _needs(file, artifact.text_only or "")) is not None:
+                    message, severity = f"the model compiles only with {needs}", Severity.INFO
                 elif (older := _older(case, file, artifact)) is not None:
                     message, severity = f"{message} {older}", Severity.INFO
                 place, related = _place(case, file, artifact)
@@ -67,6 +76,15 @@ def _place(case: Case, file: FileReading, artifact: Artifact) -> tuple[Span, tup
     if at.path != file.path and any(other.path == at.path and other.compiles for other in case.files):
         return place_of_include(file, at.path), (at,)
     return at, ()
+
+
+def _needs(file: FileReading, reason: str) -> str | None:
+    """What MuJoCo lacks of a model that nobody but its user has, or that is not read."""
+    if _OWN_PLUGIN.search(reason):
+        return "the library of its plugin, which a program has to load"
+    if _OF_FLEX.search(reason) and any(_FLEX_FILE.search(part.data) for part in file.files):
+        return "the file of its flexcomp, which is not read"
+    return None
 
 
 def _older(case: Case, file: FileReading, artifact: Artifact) -> str | None:

@@ -33,7 +33,7 @@ class DampingOutsideClamp(RuleInParts):
     name = "damping-outside-the-clamp"
     noted_in_folders = True
     counts_where_run = True
-    written_over = frozenset({"dynamics", "damping", "urdf_effort"})
+    written_over = frozenset({"dynamics", "urdf_dynamics", "damping", "urdf_effort"})
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True

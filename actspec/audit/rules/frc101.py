@@ -33,7 +33,7 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
     confidence = Confidence.HIGH
     noted_in_folders = True
     counts_where_run = True
-    written_over = frozenset({"dynamics", "friction", "urdf_effort"})
+    written_over = frozenset({"dynamics", "urdf_dynamics", "friction", "urdf_effort"})
     paired = True
     needs = "no joint with dry friction and an effort limit among the files"
 
