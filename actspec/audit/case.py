@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar, cast
 
+from actspec.audit.drawn import drawn_anew, set_otherwise
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Artifact, FileKind, FileReading, Framework, Robot
 from actspec.readings.ledger import LedgerRow
@@ -24,7 +25,8 @@ _WRITTEN: dict[FileKind | None, frozenset[str]] = {
         {"angle", "integrator", "compiled", "dynamics", "damping", "friction", "step", "gains", "range"}
     ),
     FileKind.CFG: frozenset(
-        {"actuators", "gains", "efforts", "speeds", "armatures", "lags", "positions", "classes"}
+        {"actuators", "joints", "gains", "efforts", "speeds", "armatures", "lags", "positions", "drives"}
+        | {"classes", "draws", "damping", "friction"}
     ),
 }
 """What of a kind of file a program can write over."""
@@ -141,10 +143,17 @@ class Case:
     def written(self, place: Span, joint: str) -> frozenset[str]:
         """What is written over of the model or configuration at a place that is about a joint.
 
-        By programs of its folder, and of a URDF there by configurations of its robot that state the joint's limit.
+        By programs of its folder, by events that draw it, and of a URDF by configurations of its robot that state the
+        joint's limit.
         """
-        limit = self.is_met_at(place) and (place.path, joint) in self.once(_limited_elsewhere)
-        return self.once(_written).get(place.path, frozenset()) | ({"urdf_effort"} if limit else set())
+        found = self.once(_written).get(place.path, frozenset())
+        if not self.is_met_at(place):
+            return found
+        if (place.path, joint) in self.once(_limited_elsewhere):
+            found |= {"urdf_effort"}
+        if place in self.once(set_otherwise):
+            found |= {"draws"}
+        return found | self.once(drawn_anew).get((place.path, joint), frozenset())
 
     def _file(self, path: str) -> FileReading | None:
         return self.once(_files).get(path)

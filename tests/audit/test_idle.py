@@ -941,6 +941,15 @@ def test_a_range_that_a_program_sets(program: str, severity: str) -> None:
         b'integrator"] ',
         b"import a ",
         b"opt.integrator = ",
+        b" x.replace(actuators={",
+        b" x.replace(stiffness ",
+        b" x = x.actuators[a]\n",
+        b"d_gains[a] * (a ",
+        b"d_gains[",
+        b"ArticulationAction(a",
+        b"x.replace('a",
+        b"\nclass A:\n x.events.a ",
+        b"x.events.a.params[",
     ],
 )
 def test_a_line_of_a_megabyte(text: bytes) -> None:

@@ -13,12 +13,16 @@ from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, LedgerRow, float, float]
 
+_GAINS = frozenset({"actuators", "gains"})
+"""What a program writes over of a configuration where its kd is another one."""
+
 
 class GainBesideModelDamping(RuleOver[_Subject]):
     code = "DMP105"
     name = "cfg-kd-and-model-damping"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    written_over = frozenset({"damping"})
     paired = True
     needs = "no configuration with a kd beside an MJCF of the same robot"
     options: ClassVar[dict[str, float]] = {"share": 0.5}
@@ -105,9 +109,12 @@ class GainBesideModelDamping(RuleOver[_Subject]):
             fields=("joint_damping",),
             severity=severity,
             confidence=confidence,
-            noted_in_folders=severity is not Severity.ERROR
-            and _is_measured(damping)
-            and _is_measured(model.frictionloss or 0.0),
+            noted_in_folders=(
+                severity is not Severity.ERROR
+                and _is_measured(damping)
+                and _is_measured(model.frictionloss or 0.0)
+            )
+            or not _GAINS.isdisjoint(case.written(row.span, row.joint)),
         )
 
 

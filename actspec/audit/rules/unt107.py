@@ -99,11 +99,10 @@ class GainsOfNoJoint(RuleOver[_Subject]):
                 as_typed = field == "kd" and not driven and is_short(kd) and not is_short(kd * DEGREE)
                 meant = as_typed and not row.armature and kd**2 > 4.0 * row.kp * inertia
                 help = "that inertia is the links' alone: has the motor an armature?" if meant else help
-        if field is None or (
-            gains.kp < (gains.kd or 0.0) and "positions" in case.written(row.span, row.joint)
-        ):
-            # As little kp beside much kd is a servo of the speed, where a program commands speeds.
+        if field is None:
             return
+        # As little kp beside much kd is a servo of the speed, where a program commands speeds.
+        speeds = gains.kp < (gains.kd or 0.0) and "positions" in case.written(row.span, row.joint)
         if field == "viscous":
             # The larger of the two places of it.
             field = max(_PASSIVE, key=lambda name: getattr(row, name) or 0.0)
@@ -117,7 +116,7 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             help=help,
             related=_other(row, field),
             fields=(field,) if field in _PASSIVE else ("kp", "kd"),
-            noted_in_folders=meant,
+            noted_in_folders=meant or speeds,
         )
 
     def _limit(self, case: Case, row: LedgerRow, published: float | None) -> float | None:
