@@ -338,6 +338,52 @@ def test_what_a_package_hands_on(text: str, cat: Severity) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "cat"),
+    [
+        ('"""CAT_CFG was our first robot."""\nX = 1\n', Severity.INFO),
+        ("def f():\n    '''Not of\n    CAT_CFG.\n    '''\n    return 1\n", Severity.INFO),
+        ("X = 1  # was CAT_CFG\n", Severity.INFO),
+        ("X = 1  # it's CAT_CFG\n", Severity.INFO),
+        ("from robots import CAT_CFG, DOG_CFG\n\n__all__ = ['CAT_CFG', 'DOG_CFG']\n", Severity.INFO),
+        # Texts that a program has, what it names and uses, and what is between two texts.
+        ("X = 'CAT_CFG'\n", Severity.WARNING),
+        ("X = '''\nCAT_CFG\n'''\n", Severity.WARNING),
+        ('A = """\n1\n"""\nuse(robots.CAT_CFG)\nB = """\n2\n"""\n', Severity.WARNING),
+        ("COLOUR = '#fff'; X = robots.CAT_CFG\n", Severity.WARNING),
+        ("X = ('a', # the first\n  robots.CAT_CFG)\n", Severity.WARNING),
+        ("from robots import CAT_CFG, DOG_CFG\nALL = [CAT_CFG, DOG_CFG]\n", Severity.WARNING),
+    ],
+)
+def test_what_a_program_only_says(text: str, cat: Severity) -> None:
+    Path("r/robots.py").write_text(CONFIGS.format(one="DOG_CFG", two="CAT_CFG"))
+    Path("r/notes.py").write_text(text)
+    Path("r/task.py").write_text("from robots import DOG_CFG\nrun(DOG_CFG)\n")
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    said = {
+        item.finding.span.line: item.severity for item in found if item.finding.span.path == "r/robots.py"
+    }
+    assert said == {6: Severity.WARNING, 8: cat}
+
+
+@pytest.mark.parametrize(
+    ("made", "dog"),
+    [
+        ("CAT_CFG = DOG_CFG.replace(pos=(0, 0), actuators={'legs': Motor(9.0)})\n", Severity.INFO),
+        ("CAT_CFG = DOG_CFG.replace(pos=(0, 0))\n", Severity.WARNING),
+        ("CAT_CFG = DOG_CFG.replace(actuators={**DOG_CFG.actuators, 'arm': ARM})\n", Severity.WARNING),
+        ("CAT_CFG = DOG_CFG.copy()\n", Severity.WARNING),
+    ],
+)
+def test_a_template_whose_drives_are_replaced(made: str, dog: Severity) -> None:
+    """What takes all but its drives uses none of their figures."""
+    Path("r/robots.py").write_text(one_config("DOG_CFG") + made)
+    Path("r/task.py").write_text("from robots import CAT_CFG\nrun(CAT_CFG)\n")
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    lines = {item.severity for item in found if item.finding.span.path == "r/robots.py"}
+    assert lines == {dog}
+
+
+@pytest.mark.parametrize(
     ("task", "aside"),
     [
         ("from r.robots.dog import DOG_CFG\nrun(DOG_CFG)\n", Severity.INFO),
