@@ -144,13 +144,12 @@ class Case:
         """What is written over of the model or configuration at a place that is about a joint.
 
         By programs of its folder, by events that draw it, and of a URDF by configurations of its robot that state the
-        joint's limit.
+        joint's limits.
         """
         found = self.once(_written).get(place.path, frozenset())
         if not self.is_met_at(place):
             return found
-        if (place.path, joint) in self.once(_limited_elsewhere):
-            found |= {"urdf_effort"}
+        found |= self.once(_limited_elsewhere).get((place.path, joint), frozenset())
         if place in self.once(set_otherwise):
             found |= {"draws"}
         return found | self.once(drawn_anew).get((place.path, joint), frozenset())
@@ -241,13 +240,14 @@ def _run(case: Case) -> frozenset[str]:
     return frozenset(path for file in run for path in (file.path, *(part.path for part in file.files)))
 
 
-def _limited_elsewhere(case: Case) -> frozenset[tuple[str, str]]:
-    """URDFs, each with a joint whose effort limit every configuration that is run and drives it writes over.
+def _limited_elsewhere(case: Case) -> dict[tuple[str, str], frozenset[str]]:
+    """URDFs, each with a joint, and which of its limits every configuration that is run and drives it writes over.
 
     Source: Isaac Lab 2.3, Articulation writes effort_limit_sim of an implicit drive, and 1e9 for an explicit one, which
-    clips at its effort_limit. legged_gym clips at the URDF's, and mjlab loads none.
+    clips at its effort_limit; and an implicit one's velocity_limit_sim. legged_gym clips at the URDF's, and mjlab loads
+    none.
     """
-    found = set()
+    found: dict[tuple[str, str], frozenset[str]] = {}
     for index, urdf in case.of_kind(FileKind.URDF):
         configs = [
             other
@@ -258,9 +258,16 @@ def _limited_elsewhere(case: Case) -> frozenset[tuple[str, str]]:
         ]
         for joint in case.joints_by_artifact.get(index, {}):
             drives = [row for other in configs for row in case.joints.get((other, joint), ())]
-            if drives and all("effort_limit" in row.stated for row in drives):
-                found.add((urdf.path, joint))
-    return frozenset(found)
+            found[urdf.path, joint] = frozenset(
+                name
+                for field, name in (("effort_limit", "urdf_effort"), ("velocity_limit", "urdf_velocity"))
+                if drives
+                and all(
+                    field in row.stated and (row.control == "implicit" or field == "effort_limit")
+                    for row in drives
+                )
+            )
+    return found
 
 
 def _idle_parts(case: Case) -> dict[str, list[tuple[int, bool]]]:

@@ -1091,6 +1091,40 @@ def test_an_effort_of_a_urdf_that_configurations_write_over(configs: str, severi
     assert of_published("r/models/go1.urdf", "r/isaaclab/robots.py") == {("go1.urdf", Severity.WARNING)}
 
 
+@pytest.mark.parametrize(
+    ("cls", "limits", "severity"),
+    [
+        ("ImplicitActuatorCfg", "effort_limit_sim=23.7, velocity_limit_sim=30.0", "info"),
+        ("ImplicitActuatorCfg", "effort_limit_sim=23.7", "warning"),
+        # An ideal PD does not look at it, and the solver has the USD's.
+        ("IdealPDActuatorCfg", "effort_limit=23.7, velocity_limit=30.0", "warning"),
+    ],
+)
+def test_a_speed_of_a_urdf_that_configurations_write_over(cls: str, limits: str, severity: str) -> None:
+    """80 rad/s are 2.66 times a Go1's 30.1, and beyond twice them."""
+    write_trained(legs("GO1_CFG", cls, limits))
+    path = Path("r/models/go1.urdf")
+    path.write_text(path.read_text().replace('velocity="20"', 'velocity="80"'))
+    for as_named in (False, True):
+        found = audit(["r"], Settings(select=("KNW103",), as_named=as_named)).findings
+        mine = {item.severity.value for item in found if item.finding.span.path.endswith(".urdf")}
+        assert mine == {"warning" if as_named else severity}
+
+
+@pytest.mark.parametrize(
+    ("limit", "severity"), [("effort_limit_sim=23.7", "info"), ("velocity_limit_sim=30.0", "error")]
+)
+def test_a_zero_of_a_urdf_that_configurations_write_over(limit: str, severity: str) -> None:
+    """110 N*m on one side and 0 on the other are no limit of a drive that has its own."""
+    write_trained(legs("GO1_CFG", "ImplicitActuatorCfg", limit))
+    path = Path("r/models/go1.urdf")
+    before, name, after = path.read_text().partition('joint name="FR_calf_joint"')
+    path.write_text(before + name + after.replace('effort="110"', 'effort="0"', 1))
+    for as_named in (False, True):
+        found = audit(["r"], Settings(select=("SYM101",), as_named=as_named)).findings
+        assert {item.severity.value for item in found} == {"error" if as_named else severity}
+
+
 def test_an_effort_of_a_urdf_that_legged_gym_takes_too() -> None:
     """A configuration of Isaac Lab that has its own limit does not speak for the one that clips at the URDF's."""
     write_trained(legs("GO1_CFG", "ImplicitActuatorCfg", "effort_limit_sim=15.0"))
