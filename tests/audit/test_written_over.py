@@ -134,6 +134,23 @@ def test_a_joint_that_follows_a_speed_or_a_torque(line: str, severity: str) -> N
     assert severities("UNT107", as_named=True) == severities("UNT107", "r/robots.py") == {"warning"}
 
 
+@pytest.mark.parametrize(
+    ("group", "joint", "severity"),
+    [
+        ("doors", "j_.*", "info"),
+        ("all", "drawer_top_joint", "info"),
+        ("indoor_legs", "slider_.*", "warning"),
+    ],
+)
+def test_a_door_that_nobody_commands(group: str, joint: str, severity: str) -> None:
+    """kd 100 beside kp 1 is a brake: there is no command to come back to."""
+    drive = f'ImplicitActuatorCfg(joint_names_expr=["{joint}"], effort_limit_sim=20.0, '
+    drive += "stiffness=1.0, damping=100.0)"
+    write(f'"{group}": {drive}', name="CABINET", usd="cabinet.usd")
+    assert severities("UNT107") == {severity}
+    assert severities("UNT107", as_named=True) == {"warning"}
+
+
 _PD = "effort_limit=20.0, stiffness=20.0, damping=0.5"
 _TWICE = f"""
     "legs": ImplicitActuatorCfg(joint_names_expr=["hip", "knee"], {_PD}),
