@@ -260,7 +260,12 @@ def _limited_elsewhere(case: Case) -> dict[tuple[str, str], frozenset[str]]:
             drives = [row for other in configs for row in case.joints.get((other, joint), ())]
             found[urdf.path, joint] = frozenset(
                 name
-                for field, name in (("effort_limit", "urdf_effort"), ("velocity_limit", "urdf_velocity"))
+                for field, name in (
+                    ("effort_limit", "urdf_effort"),
+                    # By the drive itself, which a program that clips is not.
+                    ("effort_limit", "urdf_drive"),
+                    ("velocity_limit", "urdf_velocity"),
+                )
                 if drives
                 and all(
                     field in row.stated and (row.control == "implicit" or field == "effort_limit")

@@ -208,7 +208,8 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             confidence=Confidence.LOW if quiet else Confidence.HIGH if dead else self.confidence,
             fields=tuple(name for name, _, _ in differing),
             # What holds a joint without a drive is there by intent more often than not.
-            noted_in_folders=not kinds and names <= {*_PASSIVE, *replaced},
+            noted_in_folders=not (kinds or (dead and "urdf_drive" not in over))
+            and names <= {*_PASSIVE, *replaced},
             about=" ".join(
                 (
                     *(f"{one} {its}" for one, its in kinds[:1]),
