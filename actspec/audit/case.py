@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar, cast
 
+from actspec.audit.drawn import drawn_anew, set_otherwise
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Artifact, FileKind, FileReading, Framework, Robot
 from actspec.readings.ledger import LedgerRow
@@ -26,7 +27,8 @@ _WRITTEN: dict[FileKind | None, frozenset[str]] = {
         {"angle", "integrator", "compiled", "dynamics", "damping", "friction", "step", "gains", "range"}
     ),
     FileKind.CFG: frozenset(
-        {"actuators", "gains", "efforts", "speeds", "armatures", "lags", "positions", "classes"}
+        {"actuators", "joints", "gains", "efforts", "speeds", "armatures", "lags", "positions", "drives"}
+        | {"classes", "draws", "damping", "friction"}
     ),
 }
 """What of a kind of file a program can write over."""
@@ -143,10 +145,16 @@ class Case:
     def written(self, place: Span, joint: str) -> frozenset[str]:
         """What is written over of the model or configuration at a place that is about a joint.
 
-        By programs of its folder, and of a URDF there by configurations of its robot that state the joint's limit.
+        By programs of its folder, by events that draw it, and of a URDF by configurations of its robot that state the
+        joint's limits.
         """
-        limit = self.is_met_at(place) and (place.path, joint) in self.once(_limited_elsewhere)
-        return self.once(_written).get(place.path, frozenset()) | ({"urdf_effort"} if limit else set())
+        found = self.once(_written).get(place.path, frozenset())
+        if not self.is_met_at(place):
+            return found
+        found |= self.once(_limited_elsewhere).get((place.path, joint), frozenset())
+        if place in self.once(set_otherwise):
+            found |= {"draws"}
+        return found | self.once(drawn_anew).get((place.path, joint), frozenset())
 
     def _file(self, path: str) -> FileReading | None:
         return self.once(_files).get(path)
@@ -234,13 +242,14 @@ def _run(case: Case) -> frozenset[str]:
     return frozenset(path for file in run for path in (file.path, *(part.path for part in file.files)))
 
 
-def _limited_elsewhere(case: Case) -> frozenset[tuple[str, str]]:
-    """URDFs, each with a joint whose effort limit every configuration that is run and drives it writes over.
+def _limited_elsewhere(case: Case) -> dict[tuple[str, str], frozenset[str]]:
+    """URDFs, each with a joint, and which of its limits every configuration that is run and drives it writes over.
 
     Source: Isaac Lab 2.3, Articulation writes effort_limit_sim of an implicit drive, and 1e9 for an explicit one, which
-    clips at its effort_limit. legged_gym clips at the URDF's, and mjlab loads none.
+    clips at its effort_limit; and an implicit one's velocity_limit_sim. legged_gym clips at the URDF's, and mjlab loads
+    none.
     """
-    found = set()
+    found: dict[tuple[str, str], frozenset[str]] = {}
     for index, urdf in case.of_kind(FileKind.URDF):
         configs = [
             other
@@ -251,9 +260,21 @@ def _limited_elsewhere(case: Case) -> frozenset[tuple[str, str]]:
         ]
         for joint in case.joints_by_artifact.get(index, {}):
             drives = [row for other in configs for row in case.joints.get((other, joint), ())]
-            if drives and all("effort_limit" in row.stated for row in drives):
-                found.add((urdf.path, joint))
-    return frozenset(found)
+            found[urdf.path, joint] = frozenset(
+                name
+                for field, name in (
+                    ("effort_limit", "urdf_effort"),
+                    # By the drive itself, which a program that clips is not.
+                    ("effort_limit", "urdf_drive"),
+                    ("velocity_limit", "urdf_velocity"),
+                )
+                if drives
+                and all(
+                    field in row.stated and (row.control == "implicit" or field == "effort_limit")
+                    for row in drives
+                )
+            )
+    return found
 
 
 def _idle_parts(case: Case) -> dict[str, list[tuple[int, bool]]]:

@@ -313,17 +313,24 @@ def _outside(artifact: Artifact) -> frozenset[str]:
 
     Of a URDF its own words tell, of an MJCF those of its files that name known robots: `ur3e.xml` in a scene of the
     model "ur5e scene" is no UR5e, and `kitchen_xarm.xml` of "franka_kitchen" no Franka. Where they name none, those of
-    the nearest folder that names one do: `x30/robot.xml` of the model "lite3" is no Lite3.
+    the nearest folder that names one do: `x30/robot.xml` of the model "lite3" is no Lite3. Of a configuration its
+    model's file tells, as far as that names a known robot: `GO2_CFG` of a `b2.usd` is no Go2.
     """
-    robot = artifact.robot
-    if artifact.kind not in MODELS or robot is None:
+    robot, config = artifact.robot, artifact.config
+    if artifact.kind in MODELS and robot is not None:
+        paths = [file.path for file in robot.files]
+        above = os.path.dirname(os.path.abspath(artifact.path)).replace(os.sep, "/")
+    elif config is not None and config.model is not None:
+        paths = [config.model.replace("\\", "/")]
+        above = paths[0].rpartition("/")[0]
+    else:
         return frozenset()
     every = _names()
-    stems = [telling(os.path.splitext(os.path.basename(file.path))[0]) for file in robot.files]
+    stems = [telling(os.path.splitext(path.replace(os.sep, "/").rpartition("/")[2])[0]) for path in paths]
     named = every.intersection(chain.from_iterable(stems))
     own = stems[0] if artifact.kind is FileKind.URDF else named
     if not named:
-        folders = os.path.dirname(os.path.abspath(artifact.path)).split(os.sep)[: -_FOLDERS - 1 : -1]
+        folders = above.split("/")[: -_FOLDERS - 1 : -1]
         own |= next((words for folder in folders if (words := telling(folder) & every)), frozenset())
     return own
 

@@ -149,6 +149,7 @@ class RandomizedRange:
         actuators: Patterns of mjlab's `actuator_names`; None: not given.
         when: The event's mode (`startup`, `reset`, `interval`, ...); "" where nobody says.
         every: Time between two draws of mode `interval`, low and high [s]; None without.
+        event: Name of the event term; "" without one.
     """
 
     field: str
@@ -161,6 +162,7 @@ class RandomizedRange:
     actuators: tuple[str, ...] | None = None
     when: str = ""
     every: tuple[float, float] | None = None
+    event: str = ""
 
 
 @dataclass(frozen=True, slots=True)

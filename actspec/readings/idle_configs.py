@@ -23,17 +23,25 @@ _HANDED_ON = re.compile(
     rb"^[ \t]*from[ \t]+[.\w]+[ \t]+import[ \t]+(?:\([^)*]*\)|[^*(\n]+)|__all__\s*\+?=\s*[\[(][^\])]*[\])]",
     re.MULTILINE,
 )
-"""What a package's `__init__.py` hands on to who imports it, which is no use of it."""
+"""What a package's `__init__.py`, or a module that has nothing else, hands on to who imports it: no use of it."""
+
+_SAID = re.compile(
+    rb"(^[ \t]*)?(\"\"\"|''').*?\2|([ \t]#[^\n\"']*$|[ \t]{2}#[^\n]*)", re.MULTILINE | re.DOTALL
+)
+"""What a program of Python only says: with the first group a text that is a statement, with the third a comment behind
+one; texts that are none are gone over as a whole."""
 
 _MADE_UP = re.compile(
     rb"(?:^|(?<=:\n)[ \t]+)\w+(?=(?:\.\w+|\[[^\]\n]*\])+[ \t]*=(?!=)|(?:\.\w+){2,}\()"
-    rb"|\bin[ \t]+\w+(?=\.actuators\b)",
+    rb"|\bin[ \t]+\w+(?=\.actuators\b)"
+    rb"|(?<==)[ \t]*\w+(?=\.replace\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\bactuators\s*=)",
     re.MULTILINE,
 )
-"""The name of what a module sets a part of, or goes through the drives of to make a table of action scales.
+"""The name of what a module sets a part of, goes through the drives of to make a table of action scales, or takes all
+but the drives of.
 
-Neither is a use of it: CFG.actuators["legs"] = ..., if there: CFG.spawn.replace_asset(...), for drive in
-CFG.actuators.values(): ...
+None is a use of it: CFG.actuators["legs"] = ..., if there: CFG.spawn.replace_asset(...), for drive in
+CFG.actuators.values(): ..., OTHER_CFG = CFG.replace(actuators={...})
 """
 
 
@@ -72,16 +80,7 @@ def idle_configs(
         for before in (re.escape(name) + rb"\.", rb"from \.", b"import ")
     ]
     pattern = re.compile(b"(?:" + b"|".join(words) + rb")(?![\w])")
-    counts = {
-        path: Counter(
-            pattern.findall(
-                _HANDED_ON.sub(b"", text)
-                if os.path.basename(path) == _PACKAGE
-                else _used_imports(_MADE_UP.sub(b"", text) if path in configs else text, pattern)
-            )
-        )
-        for path, text in programs.items()
-    }
+    counts = {path: Counter(_uses(path, text, path in configs, pattern)) for path, text in programs.items()}
     used: dict[bytes, set[str]] = {}
     for path, count in counts.items():
         for name, times in count.items():
@@ -106,6 +105,18 @@ def idle_configs(
         if alone:
             result[path] = frozenset(alone)
     return result
+
+
+def _uses(path: str, text: bytes, sets_up: bool, wanted: re.Pattern[bytes]) -> list[bytes]:
+    """What is wanted and used in a program, each time; of thousands of programs few speak of any."""
+    if not wanted.search(text):
+        return []
+    if path.endswith(".py"):
+        text = _SAID.sub(lambda one: one[0] if one[1] is None is one[3] else b"", text)
+    rest = _HANDED_ON.sub(b"", text)
+    if os.path.basename(path) == _PACKAGE or not rest.strip():
+        return wanted.findall(rest)
+    return wanted.findall(_used_imports(_MADE_UP.sub(b"", text) if sets_up else text, wanted))
 
 
 def _used_imports(text: bytes, wanted: re.Pattern[bytes]) -> bytes:

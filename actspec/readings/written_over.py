@@ -4,30 +4,55 @@ from __future__ import annotations
 
 import re
 import sys
+from bisect import bisect
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from actspec.simulators.classes import ISAACLAB, MJLAB
-
-
-def _sets(fields: bytes) -> re.Pattern[bytes]:
-    """A program that sets one of these of an actuator group that it has found in a configuration, or of every one.
-
-    As a task does in its `__post_init__`; what stands at the begin of a line a module does to its own, which is read.
-    """
-    item = rb"\.(?:" + fields + rb")(?:_sim)?[ \t]*[-+*/]?=(?!=)"
-    return re.compile(
-        rb"^[ \t]+[\w.]+\.actuators\[[^\]\n]+\]" + item + rb"|^[ \t]+for[ \t]+(?:\w+[ \t]*,[ \t]*)?(\w+)"
-        rb"[ \t]+in[ \t]+[\w.]+\.actuators\.(?:values|items)\(\)[ \t]*:(?:[^\n]*\n){1,20}?[ \t]+\1" + item,
-        re.MULTILINE,
-    )
-
 
 _PUT = rb"(?:\[[^=\n]{0,80}\])?\s*=(?!=)"
 """After the name of an array or a mapping, that something is put there; no line is gone through twice."""
 
 _SCALED = rb"[^\n]{0,160}(?:[^\W\d]|\])[ \t]{0,8}\*"
 """The rest of a line that multiplies a figure: a draw about what it was, as of domain randomisation."""
+
+_GROUP = rb"[\w.]+\.actuators\[[^\]\n]+\]"
+"""A group of drives that a program takes out of a configuration."""
+
+_CALL = rb"(?:[^()]|\((?:[^()]|\([^()]*\))*\))*"
+"""What is inside of the parentheses of a call."""
+
+
+def _sets(fields: bytes, state: bytes = rb"(?!)") -> re.Pattern[bytes]:
+    """A program that sets one of these of an actuator group that it has found in a configuration, or of every one.
+
+    As a task does in its `__post_init__`, by the group's name or by one of its own; what stands at the begin of a
+    line a module does to its own, which is read. Or it makes another of the group (`.replace(stiffness=20.0)`), or
+    writes it to the simulator: Isaac Lab's own classes do that to `self`, and its events to `asset`.
+
+    Args:
+        fields: Their names, without `_sim`.
+        state: The name of what it is in Isaac Lab's `write_joint_..._to_sim`.
+    """
+    field = rb"(?:" + fields + rb")(?:_sim)?"
+    item = rb"\." + field + rb"[ \t]*[-+*/]?=(?!=)"
+    return re.compile(
+        rb"^[ \t]+" + _GROUP + item + rb"|^[ \t]+(?:for[ \t]+(?:\w+[ \t]*,[ \t]*)?(?P<each>\w+)"
+        rb"[ \t]+in[ \t]+[\w.]+\.actuators\.(?:values|items)\(\)[ \t]*:|(?P<one>\w+)[ \t]*=[ \t]*"
+        + _GROUP
+        + rb"[ \t]*$)"
+        rb"(?:[^\n]*\n){1,20}?[ \t]+(?:(?P=each)|(?P=one))"
+        + item
+        + rb"|\bsetattr\(\s*"
+        + _GROUP
+        + rb"\s*,\s*[\"']"
+        + field
+        + rb"[\"']"
+        rb"|^[ \t]+[^\n#]{0,160}\breplace\([^()]{0,160}\b" + field + rb"[ \t]*=(?!=)"
+        rb"|(?<!self)(?<!asset)\.write_joint_(?:" + state + rb")_to_sim\((?!" + _SCALED + rb")",
+        re.MULTILINE,
+    )
+
 
 _WRITES: dict[str, re.Pattern[bytes]] = {
     "urdf_effort": re.compile(
@@ -38,15 +63,48 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
         rb"""["']@?angle["'](?:\]\s*=|\s*[:,])\s*["']radian"""
         rb"""|\.compiler\.(?:angle\s*=\s*["']radian|degree\s*=\s*(?:False|0)\b)"""
     ),
-    "actuators": re.compile(rb"\.replace\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\bactuators\s*=\s*\w+\s*[,)]"),
-    "gains": _sets(rb"stiffness|damping"),
-    "efforts": _sets(rb"(?:actuator_|joint_)?effort_limit|saturation_effort"),
-    "speeds": _sets(rb"(?:actuator_|joint_)?velocity_limit"),
-    "armatures": _sets(rb"armature"),
-    "positions": re.compile(
-        rb"\bset_(?:joint|dof)_velocity_targets?(?:_tensor)?\b|\bJointVelocityActionCfg\("
+    # Not `self.actuators`, as which Isaac Lab's own class has its drives; one group with another figure is `_sets`'.
+    "actuators": re.compile(
+        rb"\.replace\(" + _CALL + rb"\bactuators\s*=\s*\w+\s*[,)]"
+        rb"|^[ \t]+(?:[^\n#]{0,160}\breplace\("
+        + _CALL
+        + rb"\bactuators\s*=\s*\{[^{}]{0,400}(?:Cfg\(|:\s*\w+\s*[,}])"
+        rb"|(?!self\.actuators)[\w.]+\.actuators(?:\[[^\]\n]+\])?\s*=(?!=)(?![^\n]*\breplace\()"
+        rb"|del[ \t]+" + _GROUP + rb")|(?<!self)\.actuators\.(?:update|pop)\(",
+        re.MULTILINE,
     ),
-    "lags": re.compile(rb"\bsync_actuator_delays\b|\.set_lags\("),
+    "joints": _sets(rb"joint_names_expr|target_names_expr"),
+    "gains": re.compile(
+        _sets(rb"stiffness|damping", rb"stiffness|damping").pattern
+        + rb"|\.set_gains\([^()\n]{0,160}\bk[pd]s\s*=",
+        re.MULTILINE,
+    ),
+    "efforts": re.compile(
+        _sets(rb"(?:actuator_|joint_)?effort_limit|saturation_effort", rb"effort_limit").pattern
+        + rb"|\bset_joint_effort_target\([^\n]{0,160}\bcl(?:ip|amp)\([^\n]{0,160},\s*-\s*\d",
+        re.MULTILINE,
+    ),
+    "speeds": _sets(rb"(?:actuator_|joint_)?velocity_limit", rb"velocity_limit"),
+    "armatures": _sets(rb"armature", rb"armature"),
+    "positions": re.compile(
+        rb"\bset_(?:joint|dof)_(?:velocity|effort)_targets?(?:_tensor)?\b"
+        rb"|\b(?:(?:Joint(?:Velocity|Effort)|NonHolonomic|Ackermann)ActionCfg"
+        rb"|(?:Differential|Holonomic|Ackermann)Controller|apply_wheel_actions)\("
+        rb"|\bArticulationAction\([^()]{0,400}\bjoint_(?:velocities|efforts)\s*=(?!=|\s*None\b)"
+        rb"|\bswitch_(?:control|dof_control)_mode\([^()\n]{0,160}[\"'](?:velocity|effort)[\"']"
+        rb"|\bd_gains\b[^*\n]{0,80}\*\s*\(\s*[A-Za-z_][^()\n]{0,160}-\s*self\.dof_vel\b"
+    ),
+    "lags": re.compile(
+        rb"\bsync_actuator_delays\b|\.set_lags\(|\._(?:current_)?lags" + _PUT + rb"|^class[ \t]+DelayBuffer\b"
+        rb"|" + _sets(rb"(?:min|max)_delay|delay_(?:min|max)_lag").pattern,
+        re.MULTILINE,
+    ),
+    "drives": re.compile(rb"\.add_(?:actuator|equality|tendon)\(|\bqfrc_applied\b" + _PUT),
+    "draws": re.compile(
+        rb"^(?:def|class)[ \t]+(?:randomize_(?:actuator_gains|joint_parameters)|pd_gains|effort_limits"
+        rb"|joint_(?:damping|armature|friction))\b",
+        re.MULTILINE,
+    ),
     "classes": re.compile(
         rb"^class[ \t]+(?:" + "|".join(sorted({*ISAACLAB, *MJLAB})).encode() + rb")[ \t]*[(:]", re.MULTILINE
     ),
@@ -56,8 +114,9 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
 Forks of legged_gym clip at limits of the configuration in place of the URDF's effort, or put them in its place for all
 joints (for one of them by number: a gripper's). What puts actuators that it made
 into any configuration of Isaac Lab has their limits from elsewhere. To an MJCF's tree or spec some
-give the angle that it lacks, as safety-gymnasium does. Joints get a speed to follow in place of a position; lags are
-set by an event of mjlab at a reset. A folder that has a framework's class in it has it as its owner changed it.
+give the angle that it lacks, as safety-gymnasium does. Joints get a speed or a torque to follow in place of a position;
+lags are set by an event of mjlab at a reset; a spec gets more that drives joints. A folder that has a framework's class
+in it, or a function that draws figures, has it as its owner changed it.
 """
 
 _LOADS_FILES = (
@@ -78,7 +137,7 @@ _WRITES_TO_MJCFS: dict[str, re.Pattern[bytes]] = {
     **{
         name: re.compile(
             rb"""(?:\bdof_%(field)b|(?:\bj(?:oint|nt)?\w{0,40}|\))\.%(field)b)%(put)b(?!%(scaled)b)"""
-            rb"""|\.set\(\s*["']%(field)b["']|props\w{0,20}\[["']%(name)b["']\](?:%(put)b|\.fill\()"""
+            rb"""|(?:\.set\(\s*["']|\breplace\(\s*["'][^"'\n]{0,40})%(field)b(?:["']|=)|props\w{0,20}\[["']%(name)b["']\](?:%(put)b|\.fill\()"""
             % {b"name": name.encode(), b"field": field, b"put": _PUT, b"scaled": _SCALED}
         )
         for name, field in (("damping", b"damping"), ("friction", b"frictionloss"))
@@ -99,19 +158,32 @@ dry friction go to MuJoCo's arrays, a spec or Isaac Gym's properties.
 _SPEAKS_OF = {
     "urdf_effort": (b"effort", b"torque_limits"),
     "angle": (b"radian", b".compiler."),
-    **dict.fromkeys(("actuators", "efforts", "speeds", "armatures"), (b"actuators",)),
-    "positions": (b"elocity",),
-    "lags": (b"sync_actuator_delays", b"set_lags"),
+    "actuators": (b"actuators",),
+    **dict.fromkeys(("joints", "speeds", "armatures"), (b"actuators", b"_to_sim")),
+    "efforts": (b"actuators", b"_to_sim", b"set_joint_effort_target"),
+    "positions": (b"elocit", b"ffort", b"olonomic", b"Ackermann", b"Differential", b"wheel", b"d_gains"),
+    "lags": (b"sync_actuator_delays", b"lags", b"DelayBuffer", b"_delay", b"_lag"),
+    "drives": (b"add_", b"qfrc_applied"),
+    "draws": (b"randomize_", b"pd_gains", b"effort_limits", b"joint_"),
     "classes": (b"Cfg",),
     "integrator": (b"integrator",),
     "damping": (b"damping",),
     "friction": (b"friction",),
     "step": (b".timestep", b"dof_armature", b"body_mass", b"body_inertia"),
-    "gains": (b"prm", b"actuators"),
+    "gains": (b"prm", b"actuators", b"_to_sim", b"set_gains"),
     "range": (b"jnt_", b"actuator_ctrlrange"),
 }
 """Words that a text has which matches one of these forms: folders have hundreds of megabytes of others, to be passed
 over fast."""
+
+_EVENT = re.compile(
+    rb"""\.events(?:\.(\w+)|\[["'](\w+)["']\])(?:\s*=\s*None\b|\.params(?:\.update\(|\[["'](?!asset_cfg)\w+["']\]\s*=(?!=)))"""
+)
+"""An event of Isaac Lab or mjlab that a program takes away, or draws of other figures."""
+
+_BEGINS = re.compile(rb"^(?:class|def)[ \t]+(\w+)", re.MULTILINE)
+_TO_SHOW = re.compile(rb"play|eval|test|demo|record", re.IGNORECASE)
+"""Names of classes and functions whose settings nobody trains with."""
 
 _SPEAKS_OF_MUJOCO = (b"mj", b"mujoco", b"dm_control", b"robosuite")
 _SPEAKS_OF_OTHERS = (
@@ -335,10 +407,21 @@ def nothing_to(loaders: Collection[Loader], takers: frozenset[str]) -> frozenset
     return frozenset(found)
 
 
+def _events(text: bytes) -> Iterator[str]:
+    """Events that a program sets otherwise, where it trains: `events.NAME`."""
+    begins = [*_BEGINS.finditer(text)]
+    starts = [one.start() for one in begins]
+    for event in _EVENT.finditer(text):
+        inside = bisect(starts, event.start())
+        if not inside or not _TO_SHOW.search(begins[inside - 1][1]):
+            yield f"events.{(event[1] or event[2]).decode()}"
+
+
 def written_over(texts: Collection[bytes], simulators: frozenset[str]) -> frozenset[str]:
     """What programs write over, of `_WRITES`; of `_WRITES_TO_MJCFS` what each that steps an MJCF does; of URDFs efforts
     that are no drive's limit; whether none steps an MJCF as it stands; whether none takes joints as they are
-    (`dynamics` of an MJCF, which MuJoCo alone reads where nobody says a simulator, and `urdf_dynamics`).
+    (`dynamics` of an MJCF, which MuJoCo alone reads where nobody says a simulator, and `urdf_dynamics`); and the events
+    that they set otherwise (`events.NAME`).
 
     Args:
         texts: The programs.
@@ -358,6 +441,7 @@ def written_over(texts: Collection[bytes], simulators: frozenset[str]) -> frozen
         writing = [*writers(name, form)]
         if writing and (not all(map(_LOADS.search, writing)) or all(map(form.search, steps))):
             found.add(name)
+    found.update(event for text in texts if b".events" in text for event in _events(text))
     if any(_RADIANS.search(text) and _INCLUDES.search(text) for text in texts):
         found.add("angle")
     if any(

@@ -338,6 +338,52 @@ def test_what_a_package_hands_on(text: str, cat: Severity) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "cat"),
+    [
+        ('"""CAT_CFG was our first robot."""\nX = 1\n', Severity.INFO),
+        ("def f():\n    '''Not of\n    CAT_CFG.\n    '''\n    return 1\n", Severity.INFO),
+        ("X = 1  # was CAT_CFG\n", Severity.INFO),
+        ("X = 1  # it's CAT_CFG\n", Severity.INFO),
+        ("from robots import CAT_CFG, DOG_CFG\n\n__all__ = ['CAT_CFG', 'DOG_CFG']\n", Severity.INFO),
+        # Texts that a program has, what it names and uses, and what is between two texts.
+        ("X = 'CAT_CFG'\n", Severity.WARNING),
+        ("X = '''\nCAT_CFG\n'''\n", Severity.WARNING),
+        ('A = """\n1\n"""\nuse(robots.CAT_CFG)\nB = """\n2\n"""\n', Severity.WARNING),
+        ("COLOUR = '#fff'; X = robots.CAT_CFG\n", Severity.WARNING),
+        ("X = ('a', # the first\n  robots.CAT_CFG)\n", Severity.WARNING),
+        ("from robots import CAT_CFG, DOG_CFG\nALL = [CAT_CFG, DOG_CFG]\n", Severity.WARNING),
+    ],
+)
+def test_what_a_program_only_says(text: str, cat: Severity) -> None:
+    Path("r/robots.py").write_text(CONFIGS.format(one="DOG_CFG", two="CAT_CFG"))
+    Path("r/notes.py").write_text(text)
+    Path("r/task.py").write_text("from robots import DOG_CFG\nrun(DOG_CFG)\n")
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    said = {
+        item.finding.span.line: item.severity for item in found if item.finding.span.path == "r/robots.py"
+    }
+    assert said == {6: Severity.WARNING, 8: cat}
+
+
+@pytest.mark.parametrize(
+    ("made", "dog"),
+    [
+        ("CAT_CFG = DOG_CFG.replace(pos=(0, 0), actuators={'legs': Motor(9.0)})\n", Severity.INFO),
+        ("CAT_CFG = DOG_CFG.replace(pos=(0, 0))\n", Severity.WARNING),
+        ("CAT_CFG = DOG_CFG.replace(actuators={**DOG_CFG.actuators, 'arm': ARM})\n", Severity.WARNING),
+        ("CAT_CFG = DOG_CFG.copy()\n", Severity.WARNING),
+    ],
+)
+def test_a_template_whose_drives_are_replaced(made: str, dog: Severity) -> None:
+    """What takes all but its drives uses none of their figures."""
+    Path("r/robots.py").write_text(one_config("DOG_CFG") + made)
+    Path("r/task.py").write_text("from robots import CAT_CFG\nrun(CAT_CFG)\n")
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    lines = {item.severity for item in found if item.finding.span.path == "r/robots.py"}
+    assert lines == {dog}
+
+
+@pytest.mark.parametrize(
     ("task", "aside"),
     [
         ("from r.robots.dog import DOG_CFG\nrun(DOG_CFG)\n", Severity.INFO),
@@ -941,6 +987,15 @@ def test_a_range_that_a_program_sets(program: str, severity: str) -> None:
         b'integrator"] ',
         b"import a ",
         b"opt.integrator = ",
+        b" x.replace(actuators={",
+        b" x.replace(stiffness ",
+        b" x = x.actuators[a]\n",
+        b"d_gains[a] * (a ",
+        b"d_gains[",
+        b"ArticulationAction(a",
+        b"x.replace('a",
+        b"\nclass A:\n x.events.a ",
+        b"x.events.a.params[",
     ],
 )
 def test_a_line_of_a_megabyte(text: bytes) -> None:
@@ -1035,6 +1090,40 @@ def test_an_effort_of_a_urdf_that_configurations_write_over(configs: str, severi
     write_trained(configs)
     assert of_published("r") == {("go1.urdf", severity)}
     assert of_published("r/models/go1.urdf", "r/isaaclab/robots.py") == {("go1.urdf", Severity.WARNING)}
+
+
+@pytest.mark.parametrize(
+    ("cls", "limits", "severity"),
+    [
+        ("ImplicitActuatorCfg", "effort_limit_sim=23.7, velocity_limit_sim=30.0", "info"),
+        ("ImplicitActuatorCfg", "effort_limit_sim=23.7", "warning"),
+        # An ideal PD does not look at it, and the solver has the USD's.
+        ("IdealPDActuatorCfg", "effort_limit=23.7, velocity_limit=30.0", "warning"),
+    ],
+)
+def test_a_speed_of_a_urdf_that_configurations_write_over(cls: str, limits: str, severity: str) -> None:
+    """80 rad/s are 2.66 times a Go1's 30.1, and beyond twice them."""
+    write_trained(legs("GO1_CFG", cls, limits))
+    path = Path("r/models/go1.urdf")
+    path.write_text(path.read_text().replace('velocity="20"', 'velocity="80"'))
+    for as_named in (False, True):
+        found = audit(["r"], Settings(select=("KNW103",), as_named=as_named)).findings
+        mine = {item.severity.value for item in found if item.finding.span.path.endswith(".urdf")}
+        assert mine == {"warning" if as_named else severity}
+
+
+@pytest.mark.parametrize(
+    ("limit", "severity"), [("effort_limit_sim=23.7", "info"), ("velocity_limit_sim=30.0", "error")]
+)
+def test_a_zero_of_a_urdf_that_configurations_write_over(limit: str, severity: str) -> None:
+    """110 N*m on one side and 0 on the other are no limit of a drive that has its own."""
+    write_trained(legs("GO1_CFG", "ImplicitActuatorCfg", limit))
+    path = Path("r/models/go1.urdf")
+    before, name, after = path.read_text().partition('joint name="FR_calf_joint"')
+    path.write_text(before + name + after.replace('effort="110"', 'effort="0"', 1))
+    for as_named in (False, True):
+        found = audit(["r"], Settings(select=("SYM101",), as_named=as_named)).findings
+        assert {item.severity.value for item in found} == {"error" if as_named else severity}
 
 
 def test_an_effort_of_a_urdf_that_legged_gym_takes_too() -> None:

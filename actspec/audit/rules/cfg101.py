@@ -43,6 +43,7 @@ class DictMissesJoint(RuleInParts):
     noted_in_folders = True
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    written_over = frozenset({"actuators", "joints", "gains", "efforts", "speeds", "armatures"})
     paired = True
     needs = "no Isaac Lab 2.x or legged_gym configuration with values by joint"
 

@@ -32,6 +32,7 @@ class JointNotCovered(RuleOver[_Subject]):
     name = "joint-not-covered"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    written_over = frozenset({"actuators", "joints", "drives"})
     paired = True
     needs = "no whole configuration of Isaac Lab or mjlab beside an MJCF of its robot, or a URDF and a deploy file"
     options: ClassVar[dict[str, float]] = {"share": 0.6}

@@ -15,6 +15,7 @@ class DelayRangeLost(RuleOver[_Subject]):
     name = "delay-range-lost"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    written_over = frozenset({"actuators", "lags"})
     needs = "no configuration with delays among the files"
 
     def subjects(self, case: Case) -> Iterator[_Subject]:
@@ -74,11 +75,7 @@ class DelayRangeLost(RuleOver[_Subject]):
                     severity=Severity.WARNING,
                 )
         elif (
-            high > 0.0
-            # What sets lags itself has them held.
-            and "lags" not in case.written(span, "")
-            and (hold := group.settings.get("delay_hold_prob")) is not None
-            and hold.number == 1.0
+            high > 0.0 and (hold := group.settings.get("delay_hold_prob")) is not None and hold.number == 1.0
         ):
             yield Finding(
                 self.code,

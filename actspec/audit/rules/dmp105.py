@@ -19,6 +19,7 @@ class GainBesideModelDamping(RuleOver[_Subject]):
     name = "cfg-kd-and-model-damping"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    written_over = frozenset({"damping"})
     paired = True
     needs = "no configuration with a kd beside an MJCF of the same robot"
     options: ClassVar[dict[str, float]] = {"share": 0.5}
@@ -105,9 +106,12 @@ class GainBesideModelDamping(RuleOver[_Subject]):
             fields=("joint_damping",),
             severity=severity,
             confidence=confidence,
-            noted_in_folders=severity is not Severity.ERROR
-            and _is_measured(damping)
-            and _is_measured(model.frictionloss or 0.0),
+            noted_in_folders=(
+                severity is not Severity.ERROR
+                and _is_measured(damping)
+                and _is_measured(model.frictionloss or 0.0)
+            )
+            or "actuators" in case.written(row.span, row.joint),
         )
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from actspec.audit.drawn import rows_in
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.randomized import (
     FIELDS,
@@ -11,7 +12,6 @@ from actspec.audit.rules.randomized import (
     nominal,
     range_unit,
     ranges,
-    rows_in,
     whose,
     written,
 )
@@ -35,6 +35,7 @@ class RangeExcludesNominal(RuleOver[_Subject]):
     noted_in_folders = True
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    written_over = frozenset({"draws"})
     needs = "no configuration randomises actuators"
 
     def subjects(self, case: Case) -> Iterator[_Subject]:

@@ -2,12 +2,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from actspec.audit.drawn import rows_in
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import about_range, ends, nominal, ranges, rows_in, written
+from actspec.audit.rules.randomized import FIELDS, about_range, ends, nominal, ranges, written
 from actspec.readings.artifact import RandomizedRange
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[RandomizedRange, LedgerRow, float]
+
+_WRITTEN = {
+    "armature": frozenset({"actuators", "armatures"}),
+    "friction": frozenset({"actuators", "friction"}),
+    "joint_damping": frozenset({"damping"}),
+    "effort_limit": frozenset({"actuators", "efforts"}),
+}
+"""By a range's field, what programs write over that put another figure than 0 there (`readings/written_over.py`)."""
 
 
 class ScalesZero(RuleOver[_Subject]):
@@ -15,6 +24,7 @@ class ScalesZero(RuleOver[_Subject]):
     name = "range-scales-a-zero"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    written_over = frozenset({"draws"})
     paired = True
     needs = "no configuration randomises a value that it states"
 
@@ -37,5 +47,8 @@ class ScalesZero(RuleOver[_Subject]):
                 related=(row.span,),
                 # A drive by torque or by speed has no such gain.
                 severity=Severity.INFO if one.field in ("kp", "kd") else None,
+                noted_in_folders=not _WRITTEN.get(one.field, frozenset()).isdisjoint(
+                    case.written(row.place(FIELDS[one.field]), row.joint)
+                ),
                 about=about_range(one),
             )

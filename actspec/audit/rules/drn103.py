@@ -3,8 +3,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
+from actspec.audit.drawn import rows_in
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import DEVIATIONS, about_range, ends, nominal, ranges, rows_in, written
+from actspec.audit.rules.randomized import DEVIATIONS, about_range, ends, nominal, ranges, written
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import RandomizedRange
 from actspec.readings.ledger import LedgerRow

@@ -17,6 +17,7 @@ class FrictionRangeSetsViscous(RuleOver[tuple[RandomizedRange, FrictionUnit | No
     name = "friction-range-sets-viscous"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    written_over = frozenset({"draws"})
     needs = "no Isaac Lab configuration randomises joint friction"
 
     def subjects(self, case: Case) -> Iterator[tuple[RandomizedRange, FrictionUnit | None]]:

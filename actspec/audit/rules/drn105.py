@@ -3,9 +3,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from actspec.audit.drawn import rows_in
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import shown
-from actspec.audit.rules.randomized import about_range, ends, ranges, rows_in
+from actspec.audit.rules.randomized import about_range, ends, ranges
 from actspec.readings.artifact import Framework, RandomizedRange
 from actspec.readings.ledger import LedgerRow
 
@@ -17,6 +18,7 @@ class EffortRangeCapped(RuleOver[_Subject]):
     name = "effort-range-above-one-is-capped"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    written_over = frozenset({"draws"})
     needs = "no mjlab configuration randomises an effort limit that it states"
 
     def subjects(self, case: Case) -> Iterator[_Subject]:

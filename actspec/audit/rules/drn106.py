@@ -2,8 +2,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from actspec.audit.drawn import rows_in
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import about_range, ends, nominal, range_unit, ranges, rows_in, written
+from actspec.audit.rules.randomized import about_range, ends, nominal, range_unit, ranges, written
 from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
 from actspec.units import format_number, format_quantity
 
@@ -20,6 +21,7 @@ class RangeInvertedOrNegative(RuleOver[_Subject]):
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     noted_in_folders = True
+    written_over = frozenset({"draws"})
     needs = "no configuration randomises actuators"
 
     def subjects(self, case: Case) -> Iterator[_Subject]:

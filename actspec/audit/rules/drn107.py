@@ -20,6 +20,7 @@ class WrongGroupIndex(RuleOver[_Subject]):
     name = "actuator-names-index-groups"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    written_over = frozenset({"draws"})
     needs = "no mjlab configuration randomises gains or limits"
 
     def subjects(self, case: Case) -> Iterator[_Subject]:

@@ -12,6 +12,7 @@ class OneDrawForAll(RuleOver[RandomizedRange]):
     name = "one-gaussian-draw-for-all"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    written_over = frozenset({"draws"})
     needs = "no mjlab configuration randomises actuators"
 
     def subjects(self, case: Case) -> Iterator[RandomizedRange]:

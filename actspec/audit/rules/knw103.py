@@ -29,7 +29,7 @@ class FarFromPublished(RuleOver[Likeness]):
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     options: ClassVar[dict[str, float]] = {"armature": 5.0, "speed": 1.3}
-    written_over = frozenset({"actuators", "speeds", "armatures"})
+    written_over = frozenset({"actuators", "speeds", "armatures", "urdf_velocity"})
     needs = "no robot among the files whose armatures or speeds are published"
 
     def subjects(self, case: Case) -> Iterable[Likeness]:

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from actspec.audit.drawn import rows_in
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import rows_in
 from actspec.readings.artifact import (
     ActuatorGroup,
     FileKind,

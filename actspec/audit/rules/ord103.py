@@ -17,6 +17,7 @@ class JointInTwoGroups(RuleOver[_Subject]):
     name = "joint-in-two-groups"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    written_over = frozenset({"actuators", "joints"})
     paired = True
     needs = "no configuration with several actuator groups among the files"
 

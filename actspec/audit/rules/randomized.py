@@ -9,7 +9,6 @@ from actspec.audit.case import Case
 from actspec.audit.rules.configs import groups_of
 from actspec.audit.rules.joints import unit
 from actspec.readings.artifact import FileKind, Framework, RandomizedRange, RobotConfig
-from actspec.readings.joint_names import matching
 from actspec.readings.ledger import LedgerRow
 from actspec.units import format_number, format_quantity
 
@@ -60,37 +59,6 @@ def _takes_all_of(later: RandomizedRange, one: RandomizedRange) -> bool:
     return later.actuators == one.actuators and (
         later.joints is None or ".*" in later.joints or later.joints == one.joints
     )
-
-
-def rows_in(case: Case, artifact: int, one: RandomizedRange) -> list[LedgerRow]:
-    """Rows of the configuration whose joints a range takes.
-
-    Where it has no actuators, those of the robot's configuration for the same framework, of its spec, or, for mjlab,
-    whose ranges act on it, of its MJCF. Without a model a row stands for a pattern, which is in the range when the
-    range's pattern matches its text.
-    """
-    config = case.artifacts[artifact].config
-    assert config is not None
-    rows = _rows(case, artifact, config)
-    if one.joints is None:
-        return list(rows)
-    names = [row.joint for row in rows]
-    inside = {name for pattern in one.joints for name in matching(config.framework, pattern, names)}
-    return [row for row in rows if row.joint in inside or row.joint in one.joints]
-
-
-def _rows(case: Case, artifact: int, config: RobotConfig) -> tuple[LedgerRow, ...]:
-    if config.groups:
-        return case.rows_of(artifact)
-    others = case.robot_of(artifact).artifacts
-    for kind in (FileKind.CFG, FileKind.SPEC, FileKind.MJCF):
-        for other in others:
-            found = case.artifacts[other]
-            same = found.config is None or found.config.framework is config.framework
-            acts = kind is not FileKind.MJCF or config.framework is Framework.MJLAB
-            if found.kind is kind and same and acts and case.rows_of(other):
-                return case.rows_of(other)
-    return ()
 
 
 def whose(row: LedgerRow, one: RandomizedRange) -> str:

@@ -54,7 +54,7 @@ _PASSIVE = ("armature", "frictionloss", "joint_damping", "actuator_damping")
 _MOTOR = ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "armature")
 """What joints of one motor and gear have in common, however each is tuned and was identified."""
 
-_REPLACED = {"gains": ("kp", "kd"), "urdf_effort": ("effort_limit",)}
+_REPLACED = {"gains": ("kp", "kd"), "urdf_effort": ("effort_limit",), "urdf_velocity": ("velocity_limit",)}
 """What a program of a folder writes over, of all joints alike."""
 
 _COMPARED = attrgetter("control", *_DRIVE, *_PASSIVE)
@@ -208,7 +208,8 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             confidence=Confidence.LOW if quiet else Confidence.HIGH if dead else self.confidence,
             fields=tuple(name for name, _, _ in differing),
             # What holds a joint without a drive is there by intent more often than not.
-            noted_in_folders=not (kinds or dead) and names <= {*_PASSIVE, *replaced},
+            noted_in_folders=not (kinds or (dead and "urdf_drive" not in over))
+            and names <= {*_PASSIVE, *replaced},
             about=" ".join(
                 (
                     *(f"{one} {its}" for one, its in kinds[:1]),

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 
 from actspec.audit.known import likenesses
@@ -26,6 +27,9 @@ _PASSIVE = ("joint_damping", "actuator_damping")
 
 _MOTORS = ("dcmotor", "dc_motor")
 """Those with a torque-speed line, which are a motor's and no simulator's own servo."""
+
+_OF_A_THING = re.compile(r"(?<![a-z])(?:door|drawer|cabinet|lid)s?(?![a-z])", re.IGNORECASE)
+"""Words of joints with a drive that only brakes."""
 
 _EXPLICIT = "ideal_pd"
 """Of a known robot this is its motors' too: an implicit drive and an MJCF's servo may hold an arm as stiff as one
@@ -99,11 +103,12 @@ class GainsOfNoJoint(RuleOver[_Subject]):
                 as_typed = field == "kd" and not driven and is_short(kd) and not is_short(kd * DEGREE)
                 meant = as_typed and not row.armature and kd**2 > 4.0 * row.kp * inertia
                 help = "that inertia is the links' alone: has the motor an armature?" if meant else help
-        if field is None or (
-            gains.kp < (gains.kd or 0.0) and "positions" in case.written(row.span, row.joint)
-        ):
-            # As little kp beside much kd is a servo of the speed, where a program commands speeds.
+        if field is None:
             return
+        # As little kp beside much kd is a servo of the speed, where a program commands speeds, and brakes a door.
+        slow = gains.kp < (gains.kd or 0.0) and (
+            "positions" in case.written(row.span, row.joint) or _uncommanded(row)
+        )
         if field == "viscous":
             # The larger of the two places of it.
             field = max(_PASSIVE, key=lambda name: getattr(row, name) or 0.0)
@@ -117,7 +122,7 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             help=help,
             related=_other(row, field),
             fields=(field,) if field in _PASSIVE else ("kp", "kd"),
-            noted_in_folders=meant,
+            noted_in_folders=meant or slow,
         )
 
     def _limit(self, case: Case, row: LedgerRow, published: float | None) -> float | None:
@@ -126,6 +131,11 @@ class GainsOfNoJoint(RuleOver[_Subject]):
             (one for one in (limit_of(case, row), published) if one is not None and not is_placeholder(one)),
             default=None,
         )
+
+
+def _uncommanded(row: LedgerRow) -> bool:
+    """Whether a drive is called after a thing's part that a robot moves, and no program."""
+    return _OF_A_THING.search(f"{row.actuator} {row.joint}") is not None
 
 
 def _swings_by_kp(row: LedgerRow) -> bool:

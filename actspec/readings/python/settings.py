@@ -337,7 +337,7 @@ class Draft:
         """
         for name, one in unknown_inside(value):
             self.note(f"events.{name}", reason_of(one.data) or "", one.span)
-        for term in fields_of(value).values():
+        for name, term in fields_of(value).items():
             parameters, operation = known_functions.get(function_of(term), ({}, ""))
             params = fields_of(fields_of(term).get("params"))
             given, distribution = known(params.get("operation")), known(params.get("distribution"))
@@ -350,6 +350,7 @@ class Draft:
                     distribution if isinstance(distribution, str) else "uniform",
                     selected(params.get("asset_cfg"), "actuator_names"),
                     term,
+                    str(name),
                 )
 
     def range(
@@ -361,6 +362,7 @@ class Draft:
         distribution: str = "uniform",
         actuators: tuple[str, ...] | None = None,
         term: Value | None = None,
+        event: str = "",
     ) -> None:
         """Take a randomisation range; a dict holds one for each pattern.
 
@@ -372,13 +374,14 @@ class Draft:
             distribution: `uniform`, `log_uniform` or `gaussian`.
             actuators: Patterns of actuators' names; None: not given.
             term: The event term, which says when it is drawn; None without one.
+            event: Its name.
         """
         if value is None or value.data is None:
             return
         if isinstance(value.data, Table) and value.data.open is None:
             for key, one in value.data.items.items():
                 chosen = (key,) if isinstance(key, str) else joints
-                self.range(field, one, operation, chosen, distribution, actuators, term)
+                self.range(field, one, operation, chosen, distribution, actuators, term, event)
             return
         ends, reason = plain(value)
         numbers = [float(end) for end in ends if _is_number(end)] if isinstance(ends, tuple) else []
@@ -388,7 +391,17 @@ class Draft:
             when = mode if isinstance(mode, str) else ""
             self.ranges.append(
                 RandomizedRange(
-                    field, operation, low, high, joints, value.span, distribution, actuators, when, every
+                    field,
+                    operation,
+                    low,
+                    high,
+                    joints,
+                    value.span,
+                    distribution,
+                    actuators,
+                    when,
+                    every,
+                    event,
                 )
             )
         else:
