@@ -80,7 +80,7 @@ _NOT_THERE = re.compile(r"the include cannot be followed: there is no (?:file|fo
 
 _BRINGS = re.compile(
     rb"\b(?:from_xml_(?:string|path)|MjSpec\.from_(?:string|file))\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*,\s*"
-    rb"(?:(?:assets|include)\s*=|(?:\w+\.)?(?i:\w*assets)\b(?![\"'/]))"
+    rb"(?:(?:assets|include)\s*=(?!\s*(?:None\b|\{\s*\}))|(?:\w+\.)?(?i:\w*assets)\b(?![\"'/]|\s*=))"
     rb"|[\"'][ \t]*<include[ \t]+file=\\?[\"'][^\"'\n]*[{%]"
 )
 _ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz", ".7z", ".rar")
@@ -225,7 +225,7 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
             # Of a URDF nobody guesses who takes it.
             path: nothing_to(each, takers if kinds[path] is not FileKind.URDF else frozenset())
             for path, each in by.items()
-            if not _is_brought(members[path], each, texts.values())
+            if not _is_brought(members[path], each, _around(surely[path], texts), texts.values())
         },
         written_over(
             [text for path, text in texts.items() if path not in own.exported],
@@ -469,7 +469,18 @@ def _closest(
     return beside or [path for path in paths if _own_folder(path) in words] or paths
 
 
-def _is_brought(reading: FileReading, loaders: Collection[Loader], texts: Collection[bytes]) -> bool:
+def _around(programs: Collection[str], texts: Mapping[str, bytes]) -> Iterator[bytes]:
+    """The programs in the folders of some, and above these: of another package's they use nothing."""
+    folders = {os.path.dirname(path) for path in programs}
+    for path, text in texts.items():
+        own = os.path.dirname(path)
+        if any(folder == own or folder.startswith(os.path.join(own, "")) for folder in folders):
+            yield text
+
+
+def _is_brought(
+    reading: FileReading, loaders: Collection[Loader], around: Iterable[bytes], texts: Collection[bytes]
+) -> bool:
     """Whether a program may bring what a model includes and nobody finds: it speaks of it, or has the suite's files.
 
     Or it hands files to MuJoCo beside the model, or writes what includes them, or hands on the model's text: of that
@@ -480,7 +491,7 @@ def _is_brought(reading: FileReading, loaders: Collection[Loader], texts: Collec
         return False
     if all(one.reads for one in loaders) or _is_ignored(reading.path, missing[1]):
         return True
-    if any(map(_BRINGS.search, texts)) or any(
+    if any(map(_BRINGS.search, around)) or any(
         os.path.exists(os.path.join(os.path.dirname(reading.path), missing[1] + ending))
         for ending in _ARCHIVES
     ):

@@ -125,6 +125,7 @@ def test_a_long_program(text: bytes) -> None:
         ("pole.xml", "mujoco.MjSpec.from_file(join(dirname(__file__), 'a'), assets=files)\n", False),
         ("pole.xml", "mujoco.MjModel.from_xml_string(file.read_text(), ASSETS)\n", False),
         ("pole.xml", "mujoco.MjModel.from_xml_path(path(model), {})\n", True),
+        ("pole.xml", "mujoco.MjModel.from_xml_path(filename=path(model), assets=None)\n", True),
         ("pole.xml", "mujoco.MjModel.from_xml_path('assets/cat.xml')\n", True),
         ("pole.xml", 'lines.append("  <include file=\\"made_{}.xml\\"/>".format(os.getpid()))\n', False),
         ("pole.xml", 'lines.append("<include file=\\"other.xml\\"/>")\n', True),
