@@ -932,7 +932,9 @@ EVENTS = {
 """,
     ).values()
     assert config.randomize == (
-        RandomizedRange("encoder_bias", "add", -0.1, 0.2, None, config.randomize[0].span, "uniform"),
+        RandomizedRange(
+            "encoder_bias", "add", -0.1, 0.2, None, config.randomize[0].span, "uniform", event="bias"
+        ),
     )
     assert [(note.where, note.message) for note in config.notes] == [
         ("kp", "not known without running it: KP comes from my_lab, which is not beside this file"),

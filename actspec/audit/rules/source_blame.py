@@ -286,7 +286,10 @@ def _published_of(robot: KnownRobot, name: str, field: str) -> _Published:
         return _Published(armatures | frozenset(robot.armatures), armatures)
     limits = _stated(joint.velocity for joint in by_maker)
     tops = _stated(joint.top_speed for joint in by_maker)
-    return _Published(limits, limits) if limits else _Published(tops, tops, is_top=True)
+    if limits:
+        return _Published(limits, limits)
+    # Who has a smaller one has it of another source.
+    return _Published(tops.union(*(joint.slower for joint in by_maker)), tops, is_top=True)
 
 
 def _stated(figures: Iterable[float | None]) -> frozenset[float]:
