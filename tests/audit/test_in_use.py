@@ -77,7 +77,7 @@ def test_a_name_that_loads_nothing(name: str, text: str) -> None:
         ("a.yaml", "model: leg.xml\n"),
         ("a.ipynb", '{"cells": [{"cell_type": "code", "source": ["a = 1\\n", "load(\\"leg.xml\\")"]}]}'),
         ("a.cpp", 'out << name; sprintf(path, "leg.xml"); load(path);\n'),
-        ("a.js", 'fs.writeFile("/work/a", await (await fetch("leg.xml")).text());\n'),
+        ("a.js", 'fs.writeFile("/srv/a", await (await fetch("leg.xml")).text());\n'),
         ("a.sh", "simulate leg.xml -o log.txt\n"),
         ("a.py", "load('assets/leg.xml')\n"),
         ("a.py", "load(os.path.join(ROOT, 'r', 'leg.xml'))\n"),
